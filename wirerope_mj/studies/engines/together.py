@@ -6,18 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pyarrow as pa
 
 from wirerope_mj.engine.control.install import state_of
 from wirerope_mj.engine.kernel.equations import Equations, equations
-from wirerope_mj.engine.kernel.variants import Numbers
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
-from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
+from wirerope_mj.engine.simulation.engines import unsupported_system
 from wirerope_mj.engine.simulation.grid import joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving
 from wirerope_mj.engine.simulation.recorder import column_plan
-from wirerope_mj.engine.simulation.simulate import MOST_STEPS, check_direction, checked_corners
-from wirerope_mj.engine.simulation.stability import rates_of, stable_step, variant_rates
+from wirerope_mj.engine.simulation.simulate import MOST_STEPS, checked_corners
+from wirerope_mj.engine.simulation.stability import stable_step, variant_rates
 from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
 from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system import System, once_per_system
@@ -25,12 +23,10 @@ from wirerope_mj.foundation.arrays import Array, Booleans, Entries, Integers
 from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator import AXES, Isolator
-from wirerope_mj.mounts.laws import Parallel
-from wirerope_mj.mounts.laws.law import FACTORS, ROUNDING, Law
-from wirerope_mj.mounts.laws.plane import Form, form_of, rates_in_plane
-from wirerope_mj.studies.inputs.column import Draft
-from wirerope_mj.studies.inputs.variants import Maker, Work, systems_valid
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws.law import ROUNDING
+from wirerope_mj.studies.inputs.variant_numbers import Variants, variants_of
+from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import Extremes, measures_together
 
 
@@ -126,7 +122,7 @@ def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
     system = work.system
     if not rows or work.duration / work.timestep > MOST_STEPS or unsupported_system(system):
         return None
-    variants = _variants(work, rows)
+    variants = variants_of(work, rows)
     if not variants.indices:
         return None
     states, forces, good = _starts(work, variants)
@@ -160,152 +156,7 @@ def _stepped(work: Work, ready: _Ready, sink: Sink | None = None, threads: int =
     return grid.sample_times, extremes, ~extremes.failed & _lawful(system, low, high)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Variants:
-    """Variants by what their equations differ in."""
-
-    indices: list[int]  # which of the rows they are
-    motions: list[BaseMotion]  # of their bases
-    isolators: Sequence[Mapping[str, Isolator]]  # of the mounts that have others than the system's
-    numbers: Array  # of their equations, (n, n_num)
-    rates: Array  # of their laws, as `rates_of` has them, (n, 5, 3 n_mounts)
-    shifts: Array  # of their mounts along the world's axes [m], (n, n_mounts, 3)
-
-
-@once_per_system
-def _numbers(system: System) -> Numbers:
-    """Return what writes the numbers of a system's variants; made once."""
-    return Numbers(system, equations(system))
-
-
-def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
-    """Return the variants that have the structure of the study's system and are valid."""
-    system, make = work.system, Maker(work.system, work.motions, work.columns)
-    table = pa.table({column.name: [row[column.name] for row in rows] for column in work.columns})
-    valid = systems_valid(system, work.columns, table)
-    own_rates = variant_rates(system).own
-    laws: _Laws = {}
-    checked: set[int] = set()  # of motions, by their identity: `make` keeps them
-    written: _Written = {}
-    indices, motions, isolators, numbers, rates, shifts = [], [], [], [], [], []
-    for index, row in enumerate(rows):
-        try:
-            draft, motion = make.draft(row), make.motion(row)
-            if id(motion) not in checked:
-                if unsupported_motion(system, motion):
-                    continue
-                check_direction(system, motion)
-                checked.add(id(motion))
-            own = equations(system).num.copy(), own_rates.copy()
-            if plain := valid and _plain(draft):
-                _write_laws(draft, *own, laws)
-            others = make.isolators(draft, draft.gone if plain else [*draft.isolators, *draft.parameters, *draft.gone])
-            if not all(_write_isolator(system, mount, one, *own, written) for mount, one in others.items()):
-                continue
-            changes = make.moves(draft, {})
-            _numbers(system).write_springs(own[0], changes.tunings)
-            if not _numbers(system).write_geometry(own[0], changes):
-                continue
-        except (ValueError, WireRopeError):
-            continue  # says so where it is made alone
-        indices.append(index)
-        motions.append(motion)
-        isolators.append(others)
-        numbers.append(own[0])
-        rates.append(own[1])
-        shifts.append([changes.positions.get(mount, (0.0, 0.0, 0.0)) for mount in system.mounts])
-    return _Variants(
-        indices=indices,
-        motions=motions,
-        isolators=isolators,
-        numbers=np.array(numbers),
-        rates=np.array(rates),
-        shifts=np.array(shifts),
-    )
-
-
-# By mount and identity of an isolator, which `Maker` keeps: its numbers and where they stand, the rates of its laws and
-# the columns in which they stand; None if it has another structure than the system's.
-_Written = dict[tuple[str, int], tuple[Integers, Array, slice, Array] | None]
-# By law and parameters: its kernel's parameters, its rates, and the forms of its scales if it is coupled.
-_Forms = list[Form]
-_Laws = dict[object, tuple[Array, tuple[float, ...], _Forms]]
-
-
-def _plain(draft: Draft) -> bool:
-    """Return whether only parameters of laws vary, of isolators that act as written."""
-    mounts = draft.system.mounts
-    return not draft.isolators and all(
-        mounts[mount].written.conditioned is mounts[mount].written and all(part in AXES for part, _ in parameters)
-        for mount, parameters in draft.parameters.items()
-    )
-
-
-def _write_isolator(system: System, mount: str, isolator: Isolator, numbers: Array, rates: Array, written: _Written) -> bool:
-    """Write an isolator to the numbers of the equations and to the laws' rates; returns whether it has their structure."""
-    key = (mount, id(isolator))
-    if key not in written:
-        acting, first = isolator.conditioned, 3 * list(system.mounts).index(mount)
-        own = _numbers(system).of_isolator(mount, acting) if acting.holds_everywhere else None
-        of_laws = np.array([rates_of(law) for law in acting.axes.values()]).T
-        written[key] = None if own is None else (*own, slice(first, first + 3), of_laws)
-    if (known := written[key]) is None:
-        return False
-    places, values, columns, of_laws = known
-    numbers[places], rates[:, columns] = values, of_laws
-    return True
-
-
-def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None:
-    """Write other parameters of laws, known to be valid, to the numbers of the equations and to the laws' rates."""
-    system, writer, gone = draft.system, _numbers(draft.system), draft.gone
-    for number, (mount, written) in enumerate(system.mounts.items()):
-        if mount not in draft.parameters or mount in gone:
-            continue
-        own: dict[str, Entries] = {}
-        for (axis, name), value in draft.parameters[mount].items():
-            own.setdefault(axis, {})[name] = value
-        isolator, forms = written.isolator, {}
-        for axis, values in own.items():
-            law, place = isolator.axes[axis], AXES.index(axis)
-            assert law is not None  # the column has seen to it
-            key = (id(law), tuple(sorted(values.items())))
-            if key not in laws:
-                varied = _unchecked(law, values)
-                laws[key] = _numbers_of(varied, coupled=place in isolator.coupled_axes)
-            parameters, rates[:, 3 * number + place], forms[place] = laws[key]
-            writer.write_law(numbers, mount, place, parameters)
-        if isolator.coupled_axes and any(place in isolator.coupled_axes for place in forms):
-            one, other = (forms.get(place) or _forms(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes)
-            scales = map(rates_in_plane, one, other)
-            writer.write_coupling(numbers, mount, np.array([value for scale in scales for value in scale]))
-
-
-def _unchecked(law: Law, values: Entries) -> Law:
-    """Return a law with other parameters, whole columns of which are known to be valid."""
-    varied: Law = object.__new__(type(law))
-    if isinstance(law, Parallel) and not set(values) & set(FACTORS):
-        parts = zip(law.laws, law.composed(values), strict=True)
-        vars(varied)["laws"] = tuple(_unchecked(one, own) for one, own in parts)
-    else:
-        vars(varied).update(vars(law), **law.completed(values))
-    return varied
-
-
-def _numbers_of(law: Law, *, coupled: bool) -> tuple[Array, tuple[float, ...], _Forms]:
-    return law.kernel_parameters(), rates_of(law), [form_of(part) for part in law.components] if coupled else []
-
-
-def _forms(law: Law | None, laws: _Laws) -> _Forms:
-    """Return the forms of a law that does not vary."""
-    assert law is not None  # it is coupled
-    key = (id(law), ())
-    if key not in laws:
-        laws[key] = _numbers_of(law, coupled=True)
-    return laws[key][2]
-
-
-def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Booleans]:
+def _starts(work: Work, variants: Variants) -> tuple[Array, Array | None, Booleans]:
     """Return qpos, qvel and act at the start, forces of the mounts at rest if they start there, and whether these are found."""
     system, n = work.system, len(variants.indices)
     unloaded, where = _unloaded(system), moving(system)
@@ -337,7 +188,7 @@ def _unloaded(system: System) -> State:
         return state_of(system.model, data)
 
 
-def _steps_hold(work: Work, variants: _Variants, rows: Sequence[Entries]) -> Booleans:
+def _steps_hold(work: Work, variants: Variants, rows: Sequence[Entries]) -> Booleans:
     """Return for which variants the step is stable."""
     holds = variant_rates(work.system).certainly_stable(work.timestep, variants.numbers, variants.rates, variants.shifts)
     make = Maker(work.system, work.motions, work.columns)
