@@ -145,7 +145,7 @@ def test_a_stop_that_stays_open_is_listed():
 
 def test_words(response):
     contact = response.peaks.contacts["s3"]
-    text = f"stop s3 closed at {1e3 * contact.first_touch:.1f} ms, {1e-3 * contact.force:.3g} kN"
+    text = f"stop s3 closed at {1e3 * contact.first_touch:.1f} ms, up to {1e-3 * contact.force:.3g} kN"
     assert text in [event.text for event in events_of(response, select(response))]
     assert any(line.startswith("S" + text[1:]) for line in verdict_lines(response, judge(response)))
     assert "1 of 1 stop struck" in headline(judge(response))

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE, Comparison, HistoryDifference, PeakRow, acceleration_rows, identical
-from wirerope_mj.assessment.comparison.runs import Component, Subject
+from wirerope_mj.assessment.comparison.runs import ComparedRun, Component, Subject
 from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED
 from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.assessment.criteria.verdict import TRAVEL, most_used
@@ -15,6 +15,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 # Inputs of each run, by the run's name: names of inputs and their values as text.
 Inputs = Mapping[str, Mapping[str, str]]
+_TOGETHER = 1.0  # instants of two shocks that are one [ms]
 _LATE = 10.0  # instant from which seconds are read more easily than milliseconds [s]
 
 
@@ -74,6 +75,10 @@ def comparison_lines(comparison: Comparison) -> list[str]:
     first, *others = comparison.runs
     lines = [f"{run.name} is moved by {1e3 * run.moved:+.4g} ms to the shock of {first.name}." for run in others if run.moved]
     for run in others:
+        if late := _shock_later(first, run):
+            lines.append(
+                f"The base of {run.name} moves {late} than that of {first.name}: --align shock lays both shocks together."
+            )
         if identical(first.response, run.response):
             lines.append(f"{run.name} and {first.name} are identical: every sample and every peak has the same bits.")
             continue
@@ -89,6 +94,14 @@ def comparison_lines(comparison: Comparison) -> list[str]:
         if subjects:
             lines.append(f"Only in {name}: {_listed(subjects)}.")
     return lines
+
+
+def _shock_later(first: ComparedRun, other: ComparedRun) -> str:
+    """Return by how much the first event of a run is later or earlier than another's, "50 ms later"; "" if it is not."""
+    if not (first.response.events and other.response.events):
+        return ""
+    apart = 1e3 * (other.response.events[0][0] - first.response.events[0][0])
+    return f"{abs(apart):.4g} ms {'later' if apart > 0.0 else 'earlier'}" if abs(apart) > _TOGETHER else ""
 
 
 def subject_label(subject: Subject) -> str:

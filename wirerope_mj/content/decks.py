@@ -158,7 +158,7 @@ def _whole(run: JudgedRun, whole: AreaForce) -> Statement:
     ]  # fmt: skip
     count = mounts_and_stops(standing(run.response.scene))
     text = (
-        f"All {count} that stand on it together, weight included: {with_unit(whole.at_rest, 'kN', digits=3)} at the beginning; "
+        f"Load of {count} together, weight included: {with_unit(whole.at_rest, 'kN', digits=3)} at the beginning; "
         f"at most {', '.join(sizes)}. Contacts of geoms are not among them."
     )
     return Statement(id="deck", text=text)

@@ -76,7 +76,7 @@ def _table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table
         amplitude = mean ** (1.0 / mission.exponent)
         rows.append((one.mount, one.axis, one.cycles, one.largest_range, amplitude, *amount, relative, *stages))
     note = f"Rainflow cycles of the {mission.quantity} (ASTM E1049), open ones as halves; exponent {mission.exponent:g}; "
-    note += f"{len(damages)} counted. Equivalent amplitude: of as many equal cycles that do the same damage."
+    note += f"{len(damages)} mounts and axes counted. Equivalent amplitude: of as many equal cycles that do the same damage."
     if any(stage.hours is not None for stage in mission.stages):
         note += " Hours are of steady vibration: without rise, fall and what follows."
     columns = (

@@ -22,11 +22,11 @@ from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import mount_blocks, mount_history_blocks
-from wirerope_mj.content.numbers import listed, number, paragraphs, several, with_unit
+from wirerope_mj.content.numbers import fixed, listed, number, paragraphs, several, with_unit
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
-from wirerope_mj.content.spectrum_charts import STILL, densities_chart, shock_chart, spectra_blocks
+from wirerope_mj.content.spectrum_charts import STILL, densities_chart, rms_along, shock_chart, spectra_blocks
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import acceleration_limits, answer_blocks, full_table, grounds_blocks, headline, used_mark
 from wirerope_mj.content.worst import worst_instant
@@ -223,18 +223,22 @@ def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
 
 def _sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
     """Draw accelerations over the frequency of a sweep along the base's motion, as far from zero as they reach."""
-    response, curves = run.response, []
-    frequency = sweep.frequency(response.time)
+    response, curves, tops = run.response, [], list[str]()
+    frequency, peaks = sweep.frequency(response.time), {row.name: row for row in body_peaks(response)}
     for rank, name in enumerate((*worst_names(response), BASE)):
         size = np.zeros(response.time.size)
         for axis in moving_axes(response):
             size += acceleration_along(response, name, axis) ** 2
         x, y = crest(frequency, in_unit(np.sqrt(size), "g"))
-        curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == BASE else rank))
+        top = peaks[response.scene.base if name == BASE else name]  # of every step, as in the table
+        peak = float(sweep.frequency([top.time])[0]), in_unit(top.value, "g")
+        if name != BASE:
+            tops.append(f"{short(name)} {with_unit(top.value, 'g')} at {fixed(peak[0], 2)} Hz")
+        curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == BASE else rank, peak=peak))
     panel = Panel(curves=curves, ylabel="acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz")
     return Chart(
         id="over-frequency", rows=[[panel]], height=210.0,
-        caption="Accelerations along the base's motion over the frequency of the sweep.",
+        caption=f"Accelerations along the base's motion over the frequency of the sweep; largest: {listed(tops)}.",
         alt="Accelerations over the frequency of the sweep.",
     )  # fmt: skip
 
@@ -244,12 +248,12 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
     if isinstance(run.motion, Sweep):
         chart = _sweep_chart(run, run.motion)
         ends = sorted((run.motion.start, run.motion.stop))
-        return _with_peaks(replace(chart.rows[0][0], xlim=(ends[0], ends[1])))
+        return replace(chart.rows[0][0], xlim=(ends[0], ends[1]))
     axis = main_direction(run.response)
     if run.spectra.densities:
-        panel = _along(densities_chart(run), list(run.spectra.densities), axis)
-        along = run.spectra.densities.get(axis, next(iter(run.spectra.densities.values())))
-        rms = {short(name): in_unit(float(density.rms), "g") for name, density in along.items()}
+        axes = list(run.spectra.densities)
+        panel, axis = _along(densities_chart(run), axes, axis), axis if axis in axes else axes[0]
+        rms = {short(name): in_unit(rms_along(run, name, axis), "g") for name in run.spectra.densities[axis]}
         curves = [replace(curve, name=f"{curve.name}, {number(rms[curve.name])} g rms") for curve in panel.curves]
         return replace(panel, curves=curves)
     if isinstance(run.spectra.shock, Absent):

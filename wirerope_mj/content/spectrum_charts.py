@@ -26,6 +26,7 @@ from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpect
 _DECADES, POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is nothing to design for
 _ABOVE = 1.15  # of the largest, where the axis ends
 _NEAR_DECADE = 0.05  # of a frequency, within which an axis goes on to a power of ten
+_ALIKE = 1e-6  # fraction by which two spectra differ that are one line
 STILL = 1e-6  # [m/s^2]: an rms that is rounding
 
 
@@ -47,14 +48,19 @@ def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
     """Return the base's spectra by axis: absolute acceleration and pseudo-velocity over frequency, a line for each axis."""
     q = next(iter(spectra.values())).q
     parts = ((_srs_label(q), "g"), (f"pseudo-velocity, Q = {q:g} [m/s]", "m/s"))
+    equal: dict[str, list[str]] = {}  # axes along which the base moves alike, by the first of them
+    for axis, one in spectra.items():
+        same = (other for other in equal if np.allclose(one.maximax, spectra[other].maximax, rtol=_ALIKE, atol=0.0))
+        equal.setdefault(next(same, axis), []).append(axis)
     row = []
     for number, (label, unit) in enumerate(parts):
         curves = [
             Curve(
-                x=one.frequencies, y=one.pseudo_velocity if number else in_unit(one.maximax, "g"), name=axis,
+                x=one.frequencies, y=one.pseudo_velocity if number else in_unit(one.maximax, "g"), name=listed(axes),
                 kind="xyz".index(axis),
             )
-            for axis, one in spectra.items()
+            for axis, axes in equal.items()
+            for one in [spectra[axis]]
         ]  # fmt: skip
         row.append(spectrum_panel(curves, label, unit))
     return Chart(
@@ -121,16 +127,21 @@ def _rms(run: JudgedRun) -> Table:
 
 
 def _rms_rows(run: JudgedRun, name: str) -> Iterator[tuple[Cell, ...]]:
-    """Yield the root mean square along every axis, of a body that which is judged."""
-    verdicts = () if isinstance(run.random, Absent) else run.random
-    known = {row.criterion: row.value for row in verdicts if row.subject == name and row.criterion.kind == RMS}
-    if name == THE_BASE:
-        known = {Criterion(RMS, axis=axis): float(rms) for axis, rms in zip("xyz", run.base_rms, strict=True)}
+    """Yield the root mean square along every axis."""
     for axis in "xyz":
         density = run.spectra.densities.get(axis, {}).get(name)
-        rms = known.get(Criterion(RMS, axis=axis), float(density.rms) if density else 0.0)
-        if rms > STILL:
+        if (rms := rms_along(run, name, axis)) > STILL:
             yield name, axis, rms, SIGMAS * rms, float(density.rms_error) if density else None
+
+
+def rms_along(run: JudgedRun, name: str, axis: str) -> float:
+    """Return a root mean square [m/s^2]: that which is judged, of the base its stationary part's, else that of a density."""
+    if name == THE_BASE:
+        return float(run.base_rms["xyz".index(axis)])
+    verdicts, criterion = () if isinstance(run.random, Absent) else run.random, Criterion(RMS, axis=axis)
+    density = run.spectra.densities.get(axis, {}).get(name)
+    judged = (row.value for row in verdicts if row.subject == name and row.criterion == criterion)
+    return next(judged, float(density.rms) if density else 0.0)
 
 
 def _panels(

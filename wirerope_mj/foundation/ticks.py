@@ -17,7 +17,7 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     Of an axis on which `most` numbers fit, none stand closer than that. Where not even the powers of ten fit, every second,
     third .. of them stands there; where there are none, numbers are in equal steps.
     """
-    powers = np.asarray(10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1), dtype=np.float64)
+    powers = _powers(low, high)
     equal = [linear_ticks(low, high, most=count) for count in range(min(most, 6), 1, -1)]
     whole = _inside(powers, low, high)
     chosen = [(powers[:, None] * np.array(digits)).ravel() for digits in _DIGITS]
@@ -28,6 +28,15 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     if fitting:
         return max(fitting, key=len)
     return next((ticks for ticks in equal[::-1] if ticks.size > 1), linear_ticks(low, high, most=6))
+
+
+def log_lines(low: float, high: float) -> Array:
+    """Return the numbers of one significant digit from `low` to `high`, between which one reads a logarithmic axis."""
+    return _inside((_powers(low, high)[:, np.newaxis] * np.arange(1, 10)).ravel(), low, high)
+
+
+def _powers(low: float, high: float) -> Array:
+    return np.asarray(10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1), dtype=np.float64)
 
 
 def _inside(ticks: Array, low: float, high: float) -> Array:

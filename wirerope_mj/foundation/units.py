@@ -77,6 +77,11 @@ def significant(value: float, digits: int = 3) -> str:
     return f"{value:z.{min(decimals, 6)}f}"
 
 
+def instant_text(time: float) -> str:
+    """Return an instant [s] as sentences say it: "61.2 ms", "1.2345 s"."""
+    return f"{1e3 * time:.1f} ms" if time < 1.0 else f"{time:.4f} s"
+
+
 def duration_text(value: float, digits: int = 3) -> str:
     """Return a duration [s] in ms, from 1 s on in s, to some significant digits without an exponent: 11 ms, 1.59 s, 3600 s."""
     text, unit = significant(1e3 * value, digits), "ms"

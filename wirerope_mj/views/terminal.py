@@ -7,6 +7,7 @@ from functools import singledispatch
 from typing import Any
 
 from rich import box
+from rich.cells import cell_len
 from rich.console import Console
 from rich.measure import Measurement
 from rich.padding import Padding
@@ -78,14 +79,13 @@ def _(block: Table) -> None:
 def print_headline(statement: Statement) -> None:
     """Print the conclusion of a result, set apart from what stands above it."""
     print()
-    style = f"bold {_STYLES.get(statement.tone, '')}".strip()
-    console().print(Text(f"  {plain_lines(statement.text)}", style=style), soft_wrap=True)
+    print_lines([Text(plain_lines(statement.text), style=f"bold {_STYLES.get(statement.tone, '')}".strip())])
 
 
 def print_title(title: str) -> None:
     """Print what a result is of, set apart from what stands above it."""
     print()
-    console().print(Text(plain_lines(title), style="bold"))
+    print_lines([Text(plain_lines(title), style="bold")], indent="")
 
 
 def show_answer(content: Content, *sections: str, last: str = "answer") -> None:
@@ -121,13 +121,15 @@ def _columns(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str, s
     """Make some columns of a table; in a narrow terminal they move together."""
     shown = RichTable(box=box.SIMPLE_HEAD, show_edge=False)
     shown.padding = (0, 1, 0, 0) if screen.width >= _ROOMY else 0
-    for column in (table.columns[index] for index in chosen):
+    for index in chosen:
+        column = table.columns[index]
+        title, right = column.title("\n"), column.align == "right"
+        whole = column.align == "left" or (right and max(map(len, column.heading.split("\n"))) <= _LONG)
+        lines = [*title.split("\n"), *(plain_lines(row[index][0]) for row in rows)]
         shown.add_column(
-            _text(column.title("\n")),
-            justify="right" if column.align == "right" else "left",
-            no_wrap=column.align == "left" or (column.align == "right" and max(map(len, column.heading.split("\n"))) <= _LONG),
-            overflow="fold",
-        )
+            _text(title), justify="right" if right else "left", no_wrap=whole, overflow="fold",
+            min_width=max(map(cell_len, lines)) if whole else None,  # rich would take that of the longest word
+        )  # fmt: skip
     for row in rows:
         shown.add_row(*(_text(*row[index]) for index in chosen))
     return shown
@@ -151,9 +153,7 @@ def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:
 
 def print_warnings(warnings: Iterable[str]) -> None:
     """Print what a model says that is perhaps not meant, before anything that rests on it."""
-    screen = console()
-    for warning in warnings:
-        screen.print(Text(f"warning: {plain_lines(warning)}", style="yellow"), soft_wrap=True)
+    print_lines([Text(f"warning: {plain_lines(warning)}", style="yellow") for warning in warnings], indent="")
 
 
 def _text(text: str, tone: str = "") -> Text:

@@ -24,7 +24,7 @@ from wirerope_mj.assessment.criteria.verdict import (
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.units import in_unit, shown_in
+from wirerope_mj.foundation.units import in_unit, instant_text, shown_in
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
@@ -50,7 +50,7 @@ def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
     if worst is None:
         return []
     used = 100.0 * (worst.utilisation or 0.0)
-    return [f"Static load: {worst.verdict}; most used {worst.subject}, {used:.1f} % of rated {worst.criterion}."]
+    return [f"Static load: {worst.verdict}; most used {worst.subject}, {used:.0f} % of rated {worst.criterion}."]
 
 
 def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
@@ -147,12 +147,17 @@ def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
     worst = most_used(rows)
     if worst is None:
         return []
-    used = 100 * (worst.utilisation or 0.0)
+    used = f"{100.0 * (worst.utilisation or 0.0):.0f} % in {worst.criterion.sense}{_at(worst)}"
     over = [row for row in rows if row.verdict == EXCEEDED]
     names = {rating: dict.fromkeys(row.subject for row in over if row.criterion.sense == rating) for rating in RATINGS}
     exceeded = [f"in {rating} by {', '.join(mounts)}" for rating, mounts in names.items() if mounts]
     answer = f"exceeded {'; '.join(exceeded)}" if exceeded else "within at every mount"
-    return [f"Travel along single axes: {answer}; most used {worst.subject}, {used:.0f} % in {worst.criterion.sense}."]
+    return [f"Travel along single axes: {answer}; most used {worst.subject}, {used}."]
+
+
+def _at(row: Verdict) -> str:
+    """Return when a value was reached, " at 61.2 ms"; "" if it has no instant."""
+    return "" if row.time is None else f" at {instant_text(row.time)}"
 
 
 def pressed_lines(verdicts: Sequence[Verdict]) -> list[str]:
@@ -172,10 +177,10 @@ def _combined_line(response: Response, verdicts: Sequence[Verdict]) -> list[str]
     if worst is None:
         return []
     over = sum(row.verdict == EXCEEDED for row in rows.values())
-    which = f"{'all' if len(rows) == len(every) else f'{len(rows)} of'} {len(every)} mounts"
+    which = f"all {len(rows)} mounts{'' if len(rows) == len(every) else ' that are judged'}"
     within = f"is within at {'the only mount' if len(every) == 1 else which}"
     answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else within
-    parts = [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} % (in-house rule)"]
+    parts = [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} %{_at(worst)} (in-house rule)"]
     rated = {mount.name: mount.travel for mount in response.scene.mounts}
     travels = [row for row in verdicts if row.subject in rows and row.criterion.kind == TRAVEL and row.value > 0.0]
     for way in ("compression", "tension"):

@@ -140,12 +140,13 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
     travel = _sampled(response.time, mount, deflection) if followed is None else followed[mount.name]
     value, when, notes = travel.value, travel.time, [ELLIPSOID]
     bound = travel.judged is None or any(RATINGS[rating][1] == 0.0 for rating in missing)
-    one_way = next((rating for rating in missing if RATINGS[rating][1]), None)
+    ways = [rating for rating in missing if RATINGS[rating][1]]
+    one_way = ways[0] if ways else None
     if one_way and value <= 1.0 and travel.judged is not None:
         length = _length(response.time, travel_in(one_way, deflection) > 0.0)
         notes.append(f"up to {1e3 * reached[one_way]:.3g} mm of {one_way} count nothing{f', {length}' if length else ''}")
     if missing:
-        always = f"in {one_way} throughout, and " if one_way and travel.judged is None else ""
+        always = f"in {one_way} throughout, and " if len(ways) == 1 and travel.judged is None else ""
         notes.append(f"{always}no travel in {', '.join(missing)} is rated")
     if followed is None and (missed := _missed(response.time, mount, deflection, reached)):
         bound, notes = True, [*notes, missed]

@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.foundation.units import significant
 from wirerope_mj.mounts.identification.families import SEEN
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.scales import yield_deflection
@@ -152,10 +153,10 @@ class Identification(Summarised):
         if type(self.law) is not AsymmetricBoucWen:
             return ""
         error = self.misfit
-        deflection, acceleration = (100.0 * factor * error for factor in (OF_DEFLECTION, OF_ACCELERATION))
+        deflection, acceleration = (significant(100.0 * factor * error, 2) for factor in (OF_DEFLECTION, OF_ACCELERATION))
         return (
-            f"peaks of a shock within the tested deflections are expected within {deflection:.2g} % of deflection and "
-            f"{acceleration:.2g} % of acceleration, {OF_DEFLECTION:g} and {OF_ACCELERATION:g} times the error of the fit "
+            f"peaks of a shock within the tested deflections are expected within {deflection} % of deflection and "
+            f"{acceleration} % of acceleration, {OF_DEFLECTION:g} and {OF_ACCELERATION:g} times the error of the fit "
             f"beyond noise ({100.0 * error:.2g} %): so it was for 9 of 10 devices that this law does not describe; beyond the "
             "tests nothing is known"
         )

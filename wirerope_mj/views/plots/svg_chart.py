@@ -13,7 +13,7 @@ import numpy as np
 from wirerope_mj.content.panels import BASE, LEFT, LIMIT, OTHERS, RIGHT, WIDTH, Chart, Curve, Field, Panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
-from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
+from wirerope_mj.foundation.ticks import linear_ticks, log_lines, log_ticks
 from wirerope_mj.views.colours import LIGHT, Color, field_colours, field_key, hexadecimal
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
@@ -26,6 +26,7 @@ _MANY = 2000  # dots from which those that cover each other are drawn once
 _SWATCH_BAR = 9.0  # height of a bar or a colour in the legend
 _FINE = 1 / 500  # of a panel's height, that a line may be off
 _CLOSE = 0.1  # units that one on logarithmic axes may be off: the places are rounded to it
+_DECADE = 60.0  # of a logarithmic axis, from which on there is room for lines at 2, 3, .. 9
 _ROOM = 0.05  # of the range, left free above and below
 
 
@@ -169,15 +170,28 @@ def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> st
     bottom, top = upward(upward.low), upward(upward.high)
     xs = panel.xticks or _ticks(across, most=max(3, int((right - left) / (42.0 if across.log else 62.0))))
     ys = panel.yticks or _ticks(upward, most=max(3, int((bottom - top) / (16.0 if upward.log else 26.0))))
-    lines = "".join(
-        [f"M{across(x):.1f} {bottom:.1f}V{top:.1f}" for x, _ in xs]
-        + [f"M{left:.1f} {upward(y):.1f}H{right:.1f}" for y, _ in ys]
-    )
+    frame = left, right, bottom, top
+    lines = _lines(frame, [across(x) for x, _ in xs], [upward(y) for y, _ in ys])
+    fine = _lines(frame, _fine_lines(across), _fine_lines(upward))
     texts = [_text(left - 6.0, upward(y) + 4.0, text, anchor="end") for y, text in ys]
     if labelled:
         texts += [_text(across(x), bottom + 14.0, text, anchor="middle") for x, text in xs]
-    frame = f'<path class="frame" fill="none" stroke="#8a9099" d="M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z"/>'
-    return f'<path class="grid" fill="none" stroke="#e3e6ea" d="{lines}"/>{frame}{"".join(texts)}'
+    edge = f'<path class="frame" fill="none" stroke="#8a9099" d="M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z"/>'
+    grid = f'<path class="grid" fill="none" stroke="#e3e6ea" d="{lines}"/>'
+    grid += f'<path class="grid" fill="none" stroke="#e3e6ea" stroke-opacity="0.5" d="{fine}"/>' if fine else ""
+    return f"{grid}{edge}{''.join(texts)}"
+
+
+def _lines(frame: tuple[float, float, float, float], xs: Sequence[float], ys: Sequence[float]) -> str:
+    """Return lines across a frame (left, right, bottom, top) as a path."""
+    left, right, bottom, top = frame
+    return "".join([*(f"M{x:.1f} {bottom:.1f}V{top:.1f}" for x in xs), *(f"M{left:.1f} {y:.1f}H{right:.1f}" for y in ys)])
+
+
+def _fine_lines(scale: _Scale) -> list[float]:
+    """Return where lines between ticks help to read a logarithmic scale whose decades have room for them."""
+    decade = abs(scale(scale.high) - scale(scale.low)) / log10(scale.high / scale.low) if scale.log else 0.0
+    return scale.of(log_lines(scale.low, scale.high)).tolist() if decade > _DECADE else []
 
 
 def _cells(field: Field, across: _Scale, upward: _Scale) -> str:
