@@ -9,7 +9,11 @@ from rerun.chunk import RrdReader
 from shown import cells_of, cells_to_show, missing_rows, printed_by
 
 from wirerope_mj.content.blocks import Statement
-from wirerope_mj.content.run import run_content
+from wirerope_mj.content.numbers import number
+from wirerope_mj.content.panels import short
+from wirerope_mj.content.run import panel_over_frequency, run_content
+from wirerope_mj.content.selection import main_direction
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.scenario import shipped_scenarios
 from wirerope_mj.views.markdown import markdown_statement, markdown_table
 
@@ -74,6 +78,24 @@ def test_the_recording_holds_the_same_tables_and_sentences(run):
             assert markdown_table(tables[name]) in texts, name
     (said,) = [block for block in content.blocks() if isinstance(block, Statement) and block.id == "verdicts"]
     assert markdown_statement(said) in texts
+
+
+def test_what_a_recording_draws_over_frequency_says_the_numbers_of_the_tables(run):
+    folder, _, content = run
+    tables, judged = tables_of(content), finished_of(folder)
+    panel = panel_over_frequency(judged)
+    if "rms" in tables:
+        axis = main_direction(judged.response)
+        rms = {short(row[0]): f"{number(row[2] / STANDARD_GRAVITY)} g rms" for row in tables["rms"].rows if row[1] == axis}
+        assert dict(curve.name.split(", ") for curve in panel.curves) == rms
+    elif judged.sweep is not None:
+        first, *others = tables["peak-accelerations"].rows
+        rows = {"base": first} | {short(row[0].removesuffix(" (point)")): row for row in others}
+        for curve in panel.curves:
+            _, peak, *_, frequency = rows[curve.name][:7]
+            assert curve.peak == (frequency, pytest.approx(peak.content / STANDARD_GRAVITY, rel=1e-12))
+    else:
+        assert panel is None or "SRS" in panel.ylabel
 
 
 def texts_in(folder):
