@@ -52,7 +52,9 @@ def events_of(response: Response, selection: Selection) -> list[Event]:
     events += _contact_events(response)
     if selection.window[1] < response.time[-1]:
         events.append(
-            Event(time=selection.window[1], level="INFO", text="swings of the mounts stay below a tenth of the largest", main=True)
+            Event(
+                time=selection.window[1], level="INFO", text="swings of the mounts stay below a tenth of the largest", main=True
+            )
         )
     return sorted(event for event in events if response.reaches(event.time))
 
