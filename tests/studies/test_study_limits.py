@@ -1,14 +1,15 @@
 """Limits that are stated after the fact on the measures of a study."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.content.study import measures_table
-from wirerope_mj.content.study_statements import limit_statement
+from wirerope_mj.content.study import measures_table, study_content
+from wirerope_mj.content.study_statements import limit_statement, percent
 from wirerope_mj.studies.results.stated_limits import StatedLimit, limit_of_text
 from wirerope_mj.studies.results.study_summary import summary_of
 
@@ -139,6 +140,18 @@ def unrated(result):
 def test_a_limit_on_what_is_rated_nowhere_is_not_judged(unrated):
     stated = limit_of_text("fragility = 50 %", unrated.column_names)
     assert "not judged" in limit_statement(stated, unrated, sampled=True)
+
+
+def test_the_headline_counts_variants_beyond_any_limit(result):
+    names = [f"deflection/{mount}/compression" for mount in ("m01", "m06")]
+    values = [result.table[name].to_numpy() for name in names]
+    limits = [float(np.sort(own)[-3]) for own in values]  # two are beyond each
+    union = np.any([own > limit for own, limit in zip(values, limits, strict=True)], axis=0)
+    assert union.sum() > 2
+    stated = tuple(StatedLimit(text=name, measures=(name,), limit=limit) for name, limit in zip(names, limits, strict=True))
+    headline = study_content(replace(summary_of(result), stated=stated)).verdict
+    assert headline.text.startswith(f"A limit is exceeded in {union.sum()} of 16 variants ({percent(union.mean())})")
+    assert headline.values["ratio"] == union.mean()
 
 
 def test_what_has_a_value_counts_beside_what_has_none(unrated):

@@ -3,18 +3,13 @@
 from collections.abc import Iterator, Mapping
 from functools import partial
 
-import numpy as np
-
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import several
 from wirerope_mj.content.study import failed_blocks, measures_table, varied_table
 from wirerope_mj.content.study_statements import exceedance_text, not_counted, percent
-from wirerope_mj.foundation.arrays import Booleans
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
-from wirerope_mj.studies.ended import ended_early
-from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.results.measure import CONFIDENCE, Exceedance, exceedance, measure_of, values_of
-from wirerope_mj.studies.results.study_summary import StudySummary
+from wirerope_mj.studies.results.measure import CONFIDENCE
+from wirerope_mj.studies.results.study_summary import StudySummary, any_exceeded
 
 _LOAD = "static_load"  # is judged of every study, though shown only where it is exceeded
 
@@ -44,27 +39,6 @@ def _case(summary: StudySummary) -> list[Block]:
     return [Statement(id="motion", text=f"Base motion: {motion}."), measures_table(summary)]
 
 
-def exceeded(summary: StudySummary) -> dict[str, Booleans]:
-    """Return which variants are beyond each limit of a study, (n,), by what it is on: of parts and model, and those stated."""
-    table = summary.result.independent
-    own = {one.measure.name: one.measure for one in summary.statistics if one.measure.limit is not None}
-    own.setdefault(_LOAD, measure_of(_LOAD))
-    beyond = {one.text: values_of(table, name) > one.limit for name, one in own.items() if one.limit is not None}
-    beyond |= {one.text: one.largest(table) > one.limit for one in summary.stated}
-    return beyond
-
-
-def any_exceeded(summaries: list[StudySummary]) -> Exceedance:
-    """Return how many variants are beyond any limit of any of these studies, of those that could be simulated in all."""
-    tables = [summary.result.independent for summary in summaries]
-    beyond = np.any([mask for summary in summaries for mask in exceeded(summary).values()], axis=0)
-    done = np.all([np.asarray(table["status"]) == DONE for table in tables], axis=0)
-    early = np.any([ended_early(table) for table in tables], axis=0) & ~beyond & done
-    return exceedance(
-        np.where(done, beyond, np.nan), 0.5, failed=int(np.count_nonzero(~done)), early=int(np.count_nonzero(early))
-    )
-
-
 def _headline(cases: Mapping[str, StudySummary]) -> Statement:
     most = any_exceeded(list(cases.values()))
     rest, sampled = not_counted(most), next(iter(cases.values())).result.is_sampled
@@ -90,7 +64,7 @@ def _cases_table(cases: Mapping[str, StudySummary]) -> Table:
     for name, summary in (*cases.items(), ("any of them", None)):
         own = list(cases.values()) if summary is None else [summary]
         beyond, sampled = any_exceeded(own), own[0].result.is_sampled
-        counts = {} if summary is None else {text: int(mask.sum()) for text, mask in exceeded(summary).items()}
+        counts = {} if summary is None else {text: int(mask.sum()) for text, mask in summary.beyond.items()}
         most = max(counts, key=lambda text: counts[text], default="")
         often = f"{most}, {counts[most]}" if counts and counts[most] else ""
         tone = "exceeded" if beyond.count else "within" if beyond.judged == beyond.n else "unjudged"

@@ -22,7 +22,7 @@ from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, SobolIndices
 from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, input_names, measure_of
-from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary
+from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary, any_exceeded
 from wirerope_mj.studies.results.varied import varied_of
 
 _FAILED = 20  # messages that are read
@@ -77,10 +77,9 @@ def _motion_text(result: StudyResult) -> str:
 
 
 def _verdict(summary: StudySummary) -> Statement:
-    judged = summary.judged
-    if not judged:
+    if not summary.beyond:
         return Statement(id="headline", text="Not judged: no limit is stated", tone="unjudged")
-    most, ratio = max(judged, key=lambda one: one[0].count)
+    most, ratio = any_exceeded([summary]), summary.ratio_beyond
     rest = not_counted(most)
     if not most.judged:
         return Statement(id="headline", text=f"Not judged{rest}", tone="unjudged")

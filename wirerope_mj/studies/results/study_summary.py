@@ -1,11 +1,14 @@
 """The summary of a study: statistics, effects and worst variants, the same on the screen, on a page and in pictures."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries
+from wirerope_mj.studies.ended import ended_early
+from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs.sampling import OF_INDICES, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import (
@@ -36,6 +39,7 @@ from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
+_LOAD = "static_load"  # is judged of every study, though shown only where it is exceeded
 _PAIR = 2  # columns of a factor that are listed one by one: two angles of a direction
 
 
@@ -90,12 +94,21 @@ class StudySummary:
         return {one.measures[0]: one.limit for one in reversed(self.stated) if len(one.measures) == 1}
 
     @cached_property
-    def judged(self) -> tuple[tuple[Exceedance, float | None], ...]:
-        """Exceedance and ratio of every limit there is: of the isolators, of the model, and those that were stated."""
+    def beyond(self) -> dict[str, Booleans]:
+        """Which variants are beyond each limit there is, (n,), by what it is on: of parts and model, and those stated."""
         table = self.result.independent
-        own = [(one.beyond, one.ratio) for one in self.statistics if one.beyond is not None]
-        stated = [(one.exceedance(table), self._ratio(one.largest(table), one.limit)) for one in self.stated]
-        return (*own, *(one for one in stated if one[0].n))
+        own = {one.measure.name: one.measure for one in self.statistics if one.measure.limit is not None}
+        if own:
+            own.setdefault(_LOAD, measure_of(_LOAD))
+        limited = [(one.text, values_of(table, name), one.limit) for name, one in own.items() if one.limit is not None]
+        limited += [(one.text, one.largest(table), one.limit) for one in self.stated]
+        return {text: values > limit for text, values, limit in limited if np.isfinite(values).any()}
+
+    @property
+    def ratio_beyond(self) -> float | None:
+        """The fraction of the variants beyond any limit if they were sampled, or of all directions if these vary; else None."""
+        done = np.asarray(self.result.independent["status"]) == DONE
+        return self._ratio(np.where(done, np.any(list(self.beyond.values()), axis=0), np.nan), 0.5)
 
     @cached_property
     def statistics(self) -> tuple[Statistics, ...]:
@@ -166,6 +179,17 @@ class StudySummary:
             return exceedance(values, limit).ratio
         table = self.result.independent
         return fraction_of_directions(table, input_names(table), values, limit)
+
+
+def any_exceeded(summaries: Sequence[StudySummary]) -> Exceedance:
+    """Return how many variants are beyond any limit of any of some studies, of those that could be simulated in all."""
+    tables = [summary.result.independent for summary in summaries]
+    beyond = np.any([mask for summary in summaries for mask in summary.beyond.values()], axis=0)
+    done = np.all([np.asarray(table["status"]) == DONE for table in tables], axis=0)
+    early = np.any([ended_early(table) for table in tables], axis=0) & ~beyond & done
+    return exceedance(
+        np.where(done, beyond, np.nan), 0.5, failed=int(np.count_nonzero(~done)), early=int(np.count_nonzero(early))
+    )
 
 
 def _of_one_mount(name: str) -> bool:
