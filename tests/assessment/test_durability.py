@@ -116,7 +116,7 @@ def test_the_command_counts_every_mount_and_axis_of_a_run(tmp_path, capsys):
     worst = max(counted, key=lambda one: one.cycles.damage(5.0))
     assert f"{worst.mount} " in printed
     assert f"{1e3 * worst.cycles.ranges.max():.3g}" in printed
-    assert "30 counted" in printed
+    assert "30 mounts and axes counted" in printed
     assert f"Most damaged: {worst.mount} {worst.axis}. Its life is not known" in printed
     assert main(["durability", str(tmp_path / "run"), "--exponent", "0"]) == 2
     assert main(["durability", str(tmp_path / "nothing"), "--exponent", "5"]) == 2

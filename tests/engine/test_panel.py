@@ -1,6 +1,7 @@
 """A deck panel of one mode under a model: two masses in closed form, statics, the rigid limit, and what is refused."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -158,6 +159,15 @@ def test_a_panel_tuned_to_another_frequency_is_the_panel_of_that_frequency():
     assert wr.simulate(tuned, PULSE, **how).peaks.bodies["mass"].acceleration.value == pytest.approx(expected, rel=1e-12)
     with pytest.raises(ModelError, match="no joint 'mass_z' with a spring. Joints with one: \\['deck_panel'\\]"):
         wr.varied(tuned, tunings={"mass_z": 2.0})
+
+
+def test_a_frequency_and_a_damping_ratio_hold_for_the_mass_of_the_variant(linear):
+    heavy = replace(PANEL, frequency=1.8 * PANEL.frequency, mass=1.5 * PANEL.mass)
+    changes = {"tunings": {"deck_panel": 1.8}, "masses": {"deck_panel": 1.5}}
+    tuned, expected = wr.varied(on_deck(linear, PANEL), **changes), on_deck(linear, heavy)
+    for name in ("jnt_stiffness", "dof_damping", "body_mass"):
+        np.testing.assert_allclose(getattr(tuned.model, name), getattr(expected.model, name), rtol=1e-12)
+    np.testing.assert_allclose(wr.modes(tuned).frequencies, wr.modes(expected).frequencies, rtol=1e-9)
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ from small_search import beam_study
 
 import wirerope_mj as wr
 from wirerope_mj.engine.simulation.stability import slowest_period
+from wirerope_mj.engine.system.varied import sprung_joints
 from wirerope_mj.studies.engines import compute as engine
 from wirerope_mj.studies.engines.together import NONE, together
 from wirerope_mj.studies.inputs.variants import Maker
@@ -128,6 +129,9 @@ def test_mounts_that_failed_or_are_absent_stand_side_by_side_too(vary):
     assert together(study.work, rows).indices.size == 5
     found = table(study, rows)
     assert len(set(found["mounts"].to_pylist())) > 1
+    for row in found.to_pylist():
+        fitted = {name.split("/")[1]: value for name, value in row.items() if name.endswith("/fitted")}
+        assert all(np.isfinite(row[f"deflection/{mount}/compression"]) == there for mount, there in fitted.items())
     require_equal(found, table(study, rows, side_by_side=False))
 
 
@@ -165,13 +169,17 @@ def test_springs_of_joints_vary_side_by_side_too():
         '<site name="p"/><body name="rack"><joint name="foot" type="slide" axis="0 0 1" stiffness="4000" damping="10"/>'
         '<inertial pos="0 0 0" mass="2" diaginertia="1 1 1"/></body></body>'
     )
+    vary = {"joint/foot/frequency": wr.Uniform(5.0, 20.0), "body/rack/mass": wr.Uniform(1.0, 4.0)}
     study = study_of(
-        {"joint/foot/frequency": wr.Uniform(5.0, 20.0)}, model=mjcf(world, [("m", "p", "b", "i")], gravity=9.80665),
+        vary, model=mjcf(world, [("m", "p", "b", "i")], gravity=9.80665),
         isolators={"i": wr.Isolator(name="i", axial=wr.KelvinVoigt(k=2e4, c=50.0))}, initial="unloaded", variants=3,
     )  # fmt: skip
     rows = study.table().to_pylist()
     assert together(study.work, rows).indices.size == 3
     require_equal(table(study, rows), table(study, rows, side_by_side=False))
+    for row in rows:
+        found = sprung_joints(Maker(study.work.system, study.work.motions, study.work.columns).system(row).model)["foot"]
+        assert found == pytest.approx(row["joint/foot/frequency"], rel=1e-12)
 
 
 @pytest.mark.slow

@@ -129,7 +129,7 @@ def test_what_is_nearest_to_its_limit_may_be_a_static_load():
     words = texts(response, verdicts)["verdict"]
     assert "Most critical: static load in compression, relaxed of m07, 2.6 of 2 kN (130 %)" in words
     lines = verdict_lines(response, verdicts)
-    assert "Static load: exceeded; most used m07, 130.0 % of rated static load in compression, relaxed." in lines
+    assert "Static load: exceeded; most used m07, 130 % of rated static load in compression, relaxed." in lines
 
 
 def test_nothing_is_judged_where_nothing_is_rated():

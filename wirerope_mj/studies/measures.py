@@ -48,9 +48,9 @@ def measures(system: System, peaks: Peaks, rest: State | None, response: Respons
 
     acceleration: largest norm of any payload body [m/s^2]; acceleration/NAME: of one body or point. travel: largest
     utilisation of a rated travel [-] of any mount along one axis; travel/MOUNT: of one; combined_travel: of all axes at
-    once, by this project's own rule; deflection/MOUNT/compression, tension, shear and
-    roll [m], all positive; force/MOUNT: largest norm [N]. static_load: largest utilisation of a rated static load [-] of any
-    mount at rest; static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
+    once, by this project's own rule; deflection/MOUNT/compression, tension, shear and roll [m], all positive, of mounts that
+    are fitted; force/MOUNT: largest norm [N]. static_load: largest utilisation of a rated static load [-] of any mount at
+    rest; static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
     displacement/POINT: largest norm relative to the base [m]; displacement/POINT/-x, +x and so on: how far that way.
     fragility: largest utilisation [-] of an acceleration that the model states as a limit. clearance: of a clearance that it
     states, of a point, of a body's corners or between two points. mounts: number of mounts that are fitted and have not failed,
@@ -139,6 +139,8 @@ def measures_together(
     rated, loads, act = _ratings(system, names, isolators or [{}] * n)
     deflections = [channels["deflection"][name] for name in names]
     reached = travel_reached(extremes.lowest[:, deflections], extremes.highest[:, deflections])
+    there = (act > 0.0) | np.isfinite(rated).any(axis=-1)  # an empty place travels nothing; what has failed keeps its ratings
+    reached = {rating: np.where(there, values, NAN) for rating, values in reached.items()}
     ways = np.stack(list(reached.values()), axis=-1)
     used = largest_utilisation(ways, rated)
     combined = np.full_like(used, NAN)

@@ -1,7 +1,7 @@
 """Variants of a system: the numbers of their equations, written from the changes that make them, and several side by side."""
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -15,7 +15,7 @@ from wirerope_mj.engine.kernel.observe import CLOCK_SIZE
 from wirerope_mj.engine.kernel.steps import advance, finish
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.tables import rated_travel, turning
-from wirerope_mj.engine.system.varied import moving_bodies, tune
+from wirerope_mj.engine.system.varied import change_masses, moving_bodies, tune
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.mounts.isolator import Isolator
@@ -81,16 +81,19 @@ class Numbers:
             if written is None:
                 return None
             numbers[written[0]] = written[1]
-        self.write_springs(numbers, changes.tunings)
+        self.write_springs(numbers, changes)
         return numbers if self.write_geometry(numbers, changes) else None
 
-    def write_springs(self, numbers: Array, tunings: Mapping[str, float]) -> None:
+    def write_springs(self, numbers: Array, changes: Changes) -> None:
         """Write springs and dampers of joints with other natural frequencies."""
-        if not tunings:
+        if not changes.tunings:
             return
         lay, model = self.equations.lay, self._system.model.__copy__()
-        for name, factor in tunings.items():
-            tune(model, name, factor)
+        if changes.masses:
+            change_masses(model, changes.masses)
+            mujoco.mj_setConst(model, mujoco.MjData(model))
+        tune(model, changes.tunings, self._system.model)
+        for name in changes.tunings:
             dof = int(model.joint(name).dofadr[0])
             first = int(lay[lay[at.DOFS] + at.DOF_COLUMNS * dof + at.DOF_NUM])
             numbers[first : first + 3] = made.spring_of(model, dof)

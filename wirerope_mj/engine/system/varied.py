@@ -48,8 +48,8 @@ def varied(
         positions: shifts of mounts [m], (3,), world axes of the modelled geometry; both sites move.
         turns: rotation vectors of mounts [rad], (3,), world axes of the modelled geometry; the axes of both sites turn, each
             about itself.
-        tunings: factors on the natural frequency that a joint's spring gives what stands on it, its damping ratio kept: of a
-            deck panel, a subassembly, a mode of a flexible part.
+        tunings: factors on the natural frequency that a joint's spring gives what stands on it, its damping ratio kept, also
+            with other masses: of a deck panel, a subassembly, a mode of a flexible part.
 
     Raises:
         ValueError: a factor is not positive, or a shift is not three numbers.
@@ -66,8 +66,6 @@ def changed(system: System, changes: Changes) -> System:
     """Return the variant of `system` that changes make, as `varied` does."""
     _check_mounts(system, changes)
     model = system.model.__copy__()
-    for name, factor in changes.tunings.items():
-        tune(model, name, factor)
     isolators = {name: changes.isolators.get(name, mount.written) for name, mount in system.mounts.items()}
     positions = {name: mount.position for name, mount in system.mounts.items()}
     if changes.masses or changes.centres or changes.positions or changes.turns:
@@ -76,10 +74,12 @@ def changed(system: System, changes: Changes) -> System:
             _change_bodies(model, data, changes)
             _move_sites(model, data, system, changes)
             mujoco.mj_setConst(model, data)
+            tune(model, changes.tunings, system.model)
             mujoco.mj_resetData(model, data)
             tables = _moved_tables(model, data, system, isolators)
             positions = {name: data.site(mount.base_site).xpos.copy() for name, mount in system.mounts.items()}
     else:
+        tune(model, changes.tunings, system.model)
         tables = with_laws(system.assembly.tables, isolators)
     _write_tables(model, system, isolators, tables)
     mounts = {
@@ -134,10 +134,7 @@ def _written(mount: Mount) -> str:
 
 
 def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes) -> None:
-    for name, factor in changes.masses.items():
-        body = _body(model, name)
-        model.body_mass[body] *= factor
-        model.body_inertia[body] *= factor
+    change_masses(model, changes.masses)
     for name, shift in changes.centres.items():
         body = _body(model, name)
         if model.body_simple[body] and any(shift):
@@ -146,6 +143,14 @@ def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes)
                 f'its joints. Write <body name="{name}" simple="false"> in the model.'
             )
         model.body_ipos[body] += _in_body(data, body, shift)
+
+
+def change_masses(model: mujoco.MjModel, masses: Mapping[str, float]) -> None:
+    """Multiply masses and moments of inertia of bodies, in place; `mj_setConst` makes the rest of the model fit."""
+    for name, factor in masses.items():
+        body = _body(model, name)
+        model.body_mass[body] *= factor
+        model.body_inertia[body] *= factor
 
 
 def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
@@ -161,16 +166,20 @@ def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
     return found
 
 
-def tune(model: mujoco.MjModel, name: str, factor: float) -> None:
-    """Multiply the natural frequency that a joint's spring gives, in place; the force in the spring as drawn stays."""
-    known = sprung_joints(model)
-    if name not in known:
-        raise ModelError(f"there is no joint {name!r} with a spring. Joints with one: {list(known) or 'none'}.")
-    joint = int(model.joint(name).id)
-    q, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-    model.jnt_stiffness[joint] *= factor**2
-    model.dof_damping[dof] *= factor
-    model.qpos_spring[q] = model.qpos0[q] + (model.qpos_spring[q] - model.qpos0[q]) / factor**2
+def tune(model: mujoco.MjModel, tunings: Mapping[str, float], nominal: mujoco.MjModel) -> None:
+    """Give joints' springs natural frequencies that are factors on those in another model of theirs, in place.
+
+    So they are whatever masses have become, and damping ratios stay; so does the force in each spring as drawn.
+    """
+    known, now = sprung_joints(nominal), sprung_joints(model)
+    for name, factor in tunings.items():
+        if name not in known:
+            raise ModelError(f"there is no joint {name!r} with a spring. Joints with one: {list(known) or 'none'}.")
+        joint, heavier = int(model.joint(name).id), known[name] / now[name]  # the square root of what it carries more
+        q, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+        model.jnt_stiffness[joint] *= (factor * heavier) ** 2
+        model.dof_damping[dof] *= factor * heavier**2
+        model.qpos_spring[q] = model.qpos0[q] + (model.qpos_spring[q] - model.qpos0[q]) / (factor * heavier) ** 2
 
 
 def moving_bodies(model: mujoco.MjModel) -> list[str]:

@@ -66,7 +66,7 @@ def variants_of(work: Work, rows: Sequence[Entries]) -> Variants:
             if not all(_write_isolator(system, mount, one, *own, written) for mount, one in others.items()):
                 continue
             changes = make.moves(draft, {})
-            _writer(system).write_springs(own[0], changes.tunings)
+            _writer(system).write_springs(own[0], changes)
             if not _writer(system).write_geometry(own[0], changes):
                 continue
         except (ValueError, WireRopeError):
