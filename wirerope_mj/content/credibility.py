@@ -63,14 +63,16 @@ def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
     if any(name.startswith("mount/") for name in study.vary):
         isolators = replace(isolators, text=f"{isolators.text}; what varies of them is in the study's bands", size=math.nan)
     warnings = [text for motion in study.motions for text in record_warnings(motion)]
+    others = any(name.endswith("/isolator") for name in study.vary)  # whose friction may yield over shorter travels
+    moves = f"halving them moves peaks of the nominal system by {with_unit(error, '%', digits=2)}"
     yield from _blocks(
         (
             _Part(
                 name="computation",
-                grade=4,
-                text=f"{step}; halving them moves peaks of the nominal system by {with_unit(error, '%', digits=2)}",
+                grade=3 if others else 4,
                 size=error,
-            )
+                text=f"{step}; {moves}{', those of the other parts by what is not known' if others else ''}",
+            )  # fmt: skip
             if math.isfinite(error)
             else _Part(name="computation", grade=1, text=f"{step}; their error is not known"),
             _input(study.motions, len(warnings)),
