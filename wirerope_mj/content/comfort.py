@@ -114,8 +114,9 @@ def _ship(time: Array, histories: Mapping[str, Array], spaces: Sequence[str], di
         Column("velocity", "mm/s"), Column("lower", "mm/s"), Column("upper", "mm/s"), Column("is", align="left"),
     )  # fmt: skip
     note = (
-        "1984: largest peak velocity of a line, 1 to 100 Hz. 2000: weighted rms velocity, 1 to 80 Hz; A passenger cabins, "
-        "B crew accommodation, C working spaces. Adverse comments are not probable below lower, probable above upper."
+        "1984: peak velocity of the line that uses most of its limit, 1 to 100 Hz. 2000: weighted rms velocity, 1 to 80 Hz; A "
+        "passenger cabins, B crew accommodation, C working spaces. Adverse comments are not probable below lower, probable "
+        "above upper."
     )
     yield Table(id="ship-habitability", title="Habitability of ships", columns=columns, rows=rows, note=note)
 
