@@ -8,7 +8,6 @@ from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.foundation.tables import Column, Row, Table
 
-_EXACT = 0.01  # relative error of an equivalent vibration's damage up to which it is not said
 _FEW = 12  # rows of a density that are shown at once
 
 
@@ -28,15 +27,19 @@ def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows
 
 def equivalent_content(found: EquivalentVibration) -> Content:
     """Describe the random vibration that does the damage of a history: its rms value, and its density."""
+    (least_at, least), (most_at, most) = found.extremes
     text = (
         f"{with_unit(found.rms, 'm/s^2')} rms for {with_unit(found.duration, 's')} along {found.along} do the damage that the "
-        f"run does at {found.subject}, to oscillators of Q = {found.q:g} with the exponent {found.exponent:g}"
+        f"run does at {found.subject}, to oscillators of Q = {found.q:g} with the exponent {found.exponent:g}: "
+        f"at least {least:#.3g} times that of the run, at {least_at:.3g} Hz, and at most {most:#.3g} times, at {most_at:.3g} "
+        f"Hz, on {len(found.damage)} lines from {found.points[0][0]:.4g} to {found.points[-1][0]:.4g} Hz."
     )
-    exact = found.error < _EXACT
-    text += "." if exact else f", but for {100.0 * found.error:.2g} % of it at one frequency: more than the run's."
     verdict = Statement(
-        id="equivalent", text=text, tone="" if exact else "unjudged",
-        values={"rms_m_s2": found.rms, "duration_s": found.duration, "error": found.error},
+        id="equivalent", text=text,
+        values={
+            "rms_m_s2": found.rms, "duration_s": found.duration, "least_damage": least, "least_damage_hz": least_at,
+            "most_damage": most, "most_damage_hz": most_at,
+        },
     )  # fmt: skip
     table = Table(
         id="equivalent-psd", title="Power spectral density, straight on logarithmic axes", rows=found.points, shown=_FEW,

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 
 import numpy as np
@@ -141,7 +142,8 @@ def _deflection(x: Array, step: Array) -> Array:
 
 
 EXAMPLE = "rack 3600 s 5 to 80 Hz z"
-_BEYOND, _PER_OCTAVE = 2.0**0.5, 6
+# Points of a density to an octave, at least, lines of damage from one to the next, and the narrowest band
+_PER_OCTAVE, _LINES, _NARROWEST = 6, 4, 2.0 ** (1 / 3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,8 +154,8 @@ class EquivalentVibration:
     subject: str
     along: str
     duration: float  # of the vibration [s]
-    points: Points  # frequency [Hz] and level [(m/s^2)^2/Hz]
-    error: float  # largest relative error of its damage that is left
+    points: Points  # frequency [Hz] and level [(m/s^2)^2/Hz]; zero outside
+    damage: Points  # frequency [Hz] and damage of the density over that of the history, on finer lines
     # exponent, q: of the damage spectrum
     exponent: float
     q: float
@@ -162,6 +164,11 @@ class EquivalentVibration:
     def rms(self) -> float:
         """Rms acceleration [m/s^2]."""
         return psd_rms(self.points)
+
+    @property
+    def extremes(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Frequency [Hz] and value of the least and of the largest damage over that of the history."""
+        return min(self.damage, key=itemgetter(1)), max(self.damage, key=itemgetter(1))
 
 
 def equivalent_vibration(response: Response, text: str, *, exponent: float) -> EquivalentVibration:
@@ -182,19 +189,15 @@ def equivalent_vibration(response: Response, text: str, *, exponent: float) -> E
         low, high = phrase.quantities["frequency"]
         q, duration = phrase.named.get("q", 10.0), phrase.one("time")
         history = known[subject] @ unit_vector(phrase.directions[0])
-        # The outermost levels stand for what lies beyond them: they are found, and left out.
-        highest = max(high, min(_BEYOND * high, (response.time.size - 1) / SAMPLES_PER_PERIOD / float(response.time[-1])))
-        spectrum = fatigue_damage_spectrum(
-            response.time, history, exponent=exponent, q=q,
-            frequencies=octave_grid(low / _BEYOND, highest, per_octave=_PER_OCTAVE),
-        )  # fmt: skip
-        found, error = equivalent_psd(spectrum.frequencies, spectrum.damage, exponent=exponent, duration=duration, q=q)
-        points = tuple((frequency, level) for frequency, level in found if low <= frequency <= high)
-        if len(points) < 2:
-            raise ValueError("the frequencies must be a third of an octave apart, at least.")
+        if high < _NARROWEST * low:
+            raise ValueError("the frequencies must be a third of an octave apart, at least, the lower first.")
+        intervals = math.ceil(_PER_OCTAVE * math.log2(high / low) - 1e-9)
+        at = np.geomspace(low, high, _LINES * intervals + 1)
+        damage = fatigue_damage_spectrum(response.time, history, exponent=exponent, q=q, frequencies=at).damage
+        points, relative = equivalent_psd(at, damage, exponent=exponent, duration=duration, q=q, every=_LINES)
     except ValueError as error_of:
         raise ValueError(f'equivalent vibration "{text}": {error_of} It is written like "{EXAMPLE}".') from None
     return EquivalentVibration(
-        subject=subject, along=direction_text(phrase.directions[0]), duration=duration, points=points, error=error,
-        exponent=exponent, q=q,
+        subject=subject, along=direction_text(phrase.directions[0]), duration=duration, points=points,
+        damage=tuple(zip(at.tolist(), relative.tolist(), strict=True)), exponent=exponent, q=q,
     )  # fmt: skip

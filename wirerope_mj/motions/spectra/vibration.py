@@ -16,7 +16,7 @@ from wirerope_mj.motions.psd_lines import Points, checked_points
 Method = Literal["dirlik", "narrow-band"]
 _POWERS = (0, 1, 2, 4)  # powers of the frequency in the moments that the rules of damage take
 _PER_OCTAVE = 400  # Frequencies to an octave by which a density is integrated: 1e-4 of the moments of Q = 50
-_ROUNDS, _EQUAL = 60, 1e-3  # Corrections of an equivalent density, and the relative error of its damage that ends them
+_ROUNDS, _EQUAL = 100, 1e-3  # Corrections of an equivalent density, and the relative error of its damage that ends them
 _LEAST = 1e-6  # of the largest level
 # half-power bandwidths to either side of a resonance between which the integral is parted, so that it sees the peak
 _NEAR = 40.0
@@ -97,18 +97,21 @@ def vibration_response_spectrum(
 
 
 def equivalent_psd(
-    frequencies: ArrayLike, damage: ArrayLike, *, exponent: float, duration: float, q: float = 10.0, method: Method = "dirlik"
-) -> tuple[Points, float]:
-    """Find the power spectral density that does the damage of a damage spectrum within a duration [s].
+    frequencies: ArrayLike, damage: ArrayLike, *, exponent: float, duration: float, q: float = 10.0,
+    method: Method = "dirlik", every: int = 1,
+) -> tuple[Points, Array]:  # fmt: skip
+    """Find the power spectral density that does at least the damage of a damage spectrum within a duration [s].
 
-    The levels at the frequencies are corrected by (wanted / found)^(2 / b) until the damage is the wanted one. Where the
+    The density has a point at every so many of the frequencies, and is zero outside the first and the last of them. Its levels
+    are corrected by (wanted / found)^(2 / b), at the frequency about the point that lacks most, until nothing lacks. Where the
     spectrum falls more steeply than the skirts of an oscillator let it, the level goes to its least, a millionth of the
     largest, and the damage stays above the wanted one: on the safe side. The levels at the ends stand for all that lies
     beyond them, too.
 
     The damage, (n,), is that of pseudo-velocity amplitudes with C = 1 at natural frequencies [Hz], increasing, (n,), and the
-    exponent b of N = C / A^b, as `fatigue_damage_spectrum` counts it. What comes back are points (frequency [Hz], level
-    [(m/s^2)^2/Hz]), and the largest relative error of the damage that is left. ValueError: an argument is out of its range.
+    exponent b of N = C / A^b, as `fatigue_damage_spectrum` counts it; `every` divides n - 1. What comes back are points
+    (frequency [Hz], level [(m/s^2)^2/Hz]), and their damage over the wanted one, (n,). ValueError: an argument is out of its
+    range.
     """
     at, wanted = np.array(checked_points("damage", list(zip(frequencies, damage, strict=True)), quantity="damage")).T  # type: ignore[arg-type]
     b, quality = positive("exponent", exponent), positive("q", q)
@@ -118,21 +121,30 @@ def equivalent_psd(
     steps = np.gradient(np.log(grid))
     steps[[0, -1]] *= 0.5  # the trapezoidal rule
     weights = np.stack([steps * grid ** (k + 1) for k in _POWERS])  # f^k df = f^(k + 1) dlog f
-    levels = np.ones(at.size)
-    for _ in range(_ROUNDS):
-        density = np.exp(np.interp(np.log(grid), np.log(at), np.log(levels)))
+    corners = at[::every]
+    if corners[-1] != at[-1]:
+        raise ValueError(f"`every` must divide the number of intervals between the frequencies, {at.size - 1}, got {every}.")
+
+    def relative_damage(levels: Array) -> Array:
+        """Return the damage of the density over the wanted one, (n,)."""
+        density = np.exp(np.interp(np.log(grid), np.log(corners), np.log(levels)))
         moments = squared @ (weights * density).T
         spectrum = VibrationSpectrum(
             frequencies=at, acceleration=np.full(at.size, math.nan), deflection=np.sqrt(moments[:, 0]), moments=moments,
             q=quality,
         )  # fmt: skip
-        found = spectrum.fatigue_damage(b, duration, method=method)
-        error = float(np.abs(found / wanted - 1.0).max())
-        if error < _EQUAL:
+        return spectrum.fatigue_damage(b, duration, method=method) / wanted
+
+    levels = np.ones(corners.size)
+    for _ in range(_ROUNDS):
+        least = scipy.ndimage.minimum_filter1d(relative_damage(levels), every // 2 * 2 + 1, mode="nearest")[::every]
+        if np.abs(least - 1.0).max() < _EQUAL:
             break
-        levels = levels * (wanted / found) ** (2.0 / b)
+        levels = levels * least ** (-2.0 / b)
         levels = np.maximum(levels, _LEAST * levels.max())
-    return tuple(zip(at.tolist(), levels.tolist(), strict=True)), error
+    relative = relative_damage(levels)
+    lack = min(1.0, float(relative.min()))  # what the corrections have left: damage goes with the level to the power b / 2
+    return tuple(zip(corners.tolist(), (levels * lack ** (-2.0 / b)).tolist(), strict=True)), relative / lack
 
 
 def _integrals(points: Points, natural: float, q: float) -> Array:
