@@ -138,7 +138,9 @@ def test_what_is_not_understood_is_named_with_an_example(shaken, capsys):
         ("mass 60 s z", "one time, two frequencies and one direction"),
         ("mass 60 s 5 to 50 Hz xz", "one time, two frequencies and one direction"),
         ("mass 60 s 5 to 500 Hz z", "a tenth of the sampling rate"),
-        ("mass 60 s 5 to 5.1 Hz z", "a third of an octave apart"),
+        ("mass 60 s 5 to 5.1 Hz z", "a third of an octave to twelve octaves apart"),
+        ("mass 60 s 1e-300 to 50 Hz z", "a third of an octave to twelve octaves apart"),
+        ("mass 60 s 0 to 50 Hz z", "a third of an octave to twelve octaves apart"),
         ("mass 60 s 50 to 5 Hz z", "the lower first"),
         ("mass 60 5 to 50 Hz z", "has no unit"),
     ):

@@ -142,8 +142,8 @@ def _deflection(x: Array, step: Array) -> Array:
 
 
 EXAMPLE = "rack 3600 s 5 to 80 Hz z"
-# Points of a density to an octave, at least, lines of damage from one to the next, and the narrowest band
-_PER_OCTAVE, _LINES, _NARROWEST = 6, 4, 2.0 ** (1 / 3)
+# Points of a density to an octave, at least, lines of damage from one to the next, and ends of the narrowest and widest band
+_PER_OCTAVE, _LINES, _NARROWEST, _WIDEST = 6, 4, 2.0 ** (1 / 3), 2.0**12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,8 +189,8 @@ def equivalent_vibration(response: Response, text: str, *, exponent: float) -> E
         low, high = phrase.quantities["frequency"]
         q, duration = phrase.named.get("q", 10.0), phrase.one("time")
         history = known[subject] @ unit_vector(phrase.directions[0])
-        if high < _NARROWEST * low:
-            raise ValueError("the frequencies must be a third of an octave apart, at least, the lower first.")
+        if not _NARROWEST * low <= high <= _WIDEST * low:
+            raise ValueError("the frequencies must be a third of an octave to twelve octaves apart, the lower first.")
         intervals = math.ceil(_PER_OCTAVE * math.log2(high / low) - 1e-9)
         at = np.geomspace(low, high, _LINES * intervals + 1)
         damage = fatigue_damage_spectrum(response.time, history, exponent=exponent, q=q, frequencies=at).damage
