@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -74,7 +75,9 @@ def _copy_that_runs(work: Callable[[], object]) -> int:
     """
     if sys.platform != "linux" or processors() == 1 or threading.active_count() > 1:
         return 0
-    if copy := os.fork():
+    with warnings.catch_warnings(action="ignore", category=DeprecationWarning):  # of threads of libraries
+        copy = os.fork()
+    if copy:
         return copy
     code = 1
     try:
