@@ -173,7 +173,7 @@ class FileSamples:
 
     @cached_property
     def _metadata(self) -> "pq.FileMetaData":
-        """Where the columns stand: of thousands it takes long to read."""
+        """The file's footer, which says where the columns stand; of thousands of columns it takes long to read."""
         import pyarrow.parquet as pq
 
         return pq.read_metadata(self.path)

@@ -37,7 +37,7 @@ class Variants:
 
 @once_per_system
 def _writer(system: System) -> Numbers:
-    """Return what writes the numbers of a system's variants; made once."""
+    """Make the writer of the numbers of a system's variants; once."""
     return Numbers(system, equations(system))
 
 

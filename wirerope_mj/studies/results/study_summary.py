@@ -95,7 +95,7 @@ class StudySummary:
 
     @cached_property
     def beyond(self) -> dict[str, Booleans]:
-        """Which variants are beyond each limit there is, (n,), by what it is on: of parts and model, and those stated."""
+        """Variants beyond each limit, (n,), by what the limit is on: those of parts, of the model, and stated ones."""
         table = self.result.independent
         own = {one.measure.name: one.measure for one in self.statistics if one.measure.limit is not None}
         if own:
@@ -182,7 +182,7 @@ class StudySummary:
 
 
 def any_exceeded(summaries: Sequence[StudySummary]) -> Exceedance:
-    """Return how many variants are beyond any limit of any of some studies, of those that could be simulated in all."""
+    """Count the variants beyond any limit of some studies, of those that could be simulated in all."""
     tables = [summary.result.independent for summary in summaries]
     beyond = np.any([mask for summary in summaries for mask in summary.beyond.values()], axis=0)
     done = np.all([np.asarray(table["status"]) == DONE for table in tables], axis=0)

@@ -189,7 +189,7 @@ def _lines(frame: tuple[float, float, float, float], xs: Sequence[float], ys: Se
 
 
 def _fine_lines(scale: _Scale) -> list[float]:
-    """Return where lines between ticks help to read a logarithmic scale whose decades have room for them."""
+    """Place lines at 2, 3, .. 9 of each decade of a logarithmic scale that has room for them."""
     decade = abs(scale(scale.high) - scale(scale.low)) / log10(scale.high / scale.low) if scale.log else 0.0
     return scale.of(log_lines(scale.low, scale.high)).tolist() if decade > _DECADE else []
 
