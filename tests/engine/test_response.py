@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from house import deck, hysteresis, mjcf, sdof
 
@@ -264,3 +265,15 @@ def test_streaming_does_not_write_over_a_response(tmp_path):
     with pytest.raises(wr.RecordError, match="a response stands here already"):
         wr.simulate(soft, shock, **settings)
     assert first.mounts["m1"].hysteretic_state.shape == (first.time.size, 3)
+
+
+def test_a_file_that_another_has_taken_the_place_of_is_read_as_it_is_now(response, tmp_path):
+    response.save(tmp_path)
+    loaded = wr.load_response(tmp_path)
+    np.testing.assert_array_equal(loaded.column("time"), response.time)
+    path = tmp_path / "response.parquet"
+    table = pq.read_table(path)
+    pq.write_table(table, tmp_path / "other", compression="gzip", row_group_size=7)
+    (tmp_path / "other").replace(path)
+    name = loaded.samples.names[-1]
+    np.testing.assert_array_equal(loaded.column(name), table[name].to_numpy())

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -142,6 +142,17 @@ def response_metadata(plan: ColumnPlan, parts: Entries) -> Entries:
     }  # fmt: skip
 
 
+@lru_cache(maxsize=8)
+def _footer(path: Path, state: tuple[int, ...]) -> "pq.FileMetaData":
+    """Read the footer of a file, which says where its columns stand: of thousands of columns that takes long.
+
+    By the `state` of a file it is told from one that has taken its place.
+    """
+    import pyarrow.parquet as pq
+
+    return pq.read_metadata(path)
+
+
 @dataclass(frozen=True)
 class FileSamples:
     """Samples in a Parquet file, read column by column at first use."""
@@ -167,16 +178,11 @@ class FileSamples:
         import pyarrow.parquet as pq
 
         try:
-            return pq.ParquetFile(self.path, metadata=self._metadata, page_checksum_verification=True)
+            state = self.path.stat()
+            footer = _footer(self.path, (state.st_ino, state.st_size, state.st_mtime_ns))
+            return pq.ParquetFile(self.path, metadata=footer, page_checksum_verification=True)
         except (OSError, ValueError):
             raise RecordError(f"{self.path}: this file was removed or damaged since it was opened. {_AGAIN}") from None
-
-    @cached_property
-    def _metadata(self) -> "pq.FileMetaData":
-        """The file's footer, which says where the columns stand; of thousands of columns it takes long to read."""
-        import pyarrow.parquet as pq
-
-        return pq.read_metadata(self.path)
 
     def _blocks(self, file: "pq.ParquetFile", first: int, last: int) -> Iterator[Array]:
         if first == last:  # a mount without internal states
