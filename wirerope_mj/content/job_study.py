@@ -11,8 +11,6 @@ from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 from wirerope_mj.studies.results.measure import CONFIDENCE
 from wirerope_mj.studies.results.study_summary import StudySummary, any_exceeded
 
-_LOAD = "static_load"  # is judged of every study, though shown only where it is exceeded
-
 
 def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary]) -> Content:
     """Compose what a study of a job says, its cases by name; variant k is the same system in every case."""

@@ -77,7 +77,7 @@ def _motion_text(result: StudyResult) -> str:
 
 
 def _verdict(summary: StudySummary) -> Statement:
-    if not summary.beyond:
+    if not summary.beyond or not (summary.stated or any(one.beyond for one in summary.statistics)):
         return Statement(id="headline", text="Not judged: no limit is stated", tone="unjudged")
     most, ratio = any_exceeded([summary]), summary.ratio_beyond
     rest = not_counted(most)

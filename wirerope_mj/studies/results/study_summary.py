@@ -98,8 +98,7 @@ class StudySummary:
         """Variants beyond each limit, (n,), by what the limit is on: those of parts, of the model, and stated ones."""
         table = self.result.independent
         own = {one.measure.name: one.measure for one in self.statistics if one.measure.limit is not None}
-        if own:
-            own.setdefault(_LOAD, measure_of(_LOAD))
+        own.setdefault(_LOAD, measure_of(_LOAD))
         limited = [(one.text, values_of(table, name), one.limit) for name, one in own.items() if one.limit is not None]
         limited += [(one.text, one.largest(table), one.limit) for one in self.stated]
         return {text: values > limit for text, values, limit in limited if np.isfinite(values).any()}
