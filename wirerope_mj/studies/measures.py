@@ -191,9 +191,9 @@ def _largest(values: Array) -> Array:
 
 
 def _ratings(system: System, names: Sequence[str], isolators: Sequence[Mapping[str, Isolator]]) -> tuple[Array, Array, Array]:
-    """Return what mounts of variants are rated for, travels (n, n_names, 4) and static loads (n, n_names), NaN without any.
+    """Tabulate ratings of variants' mounts: travels (n, n_names, 4) and static loads (n, n_names), NaN where none is stated.
 
-    Then whether they act, 1.0 or 0.0, (n, n_names).
+    The third array says which of them act, 1.0 or 0.0, (n, n_names).
     """
     rows, numbers = dict[int, list[float]](), {name: number for number, name in enumerate(names)}
 
