@@ -130,19 +130,66 @@ def test_the_length_between_two_instants_changes_nothing_but_the_steps(table):
     assert largest_difference(coarse.values, fine.values) < 1e-9
 
 
-def test_a_unit_does_not_go_back_and_a_run_that_fails_is_an_error_of_the_unit(unit, tmp_path):
+def test_a_unit_does_not_go_back_by_itself_and_a_run_that_fails_is_an_error_of_the_unit(unit, tmp_path):
     from wirerope_mj.runs.fmu_slave import WireRopeUnit
 
     folder = fmpy.extract(str(unit), str(tmp_path / "there"))
     slave = WireRopeUnit(instance_name="unit", resources=f"{folder}/resources")
-    slave.setup_experiment(0.0)
     slave.exit_initialization_mode()
     assert slave.do_step(0.0, HOLD).status == 0
     assert slave.do_step(0.0, HOLD).status != 0
-    assert "does not go back" in slave.log_queue[-1].msg
+    assert "only a state that it gave before" in slave.log_queue[-1].msg
     slave._base[2] = 1e12  # nothing bears that
     assert slave.do_step(HOLD, 100 * HOLD).status != 0
     assert "MuJoCo reported" in slave.log_queue[-1].msg
+
+
+def test_a_unit_begins_at_any_time_steps_by_any_length_and_returns_to_its_states_bit_by_bit(unit, tmp_path):
+    description = fmpy.read_model_description(str(unit))
+    can = description.coSimulation
+    assert (can.canHandleVariableCommunicationStepSize, can.canGetAndSetFMUstate, can.canSerializeFMUstate) == (True,) * 3
+    at = {variable.name: variable.valueReference for variable in description.modelVariables}
+    folder = fmpy.extract(str(unit), str(tmp_path / "there"))
+
+    def begun(start):
+        slave = fmpy.fmi3.FMU3Slave(
+            guid=description.guid, unzipDirectory=folder, modelIdentifier=can.modelIdentifier, instanceName="unit"
+        )
+        slave.instantiate()
+        slave.enterInitializationMode(startTime=start)
+        slave.exitInitializationMode()
+        return slave
+
+    def read(slave):
+        block = ("bodies.block.acceleration.z", "bodies.block.position.z")
+        names = (*block, "mounts.m1.force.axial", "base.acceleration.z", "time")
+        return slave.getFloat64([at[name] for name in names])
+
+    def shake(slave, begin):
+        """Advance by steps of three lengths under an acceleration, and read all."""
+        slave.setFloat64([at["base.acceleration.z"]], [60.0])
+        for since, step in ((0.0, 1e-3), (1e-3, 3.7e-3), (4.7e-3, 0.4e-3)):
+            slave.doStep(begin + since, step)
+        return read(slave)
+
+    early, late = begun(0.0), begun(2.0)
+    at_rest = read(early)
+    rest = early.getFMUState()
+    first, shifted = shake(early, 0.0), shake(late, 2.0)
+    assert first[0] > 1.0  # m/s^2: it was shaken
+    # Nothing depends on time but the clock, whose steps at 2 s are rounded at 4e-16 s, 4e-13 of a step of 1 ms.
+    assert shifted[:4] == pytest.approx(first[:4], rel=1e-10)
+    assert shifted[4] - first[4] == pytest.approx(2.0, abs=1e-12)
+    early.setFMUState(rest)
+    assert read(early) == at_rest
+    assert shake(early, 0.0) == first
+    saved = early.serializeFMUState(early.getFMUState())
+    early.setFloat64([at["base.acceleration.z"]], [1e12])  # nothing bears that
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        early.doStep(first[4], 0.1)
+    early.setFMUState(early.deserializeFMUState(saved))
+    assert read(early) == first
+    early.doStep(first[4], 1e-3)
 
 
 def test_a_law_that_ends_is_said_where_it_ends():

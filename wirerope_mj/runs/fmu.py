@@ -54,7 +54,10 @@ def write_fmu(
         }  # fmt: skip
         (here / "unit.toml").write_text(tomli_w.dumps(about), encoding="utf-8")
         script = Path(__file__).with_name("fmu_slave.py")
-        made = FmuBuilder.build_FMU(script, here / "out", [here / "model", here / "unit.toml"])
+        abilities = ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUState", "canSerializeFMUState")
+        made = FmuBuilder.build_FMU(
+            script, here / "out", [here / "model", here / "unit.toml"], **dict.fromkeys(abilities, True)
+        )
         with atomic_file(target) as temporary:
             shutil.copyfile(made, temporary)
     return target

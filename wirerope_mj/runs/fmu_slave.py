@@ -7,6 +7,7 @@ which the unit is run.
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pythonfmu3 import Float64, Fmi3Causality, Fmi3Slave, Fmi3Status, Fmi3StepResult, Fmi3Variability, Unit
@@ -37,18 +38,15 @@ class WireRopeUnit(Fmi3Slave):
         self._base = np.zeros(3)
         sites = self._system.assembly.subjects.force_names
         self._loads = {site: np.zeros(6) for site in sites}
-        self._going: Stepwise | None = None
-        self._start = 0.0
         self.register_units([Unit(name, **parts) for name, parts in _UNITS.items()])
-        self._add("time", "s", lambda: self._going.time if self._going else 0.0, causality=Fmi3Causality.independent)
+        self.exit_initialization_mode()
+        self._add("time", "s", lambda: self._going.time, causality=Fmi3Causality.independent)
         for number, axis in enumerate("xyz"):
             self._add(f"base.acceleration.{axis}", "m/s^2", *_entry(self._base, number), causality=Fmi3Causality.input)
         for site, wrench in self._loads.items():
             for number, (part, unit) in enumerate((part, unit) for part, unit in _WRENCH for _ in "xyz"):
                 name = f"loads.{_quoted(site)}.{part}.{'xyz'[number % 3]}"
                 self._add(name, unit, *_entry(wrench, number), causality=Fmi3Causality.input)
-        self._begin()
-        assert self._going is not None
         plan = self._going.plan
         for number, name in enumerate(plan.names[plan.first_sensor :][: self._going.values.size]):
             if about["outputs"] == "all" or name.split("/")[-2] in about["outputs"]:
@@ -60,31 +58,44 @@ class WireRopeUnit(Fmi3Slave):
         self.register_variable(Float64(name, unit=unit or None, **how), nested=False)
 
     def _output(self, number: int) -> Callable[[], float]:
-        return lambda: float(self._going.values[number]) if self._going is not None else 0.0
-
-    def _begin(self) -> None:
-        about = self._about
-        self._going = Stepwise(self._system, timestep=about["timestep"], initial=about["initial"], start=self._start)
-
-    def setup_experiment(self, start_time: float) -> None:
-        """Take the instant at which the run begins [s]."""
-        self._start = float(start_time)
+        return lambda: float(self._going.values[number])
 
     def exit_initialization_mode(self) -> None:
         """Begin anew, at rest."""
-        self._begin()
+        about = self._about
+        self._going = Stepwise(self._system, timestep=about["timestep"], initial=about["initial"])
+        self._stepped = False
 
     def do_step(self, current_time: float, step_size: float) -> object:
-        """Go on by a step [s] with the inputs held."""
-        assert self._going is not None
+        """Advance by a step [s] with the inputs held; the first step after initialization says where time begins.
+
+        (pythonfmu3 does not hand on the start time that an importer gives at initialization, and nothing in a system
+        depends on it.)
+        """
+        if not self._stepped:
+            self._going.time, self._stepped = float(current_time), True
         if abs(current_time - self._going.time) > 1e-9 * max(1.0, abs(current_time)):
-            there = f"The unit stands at {self._going.time:.9g} s"
-            return self._refused(f"{there} and cannot go on from {current_time:.9g} s: it does not go back.")
+            return self._refused(
+                f"The unit stands at {self._going.time:.9g} s and cannot step from {current_time:.9g} s: only a state that it "
+                "gave before (fmi3GetFMUState) takes it back, or a reset."
+            )
         try:
             self._going.advance(step_size, self._base, self._loads)
         except WireRopeError as error:
             return self._refused(str(error))
         return Fmi3StepResult()
+
+    def _get_fmu_state(self) -> dict[str, object]:
+        """Save the motion, the clock and the inputs, in plain values that JSON holds exactly."""
+        inputs = [self._base.tolist(), *(wrench.tolist() for wrench in self._loads.values())]
+        return {**self._going.to_plain(), "inputs": inputs, "stepped": self._stepped}
+
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+        """Return to what `_get_fmu_state` saved."""
+        self._going.restore(state)
+        self._stepped = bool(state["stepped"])
+        for values, saved in zip([self._base, *self._loads.values()], state["inputs"], strict=True):
+            values[:] = saved
 
     def _refused(self, why: str) -> object:
         self.log(why, Fmi3Status.error)

@@ -101,6 +101,13 @@ class Stepper:
         mujoco.mj_forward(model, data)
         return final
 
+    def return_to(self, state: State) -> None:
+        """Take on a state of this stepper that `state_of` gave between two segments, also after a failure."""
+        mujoco.mj_resetData(self.model, self.data)
+        mujoco.mj_setState(self.model, self.data, state.values, STATE)
+        self._since_check.clear()
+        self._checked = state.values
+
     def _set_loads(self, forces: Array) -> None:
         if forces.size:
             first = self.system.assembly.tables.user.forces
@@ -118,8 +125,7 @@ class Stepper:
             return
         segments = self._since_check.copy()
         # Once a number is not finite all are: only a second look, step by step, shows where it began.
-        mujoco.mj_resetData(self.model, self.data)
-        mujoco.mj_setState(self.model, self.data, self._checked, STATE)
+        self.return_to(State(values=self._checked, time=0.0))
         earlier = deflections = np.zeros((len(self.system.mounts), 3))
         states = self.data.act.copy()
         for segment in segments:

@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.install import state_of
 from wirerope_mj.engine.simulation.grid import Grid
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.simulate import checked_step
@@ -15,8 +17,9 @@ from wirerope_mj.engine.simulation.stages import Segment, along_slides
 from wirerope_mj.engine.simulation.stepper import Stepper, initial_state
 from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array, ArrayLike
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import HarmonicForce
 
 # what a run begins with: the base stands, and what moves it comes from outside. The force acts at no site of any system.
@@ -36,6 +39,7 @@ class Stepwise:
         self.timestep = checked_step(system, positive("timestep", timestep), 1.0)
         self.system, self.time = system, float(start)  # the instant that was reached [s]
         self.plan = column_plan(system)  # of `values`, the sensors there; columns of time and base come before them
+        self.values: Array
         self._stepper = Stepper(system, _STILL, initial_state(system, _STILL, initial))
         self._drive, self._sites = system.assembly.tables.drive, system.assembly.subjects.force_names
         self._moved, self._rate = np.zeros(3), np.zeros(3)
@@ -64,6 +68,18 @@ class Stepwise:
                 f"mount {found[0]!r} was {found[1]}, at {self.time:.6g} s: shake it more gently, or take an isolator with "
                 "more travel."
             )
+
+    def to_plain(self) -> dict[str, Any]:
+        """Save the state in plain values, to which `restore` returns bit by bit."""
+        state = state_of(self._stepper.model, self._stepper.data)
+        base = [self._moved.tolist(), self._rate.tolist()]
+        return {"time": self.time, "base": base, "state": state.to_plain(), "values": self.values.tolist()}
+
+    def restore(self, saved: Entries) -> None:
+        """Return to the state that `to_plain` of this system saved, also after an error."""
+        self._stepper.return_to(State.from_plain(saved["state"]))
+        self.time, self.values = float(saved["time"]), np.array(saved["values"])
+        self._moved, self._rate = map(np.array, saved["base"])
 
     def _take(self, length: float, steps: int, held: Array, wrench: Array) -> None:
         """Take equal steps that one stage table serves."""
@@ -96,4 +112,4 @@ class Stepwise:
         with installed(stepper.model, stepper.data):
             self._begin(self.timestep, 1, held, wrench)
             mujoco.mj_forward(stepper.model, stepper.data)
-        self.values: Array = stepper.data.sensordata[self.system.assembly.sensor :].copy()
+        self.values = stepper.data.sensordata[self.system.assembly.sensor :].copy()
