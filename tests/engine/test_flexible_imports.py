@@ -384,3 +384,31 @@ def test_a_mass_that_nothing_has_is_refused(folder, tmp_path, capsys):
     assert main([*command, "--mass-kg", "5e-324", "--out", str(tmp_path / "part")]) == 2
     assert "`--mass-kg` must lie between" in capsys.readouterr().err
     assert not (tmp_path / "part").exists()
+
+
+def test_a_universal_file_without_any_one_of_its_lines_is_the_same_part_or_refused(tmp_path, truth):
+    where = with_files(tmp_path / "plate", truth)
+    lines = (where / "plate.unv").read_text().splitlines(keepends=True)
+    second = next(n for n, line in enumerate(lines) if n > 40 and line.split() == ["-1"] and lines[n + 1].split() == ["-1"])
+    whole, _ = import_part([where / "plate.unv"], where / "points.csv", UNITS, damping=ZETA)
+    refusals = 0
+    for doubled in (False, True):
+        for number in range(second):  # the nodes and the first mode; the others are alike
+            (where / "plate.unv").write_text("".join([*lines[:number], *[lines[number]] * 2 * doubled, *lines[number + 1 :]]))
+            try:
+                part, _ = import_part([where / "plate.unv"], where / "points.csv", UNITS, damping=ZETA)
+            except RecordError:
+                refusals += 1
+                continue
+            np.testing.assert_array_equal(part.frequencies, whole.frequencies)
+            for name, shape in whole.shapes.items():
+                np.testing.assert_array_equal(part.shapes[name], shape)
+    assert refusals > second
+
+
+@pytest.mark.parametrize("ending", ["asm", "pch", "pun", "nas"])
+def test_grid_points_of_an_external_superelement_are_read_by_any_of_its_endings(ending, tmp_path, truth):
+    where = with_files(tmp_path / "plate", truth)
+    (where / "plate.bdf").rename(where / f"grids.{ending}")
+    part, _ = import_part([where / "plate.op2"], where / f"grids.{ending}", UNITS, damping=ZETA)
+    assert set(part.points) == {"100", "101", "102", "103"}

@@ -4,6 +4,7 @@ import ast
 import atexit
 import gc
 import os
+import re
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -27,7 +28,7 @@ from wirerope_mj.foundation.errors import (
     StudyWarning,
     WireRopeError,
 )
-from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.foundation.plain_text import plain_lines, short
 from wirerope_mj.foundation.processes import allow_one_beside
 
 _NAMES = (
@@ -43,6 +44,8 @@ _PLACES = {
 }  # fmt: skip
 COMMANDS = {name: _PLACES.get(name, f"{name}:{name}") for name in _NAMES}
 
+# A word that a message quotes is cut where no path is that long; so is a message that no screen holds.
+_LONG_WORD, _LONGEST = re.compile(r"\S{600,}"), 10_000
 _NEW_OBJECTS = 100_000  # after which garbage is looked for: after 700, as usual, that takes a sixth of what imports take
 atexit.register(gc.freeze)
 """A process that ends need not look through 300,000 objects for circles three times: that takes 0.6 s after a run."""
@@ -87,15 +90,13 @@ def _warnings_shown() -> Iterator[None]:
     with warnings.catch_warnings():
         for kind in ours:
             warnings.simplefilter("always", kind)
-        others, shown = warnings.showwarning, set[str]()
+        shown = set[str]()
 
-        def display(message: Warning | str, category: type[Warning], *location: Any) -> None:
-            if issubclass(category, ours):
-                if str(message) not in shown:
-                    shown.add(str(message))
-                    _say(f"warning: {message}")
-            else:
-                others(message, category, *location)
+        def display(message: Warning | str, category: type[Warning], *_location: Any) -> None:
+            text = str(message) if issubclass(category, ours) else f"{category.__name__} of a library: {message}"
+            if text not in shown:
+                shown.add(text)
+                _say(f"warning: {text}")
 
         warnings.showwarning = display  # type: ignore[assignment]
         yield
@@ -103,7 +104,8 @@ def _warnings_shown() -> Iterator[None]:
 
 def _say(message: str) -> None:
     """Print a message on standard error; what it quotes of files and names moves no cursor and colours nothing."""
-    print(f"wirerope: {plain_lines(message)}", file=sys.stderr)
+    words = _LONG_WORD.sub(lambda match: short(match[0]), message)
+    print(f"wirerope: {short(plain_lines(words), _LONGEST)}", file=sys.stderr)
 
 
 def _say_notes(error: BaseException) -> None:

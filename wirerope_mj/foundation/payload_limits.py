@@ -13,6 +13,9 @@ from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS, in_si
 # Kinds of limits and how many values each may have.
 SIZES = {"acceleration": (1, 3), "clearance": (3, 6)}
 
+# Smallest and largest limit in SI: from the stillness of an optical table to what no equipment and no room has.
+RANGES = {"acceleration": (1e-6, 1e7), "clearance": (1e-7, 1e3)}
+
 UNITS = {"acceleration": "m/s^2", "clearance": "m"}
 
 # Stands between two points in the name of the clearance between them.
@@ -49,6 +52,10 @@ class PayloadLimit:
             raise ValueError(f"`values` of {self.kind} must be {few} or {many} numbers, got {len(values)}.")
         if not all(math.isfinite(value) and value >= 0.0 for value in values) or not any(values):
             raise ValueError(f"`values` must be finite and >= 0, one of them > 0, got {values}.")
+        low, high = RANGES[self.kind]
+        if (odd := next((value for value in values if value and not low <= value <= high), None)) is not None:
+            unit = UNITS[self.kind]
+            raise ValueError(f"a limit of {self.kind} is from {low:g} to {high:g} {unit}, or 0 for none; got {odd:.6g} {unit}.")
         object.__setattr__(self, "values", values)
 
     @property
@@ -100,7 +107,8 @@ def limit_from_text(text: str) -> PayloadLimit:
         one_of("kind", kind, SIZES)
         if unit not in _KNOWN[kind]:
             raise ValueError(f"{unit!r} is no unit of {kind}; known are {', '.join(_KNOWN[kind])}.")
-        values = tuple(in_si(_number(number), _KNOWN[kind][unit]) for number in numbers.split())
+        given = [_number(number) for number in numbers.split()]
+        values = tuple(in_si(number, _KNOWN[kind][unit]) or abs(number) for number in given)  # 5e-324 mm is not 0
         return PayloadLimit(kind=kind, name=name, values=values)
     except ValueError as error:
         raise ValueError(f"limit {short(text)!r}: {error} It is written like {_EXAMPLES}.") from None

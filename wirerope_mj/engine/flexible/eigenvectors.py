@@ -1,9 +1,11 @@
 """Eigenvectors of a finite-element program at its nodes, from universal files (dataset 55), Nastran's text and OP2 files."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -111,13 +113,19 @@ def _universal(path: Path) -> Eigenvectors:
     import pyuff  # here, because few parts are universal files
 
     try:
-        file = pyuff.UFF(str(regular(path)))
+        marks = re.findall(rb"^ {4}-1[ \t]*\r?(?:\n|\Z)(?=(.{0,6}))", regular(path).read_bytes(), flags=re.MULTILINE)
+        file = pyuff.UFF(str(path))
         kinds = [int(kind) for kind in file.get_set_types()]
         sets = [file.read_sets(n) for n, kind in enumerate(kinds) if kind in (55, *_COORDINATES)]
     except OSError as error:
         raise RecordError(f"{path}: the file cannot be read: {why_unread(error)}") from None
     except Exception:  # the reader knows no other class, and does not say what it met
         raise RecordError(f"{path}: this universal file cannot be read, it has a damaged dataset. Write it again.") from None
+    if len(marks) % 2 or not all(kind.strip().isdigit() for kind in marks[::2]):
+        raise RecordError(
+            f"{path}: a line -1, which begins or ends a dataset, or the number of a dataset below it is lost or doubled. "
+            "Write the file again."
+        )
     data = [one for one in sets if one["type"] == 55]
     if any(int(one["analysis_type"]) in _COMPLEX or np.iscomplexobj(one["r1"]) for one in data):
         raise RecordError(
@@ -139,6 +147,8 @@ def _universal(path: Path) -> Eigenvectors:
             raise RecordError(f"{path}: mode {number} stands there twice.")
         if list(map(int, one["node_nums"])) != nodes:
             raise RecordError(f"{path}: mode {number} is at other nodes than mode {numbers[0]}; write all at the same ones.")
+    for one in sets:
+        _require_whole(path, one)
     values = np.array([[one["r1"], one["r2"], one["r3"]] for one in data])  # (m, 3, n)
     places = {
         int(node): np.array([one[axis][n] for axis in "xyz"])
@@ -151,6 +161,18 @@ def _universal(path: Path) -> Eigenvectors:
         frequencies=found[0], modal_mass=found[1], damping=found[2], places=places,
         shapes={node: values[:, :, n] for n, node in enumerate(nodes)},
     )  # fmt: skip
+
+
+def _require_whole(path: Path, dataset: Mapping[str, Any]) -> None:
+    """Raise RecordError unless a dataset has three numbers at each of its nodes, each node once: a lost line shifts them."""
+    shapes, nodes = dataset["type"] == 55, [*map(int, dataset["node_nums"])]
+    sizes = {np.size(dataset.get(name, ())) for name in (("r1", "r2", "r3") if shapes else "xyz")}
+    if sizes != {len(nodes)} or len(set(nodes)) != len(nodes):
+        what = f"mode {int(dataset['mode_n'])}" if shapes else f"dataset {dataset['type']}"
+        raise RecordError(
+            f"{path}: {what} is damaged: {len(nodes)} nodes, {len(set(nodes))} different ones, {max(sizes)} rows of numbers. A "
+            "line is lost or doubled; write the file again."
+        )
 
 
 def _unscaled(frequencies: Array, shapes: Mapping[int, Array]) -> Eigenvectors:

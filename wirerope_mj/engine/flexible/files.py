@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.engine.flexible.nastran import BULK, read_grids
+from wirerope_mj.engine.flexible.nastran import BULK, EXTERNAL, read_grids
 from wirerope_mj.engine.flexible.part import FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_folder
@@ -116,7 +116,7 @@ def read_points(path: Path, units: Units, nodes: Collection[int] | None = None) 
 
     Of bulk text the points are its grid points, of `nodes` those among them, called by their numbers.
     """
-    if path.suffix.lower() in BULK:
+    if path.suffix.lower() in (*BULK, *EXTERNAL):
         grids = read_grids(path)
         if not (kept := [grid for grid in grids if nodes is None or grid in nodes]):
             raise RecordError(f"{path}: none of its {len(grids)} grid points is a node of the eigenvectors. Is it their model?")

@@ -13,6 +13,7 @@ from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
 
 MATRICES, BINARY, BULK = (".op4", ".op2"), ".op2", (".bdf", ".dat", ".nas", ".blk", ".bulk")
+EXTERNAL = (".asm", ".pch", ".pun", ".punch")  # in which an external superelement's grid points are written as bulk text
 _SHAPES = ("OUGV1", "OUG1", "BOPHIG")  # tables of an OP2 file that may hold eigenvectors
 
 

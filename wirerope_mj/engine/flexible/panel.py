@@ -8,10 +8,12 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.phrases import parse_phrase
 
 EXAMPLE = "10 Hz 800 kg 4 %"
 NAME = "deck_panel"
+_RANGES = {"frequency": (0.1, 2e3, "Hz"), "mass": (1e-3, 1e8, "kg")}  # from a table's leaf spring to a ship's double bottom
 DAMPING = 0.02  # damping ratio where none is said: a welded deck with what is bolted to it
 
 
@@ -29,8 +31,10 @@ class Panel:
     direction: Direction = "z"  # along which it moves; "z", the deck's normal, unless said
 
     def __post_init__(self) -> None:
-        positive("frequency", self.frequency, unit="Hz")
-        positive("mass", self.mass, unit="kg")
+        for name, (low, high, unit) in _RANGES.items():
+            value = positive(name, getattr(self, name), unit=unit)
+            if not low <= value <= high:
+                raise ValueError(f"the {name} of a deck panel is from {low:g} to {high:g} {unit}, got {value:.6g} {unit}.")
         if not 0.0 <= self.damping < 1.0:
             raise ValueError(f"`damping` of a panel is a ratio from 0 to below 1, got {self.damping:g}.")
         checked_direction(self.direction)
@@ -69,7 +73,7 @@ def panel_of_phrase(text: str) -> Panel:
             direction=phrase.directions[0] if phrase.directions else "z",
         )  # fmt: skip
     except ValueError as error:
-        raise ValueError(f'deck "{text}": {error} Expected is a phrase such as "{EXAMPLE}".') from None
+        raise ValueError(f'deck "{short(text)}": {error} Expected is a phrase such as "{EXAMPLE}".') from None
 
 
 def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity: Array) -> None:

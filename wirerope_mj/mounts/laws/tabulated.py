@@ -15,6 +15,7 @@ from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed
 
 TABULATED = 12
+_FARTHEST_YIELD = 100.0  # times the travel, at which a loop has no width any more that a number could say
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -118,6 +119,11 @@ class Tabulated(AsCall, Law):
             )
         if self.yield_deflection < 0.0 or (self.yield_deflection == 0.0 and (self.areas or half.any())):
             raise ValueError(f"`yield_deflection` must be > 0 for a law with hysteresis, got {self.yield_deflection}.")
+        if self.yield_deflection > _FARTHEST_YIELD * self.finite_travel:
+            raise ValueError(
+                f"`yield_deflection` is beyond the table: got {self.yield_deflection:.6g} m, and the table ends at "
+                f"{self.finite_travel:.6g} m; is it in mm?"
+            )
         if self.force and self.curve == "virgin" and (0.0, 0.0) not in zip(self.deflection, self.force, strict=True):
             raise ValueError('the points of a "virgin" curve must contain `deflection` 0 with `force` 0: it begins at rest.')
 

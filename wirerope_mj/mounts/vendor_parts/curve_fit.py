@@ -30,6 +30,7 @@ from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
 from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, LENGTH, Pairs, TomlTable
 
 KINDS = ("static", "shock")
+_FAR = 20.0  # times that a rated travel may be longer or shorter than its curve: inches are 25.4 mm
 _SIDES = ("compression", "tension", "shear", "roll")  # Kinds of curves, and the tables of a sheet
 
 
@@ -90,6 +91,11 @@ def _side(table: TomlTable, folder: Path) -> Side:
     if areas and damping:
         raise ModelError(f"{table.location} give `areas_mm_J` or `damping_mm`, not both.")
     travel = table.optional_quantity("travel", LENGTH)
+    end = max((points[-1][0] for points in curves.values()), default=travel)
+    if travel and end and not 1.0 / _FAR < travel / end < _FAR:
+        raise ModelError(
+            f"{table.location} `travel` is {1e3 * travel:.6g} mm and the curve ends at {1e3 * end:.6g} mm; is its unit another?"
+        )
     table.require_empty()
     return Side(curves=curves, areas=areas, damping=damping, travel=travel)
 

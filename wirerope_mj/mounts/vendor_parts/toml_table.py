@@ -1,6 +1,5 @@
 """A table of a vendor's data sheet in the vendor's own units, read with messages that name file, table and key."""
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +9,7 @@ from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STIFFNESS_UN
 
 _UNITS = {**LENGTH_UNITS, **FORCE_UNITS, **{unit.replace("/", "_per_"): n for unit, n in STIFFNESS_UNITS.items()}, "Hz": 1.0}
 LENGTH, FORCE, STIFFNESS, FREQUENCY = ("mm", "in"), ("N", "daN", "kN"), ("N_per_mm", "lb_per_in"), ("Hz",)
+_LARGEST = 1e9  # number that no data sheet states, in any of these units; nor does any state one over it
 Pairs = list[tuple[float, float]]
 
 
@@ -38,7 +38,7 @@ class TomlTable:
 
     def optional_number(self, key: str) -> float | None:
         """Take a number > 0; None where there is none."""
-        value = self._optional(key, None, _is_positive, "a finite number > 0")
+        value = self._optional(key, None, _is_positive, f"a number > 0, from {1.0 / _LARGEST:g} to {_LARGEST:g}")
         return None if value is None else float(value)
 
     def optional_integer(self, key: str) -> int | None:
@@ -79,7 +79,7 @@ class TomlTable:
 
 
 def _is_positive(value: object) -> bool:
-    return not isinstance(value, bool) and isinstance(value, int | float) and 0.0 < value < math.inf
+    return not isinstance(value, bool) and isinstance(value, int | float) and 1.0 / _LARGEST <= value <= _LARGEST
 
 
 def _is_list(value: object, kind: type) -> bool:

@@ -45,7 +45,8 @@ class Coordinates:
         self._at = self._plain(found.normals[np.newaxis])[0]
         steps = _SMALL * np.eye(prior.size)
         slopes = (self._plain(found.normals + steps) - self._plain(found.normals - steps)).T / (2.0 * _SMALL)
-        self._inverse = np.linalg.inv(slopes @ self.root)
+        # Values may scatter along fewer directions than there are: parameters of one [spread] that go together.
+        self._inverse = np.linalg.pinv(slopes @ self.root)
 
     def normals(self, s: Array) -> Array:
         """Return u at standard deviations s of the fit, (n, d)."""

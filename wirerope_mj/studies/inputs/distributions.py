@@ -14,6 +14,8 @@ from wirerope_mj.foundation.budget import require_memory
 
 # In place of 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1.
 SMALLEST, LARGEST = 2.0**-54, 1.0 - 2.0**-53
+# Of a mean, the least deviation whose values double precision tells apart by a hundred steps.
+NARROWEST = 1e-14
 # Deviations from the mean beyond which nothing of a normal distribution is left that a number could say.
 FARTHEST = 37.0
 
@@ -39,6 +41,11 @@ class Normal:
         _keep(self, high=None if self.high is None else finite("high", self.high))
         if self.low is not None and self.high is not None:
             _check_bounds(self.low, self.high)
+        if self.deviation < NARROWEST * abs(self.mean):
+            raise ValueError(
+                f"`deviation` must be at least {NARROWEST:g} of the mean, got {self.deviation:g} and {self.mean:g}: no number "
+                "holds values so close together."
+            )
         low, high = self._ends
         if low > FARTHEST or high < -FARTHEST:
             raise ValueError(

@@ -10,6 +10,7 @@ import numpy as np
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import centre_of_mass, sprung_joints
 from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.law import FACTORS
@@ -123,9 +124,9 @@ def read_vary(texts: Sequence[str]) -> dict[str, Distribution]:
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
-            raise ValueError(f'what varies must be written like "{EXAMPLE}", got {text!r}.')
+            raise ValueError(f'what varies must be written like "{EXAMPLE}", got {quoted(text)}.')
         if name in distributions:
-            raise ValueError(f"{name!r} is said twice; a quantity has one distribution.")
+            raise ValueError(f"{quoted(name)} is said twice; a quantity has one distribution.")
         distributions[name] = _distribution(name, value)
     return distributions
 
@@ -136,20 +137,21 @@ def signatures() -> list[str]:
 
 
 def _distribution(name: str, text: str) -> Distribution:
+    given, name = quoted(text), short(name)
     try:
         call = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError):
-        raise ValueError(f"{name!r}: {text!r} cannot be read; write it like {EXAMPLE.partition('= ')[2]}.") from None
+    except (SyntaxError, ValueError, MemoryError, RecursionError):  # the last two of brackets in brackets
+        raise ValueError(f"{name!r}: {given} cannot be read; write it like {EXAMPLE.partition('= ')[2]}.") from None
     function = call.func if isinstance(call, ast.Call) else call
     kind = function.id if isinstance(function, ast.Name) else ""
     if kind not in _KINDS:
-        raise ValueError(f"{name!r}: {text!r} is no distribution; there are {', '.join(signatures())}.")
+        raise ValueError(f"{name!r}: {given} is no distribution; there are {', '.join(signatures())}.")
     positional: list[object] = []
     named: Entries = {}
     if isinstance(call, ast.Call):
         for one in call.args:
             if any(isinstance(part, ast.Name) and part.id in ("nan", "inf") for part in ast.walk(one)):
-                raise ValueError(f"{name!r}: numbers must be finite, got {ast.unparse(one)}.")
+                raise ValueError(f"{name!r}: numbers must be finite, got {short(ast.unparse(one))}.")
             if isinstance(one, ast.Name):
                 named[_flag(name, kind, one.id)] = True
             else:
@@ -161,7 +163,7 @@ def _distribution(name: str, text: str) -> Distribution:
 def _made(name: str, kind: str, positional: Sequence[object], named: Entries) -> Distribution:
     for flag in _flags(kind):
         if not isinstance(named.get(flag, False), bool):
-            raise ValueError(f"{name!r}: `{flag}` must be True or False, got {named[flag]!r}.")
+            raise ValueError(f"{name!r}: `{flag}` must be True or False, got {quoted(named[flag])}.")
     try:
         inspect.signature(_KINDS[kind]).bind(*positional, **named)
     except TypeError as error:
@@ -178,7 +180,7 @@ def _flag(name: str, kind: str, flag: str) -> str:
     flags = _flags(kind)
     if flag not in flags:
         there = " and ".join(flags) or "none"
-        raise ValueError(f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes.")
+        raise ValueError(f"{name!r}: {kind} has no flag {quoted(flag)}; it has {there}. A string as a value stands in quotes.")
     return flag
 
 
@@ -198,8 +200,8 @@ def _keyword(name: str, keyword: ast.keyword) -> object:
 def _value(name: str, node: ast.expr) -> object:
     try:
         return ast.literal_eval(node)
-    except ValueError:
-        text = f"{name!r}: {ast.unparse(node)!r} must be a number, a string in quotes, True, False or a list of them."
+    except (ValueError, MemoryError, RecursionError):
+        text = f"{name!r}: {quoted(ast.unparse(node))} must be a number, a string in quotes, True, False or a list of them."
         raise ValueError(text) from None
 
 
