@@ -58,8 +58,9 @@ def test_a_limit_that_nothing_can_keep_or_exceed_is_refused(number, limit):
 @pytest.mark.parametrize(
     "text",
     [
-        LONG, f"mount/*/stiffness = {LONG}", f"{LONG} = Uniform(1, 2)", f"a = Normal(1, 0.1, {LONG}", f"a = Normal({20_000 * '('}",
-        f"a = Normal({20_000 * '-'}1, 2)", f"a = Normal(1, 2, {LONG}=3)", f"body/{LONG}/mass = Uniform(1, 2)",
+        LONG, f"mount/*/stiffness = {LONG}", f"{LONG} = Uniform(1, 2)", f"a = Normal(1, 0.1, {LONG}",
+        f"a = Normal({20_000 * '('}", f"a = Normal({20_000 * '-'}1, 2)", f"a = Normal(1, 2, {LONG}=3)",
+        f"body/{LONG}/mass = Uniform(1, 2)",
     ],
 )  # fmt: skip
 def test_a_long_text_is_not_quoted_over_pages(text, here, capsys):
