@@ -13,6 +13,7 @@ from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.batch import peaks_on_decks
+from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
@@ -34,7 +35,7 @@ def decks_blocks(run: JudgedRun) -> Iterator[Block]:
     why = _why_not(run)
     if not why:
         try:
-            mass = HEAVIER * sum(float(run.system.model.body(name).subtreemass[0]) for name in run.system.payloads)
+            mass = HEAVIER * sum(payload.mass for payload in payloads_of(run.system))
             found = _on_decks(run, mass)
         except (WireRopeError, ValueError) as error:
             why = str(error).rstrip(".")

@@ -1,6 +1,7 @@
 """Modes about the sagged position, for small amplitudes and for given ones, and the distance from tipping over."""
 
 import math
+import warnings
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TypeVar
@@ -9,14 +10,22 @@ import mujoco
 import numpy as np
 import scipy
 
-from wirerope_mj.dynamics.modes.rest import AtRest, description_of, linearise, participation_of, payload_shapes
+from wirerope_mj.dynamics.modes.rest import (
+    AtRest,
+    description_of,
+    held_rigidly,
+    linearise,
+    participation_of,
+    payload_shapes,
+)
 from wirerope_mj.dynamics.modes.result import Modes, TippingStability, paired
 from wirerope_mj.engine.statics import History, equilibrium
+from wirerope_mj.engine.statics.linear import GIVES_WAY
 from wirerope_mj.engine.statics.payloads import movers_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ComplexArray
-from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.errors import ConvergenceError, ModelWarning
 
 CLOSE = 1e-6  # relative distance of eigenvalues whose shapes may turn into one another
 # Relative change of the eigenvalue at which an iterated mode is found, and at which it leads on to the next amplitude.
@@ -30,11 +39,14 @@ AnyArray = TypeVar("AnyArray", Array, ComplexArray)
 STEPS = 6
 
 
-def solve(stiffness: Array, mass: Array) -> tuple[Array, Array]:
-    """Return the eigenvalues [(rad/s)^2], (n,), from the lowest on, and the shapes, phi^T M phi = 1, as columns (n, n)."""
-    values, shapes = scipy.linalg.eigh(stiffness, mass)
+def solve(stiffness: Array, mass: Array, motions: Array) -> tuple[Array, Array]:
+    """Return the eigenvalues [(rad/s)^2], (n_modes,), from the lowest on, and the shapes, phi^T M phi = 1, as columns.
+
+    Shapes are those of `motions` alone, which equality constraints leave, as columns (n, n_modes).
+    """
+    values, shapes = scipy.linalg.eigh(motions.T @ stiffness @ motions, motions.T @ mass @ motions)
     values[np.abs(values) < FREE * np.abs(values).max(initial=0.0)] = 0.0
-    return values, shapes
+    return values, motions @ shapes
 
 
 def frequency_of(values: Array) -> Array:
@@ -57,22 +69,22 @@ def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -
 
 
 def iterate(
-    stiffness: Callable[[Array, float], ComplexArray], mass: Array, known: Array, mode: int, start: tuple[float, Array],
+    stiffness: Callable[[Array, float], ComplexArray], rest: AtRest, known: Array, mode: int, start: tuple[float, Array],
     tolerance: float = TOLERANCE,
 ) -> tuple[float, Array, ComplexArray]:  # fmt: skip
     """Return eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
 
     Two modes of nearly one frequency mix in an instant, and may swap without end; then each keeps its known shape,
     whose Rayleigh quotient is right to the second order of what the shape lacks. `known` are the shapes of all modes for small
-    amplitudes, phi^T M phi = 1, (n, n); column `mode` is followed, from an eigenvalue and a shape, until the eigenvalue changes
-    by less than `tolerance` of itself.
+    amplitudes, phi^T M phi = 1, as columns; column `mode` is followed, from an eigenvalue and a shape, until the eigenvalue
+    changes by less than `tolerance` of itself.
     """
     value, shape = start
     matrix = stiffness(shape, value)
     for count in range(ROUNDS):
         before = value
         if count < DISTINCT:
-            value, shape = follow(*solve(matrix.real, mass), mass, known, mode)
+            value, shape = follow(*solve(matrix.real, rest.mass, rest.motions), rest.mass, known, mode)
         else:
             shape = known[:, mode]
             value = float(shape @ matrix.real @ shape)
@@ -86,11 +98,15 @@ def iterate(
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
     """Return the stability by the stiffness of the mounts that holds, in small cycles or what lasts, and on further loading."""
     stiffness = rest.other + rest.weight + tangent
-    values, _ = solve(stiffness, rest.mass)
+    values, _ = solve(stiffness, rest.mass, rest.motions)
+
+    def critical(stiffness: Array, load: Array) -> float:
+        return _critical(*(rest.motions.T @ part @ rest.motions for part in (stiffness, load)))
+
     return TippingStability(
-        smallest_eigenvalue=float(values.min(initial=np.inf)), gravity_factor=_critical(rest.other + tangent, -rest.weight),
-        rise=min((_critical(stiffness, load) for load in _overturning(system, rest)), default=np.inf),
-        softest=_critical(rest.other + loading, -rest.weight),
+        smallest_eigenvalue=float(values.min(initial=np.inf)), gravity_factor=critical(rest.other + tangent, -rest.weight),
+        rise=min((critical(stiffness, load) for load in _overturning(system, rest)), default=np.inf),
+        softest=critical(rest.other + loading, -rest.weight),
     )  # fmt: skip
 
 
@@ -134,8 +150,12 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         history: how it came to rest: "virgin" or "relaxed", see `equilibrium`.
         amplitude: largest deflection amplitude of any mount [m]; None: vanishing.
 
+    Equality constraints are rigid: they leave fewer modes than there are coordinates. Contacts and limits that act at rest are
+    as soft as MuJoCo has them.
+
     Warns:
-        ModelWarning: no mount, joint or stop resists a motion of a body, see `equilibrium`.
+        ModelWarning: no mount, joint or stop resists a motion of a body, see `equilibrium`; a contact or limit that acts at
+            rest gives way.
 
     Raises:
         ValueError: the amplitude is not a finite number > 0, or a law has no closed cycle of that size.
@@ -148,7 +168,8 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     springs = _Springs(rest)
     held = springs.held(np.zeros(rest.free.size), 0.0, 1.0)
     small = held.real - rest.other - rest.weight
-    values, shapes = solve(held.real, rest.mass)
+    values, shapes = solve(held.real, rest.mass, rest.motions)
+    _warn_of_contacts(rest, held.real, frequency_of(values))
     loading, unloading = springs.tangents()
     bracket = [_matched(rest, shapes, rest.other + rest.weight + part) for part in (loading, unloading)]
     sizes = [0.0] if amplitude is None else [amplitude * 0.5**step for step in range(STEPS - 1, -1, -1)]
@@ -158,7 +179,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         for size in sizes:
             start = float(values[mode]), shapes[:, mode]
             tolerance = TOLERANCE if size == sizes[-1] else LEADING
-            found = iterate(partial(springs.at, size), rest.mass, known, mode, start, tolerance)
+            found = iterate(partial(springs.at, size), rest, known, mode, start, tolerance)
             values[mode], shapes[:, mode], complexes[mode] = found
     damping = np.array([_damping(shapes[:, i], values[i], complexes[i], rest) for i in range(values.size)])
     order = np.argsort(values, kind="stable")
@@ -179,6 +200,22 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), loading),
         history=history, amplitude=amplitude, free=rest.free, mass=rest.mass, stiffness=held.real, equilibrium=static,
     )  # fmt: skip
+
+
+def _warn_of_contacts(rest: AtRest, stiffness: Array, frequencies: Array) -> None:
+    """Warn where the lowest frequency [Hz] that contacts and limits at rest leave is another one than where they are rigid."""
+    if not rest.pressed.names:
+        return
+    rigid = held_rigidly(rest, stiffness)
+    for frequency in rigid[rigid > 0.0][:1]:
+        nearest = float(frequencies[np.nanargmin(np.abs(frequencies - frequency))])
+        if abs(nearest / frequency - 1.0) > GIVES_WAY:
+            warnings.warn(
+                f"{', '.join(rest.pressed.names)}: at rest it gives way as MuJoCo has it, here and in a simulation: a natural "
+                f"frequency of {frequency:.4g} Hz, if it were rigid, is {nearest:.4g} Hz. Write solimp=\"0.9999 0.9999\" into "
+                "it, or weld what never parts.",
+                ModelWarning, stacklevel=3,
+            )  # fmt: skip
 
 
 def _fate(value: float) -> str:
@@ -246,7 +283,7 @@ def _finite(name: str, stiffness: AnyArray) -> AnyArray:
 
 def _matched(rest: AtRest, shapes: Array, stiffness: Array) -> Array:
     """Return the frequencies of another stiffness [Hz], each for the shape that its own is most like, (n_modes,)."""
-    values, others = solve(stiffness, rest.mass)
+    values, others = solve(stiffness, rest.mass, rest.motions)
     return frequency_of(values[paired((shapes.T @ rest.mass @ others) ** 2)])
 
 

@@ -4,23 +4,28 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+import scipy
 
 from wirerope_mj.dynamics.modes.mount import MountAtRest
 from wirerope_mj.dynamics.modes.result import Modes, PayloadShape
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.mounts import righting_torque
 from wirerope_mj.engine.statics import Equilibrium
+from wirerope_mj.engine.statics.linear import STEP, beyond_joints, smooth_slopes
 from wirerope_mj.engine.statics.payloads import Payload, carriers, movers_of, payloads_of
 from wirerope_mj.engine.system import System, mount_rates, shapes_at
+from wirerope_mj.engine.system.equalities import equality_rows, jacobian, left_by
 from wirerope_mj.foundation.arrays import Array, Integers
 
-# Step [m or rad] of central differences: their error and that of rounding are both near 1e-9 of the stiffness.
-STEP = 1e-6
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 NAMED = 0.15  # fraction of the kinetic energy from which a component of the motion is named
 # Fraction of the model's mass below which what can move along an axis is rounding.
 _NOTHING = 1e-9
 SHARES = ("mounts", "deck", "equipment")
+_LIMIT = int(mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT)
+_CONTACT, _PYRAMIDAL = (
+    int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS), int(mujoco.mjtConstraint.mjCNSTR_CONTACT_PYRAMIDAL),
+)  # fmt: skip
 _SPRUNG = (mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE)
 _TRANSLATIONS = ("sway x", "sway y", "bounce z")
 _ROTATIONS = ("rocking about x", "rocking about y", "yaw about z")
@@ -31,18 +36,32 @@ class AtRest:
     """A system at rest in its free velocity coordinates; the base does not move."""
 
     free: Integers  # which of MuJoCo's velocity coordinates these are, (n,)
-    mass: Array  # mass matrix, (n, n)
-    # stiffness besides the mounts' tangents: joint springs, contacts and what the mounts resist turning with, (n, n)
+    mass: Array  # mass matrix, with what contacts and limits at rest add, (n, n)
+    # stiffness besides the mounts' tangents: springs, contacts and limits, and what the mounts resist turning with, (n, n)
     other: Array
-    # stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n)
+    # stiffness that weight, the mounts' preload and forces of constraints add, -W h of a centre of mass above its mounts
+    # included, (n, n)
     weight: Array
-    damping: Array  # of joints, (n, n)
+    damping: Array  # of joints, tendons, actuators, contacts and limits, (n, n)
+    motions: Array  # what equality constraints leave, as columns, (n, n_modes); without any the unit matrix
+    pressed: "Pressed"
     mounts: dict[str, MountAtRest]  # mounts by name
     data: mujoco.MjData  # MuJoCo's data in that state
 
 
+@dataclass(frozen=True, kw_only=True)
+class Pressed:
+    """What contacts and limits that act at rest add, as MuJoCo has them: force = -D (J a + b J v + k I d)."""
+
+    names: tuple[str, ...]  # of those that MuJoCo describes by a time constant: no springs, but means to keep things apart
+    rows: Array  # J of those, (n_rows, n)
+    mass: Array  # of all, (n, n)
+    damping: Array  # of all, (n, n)
+    stiffness: Array  # of all, (n, n)
+
+
 def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
-    """Return `system` linearised about `equilibrium`, laws aside."""
+    """Return `system` linearised about `equilibrium`, laws aside; equality constraints are rigid."""
     model = system.model.__copy__()
     model.actuator_dynprm[-1, 0] = 0.0  # the callback no longer knows the model: forces are put on it here
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS  # dry friction of joints has no stiffness
@@ -55,43 +74,103 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     mujoco.mj_fullM(model, data, mass)
     mass = mass[np.ix_(free, free)]
     loaded = _held(system, data, equilibrium, free)
-    mounts = _mounts(system, data, equilibrium, free)
+    pressed, mounts = _pressed(model, data, free), _mounts(system, data, equilibrium, free)
+    motions = left_by(jacobian(model, data)[np.ix_(equality_rows(data), free)]) if model.neq else np.eye(free.size)
+    damping = np.diag(model.dof_damping)
     gravity = model.opt.gravity.copy()
     model.opt.gravity[:] = 0.0
     other = _held(system, data, None, free)
+    if beyond_joints(model):
+        slopes = mujoco.MjData(model)
+        slopes.qpos[:] = data.qpos
+        _, damping = smooth_slopes(model, slopes)
     model.opt.gravity[:] = gravity
+    _held_at_rest(system, data, equilibrium)
     return AtRest(
-        free=free, mass=mass, other=other, weight=loaded - other, damping=np.diag(model.dof_damping[free]), mounts=mounts,
-        data=data,
+        free=free, mass=mass + pressed.mass, other=other + pressed.stiffness, weight=loaded - other,
+        damping=damping[np.ix_(free, free)] + pressed.damping, motions=motions, pressed=pressed, mounts=mounts, data=data,
     )  # fmt: skip
+
+
+def _held_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
+    """Compute forces in the position of `data`, where the mounts' forces, or none, act."""
+    data.qvel[:] = 0.0
+    _push(system, data, equilibrium)
+    mujoco.mj_forward(data.model, data)
 
 
 def _held(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers) -> Array:
     """Return -d(force)/dq with mount forces that stay as they are in the mounts' axes (None: without forces).
 
-    Torques of mounts that resist turning follow the motion, as joint springs do.
+    Forces of constraints stay as they are along their own directions, too. Torques of mounts that resist turning follow the
+    motion, as joint springs do.
 
     Generalised forces, not M times accelerations: without weight a loaded joint spring accelerates what it holds, and then
     the mass matrix, which changes with position, would pass for stiffness.
     """
     model, rest = data.model, data.qpos.copy()
+    _held_at_rest(system, data, equilibrium)
+    kinds, pushes = (data.efc_type.tolist(), data.efc_id.tolist()), data.efc_force.copy()
+    at_rest = data.qfrc_constraint.copy()
 
     def forces(dof: int, step: float) -> Array:
-        velocity = np.zeros(model.nv)
+        velocity, along = np.zeros(model.nv), np.zeros(model.nv)
         velocity[dof] = step
         data.qpos[:] = rest
         mujoco.mj_integratePos(model, data.qpos, velocity, 1.0)
-        data.qvel[:] = 0.0
-        _push(system, data, equilibrium)
-        mujoco.mj_forward(model, data)
-        return np.asarray((data.qfrc_smooth + data.qfrc_constraint)[free])
+        _held_at_rest(system, data, equilibrium)
+        if equilibrium is not None and pushes.size:
+            if (data.efc_type.tolist(), data.efc_id.tolist()) == kinds:
+                mujoco.mj_mulJacTVec(model, data, along, pushes)
+            else:  # points of contact come and go
+                along = at_rest
+        return np.asarray((data.qfrc_smooth + along)[free])
 
     columns = [(forces(int(dof), STEP) - forces(int(dof), -STEP)) / (2.0 * STEP) for dof in free]
     data.qpos[:] = rest
-    _push(system, data, equilibrium)
-    mujoco.mj_forward(model, data)
+    _held_at_rest(system, data, equilibrium)
     stiffness = -np.stack(columns, axis=1)
     return np.asarray(0.5 * (stiffness + stiffness.T))
+
+
+def _pressed(model: mujoco.MjModel, data: mujoco.MjData, free: Integers) -> Pressed:
+    """Read the contacts and limits that act at rest."""
+    kinds, acts = data.efc_type, data.efc_state
+    held = (kinds >= _LIMIT) & (acts != int(mujoco.mjtConstraintState.mjCNSTRSTATE_SATISFIED))
+    rates = jacobian(model, data)[:, free] if held.any() else np.zeros((data.nefc, free.size))
+    moves, names, soft = rates.copy(), dict[str, None](), np.zeros(data.nefc, dtype=bool)  # of d, which k brings back
+    for row in np.flatnonzero(held).tolist():
+        number = int(data.efc_id[row])
+        if kinds[row] < _CONTACT:
+            limit = (model.joint, model.jnt_solref) if kinds[row] == _LIMIT else (model.tendon, model.tendon_solref_lim)
+            name, reference = f"limit of {limit[0](number).name!r}", limit[1][number, 0]
+        else:
+            contact = data.contact[number]
+            ends = (model.geom(int(geom)) for geom in contact.geom)
+            name = "contact of " + " and ".join(repr(end.name or model.body(end.bodyid).name) for end in ends)
+            reference, first = contact.solref[0], contact.efc_address
+            if kinds[row] == _PYRAMIDAL:
+                moves[row] = rates[first : first + 2 * (contact.dim - 1)].mean(axis=0)  # edges lean either way of the normal
+            elif row != first:
+                moves[row] = 0.0  # friction
+        if reference > 0.0:
+            names[name], soft[row] = None, True
+    k, b, impedance, slope = data.efc_KBIP.T
+    weights = np.where(held, data.efc_D, 0.0)
+    # D = I / (1 - I) / A grows with the depth d as the impedance I does
+    deeper = slope * (data.efc_pos - data.efc_margin) * (1.0 + 1.0 / (1.0 - impedance))
+    stiffness = rates.T * (weights * k * (impedance + deeper)) @ moves
+    return Pressed(
+        names=tuple(names), rows=rates[soft], mass=rates.T * weights @ rates, damping=rates.T * (weights * b) @ rates,
+        stiffness=0.5 * (stiffness + stiffness.T),
+    )  # fmt: skip
+
+
+def held_rigidly(rest: AtRest, stiffness: Array) -> Array:
+    """Compute the frequencies [Hz] with all contacts and limits at rest taken as rigid, (n,)."""
+    motions = rest.motions @ left_by(rest.pressed.rows @ rest.motions)
+    parts = (motions.T @ part @ motions for part in (stiffness - rest.pressed.stiffness, rest.mass - rest.pressed.mass))
+    return np.asarray(np.sqrt(np.maximum(scipy.linalg.eigvalsh(*parts), 0.0)) / (2.0 * np.pi))
 
 
 def _push(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
@@ -145,11 +224,9 @@ def payload_shapes(system: System, rest: AtRest, shapes: Array) -> dict[str, Pay
     result = {}
     for payload in payloads_of(system):
         tree = _tree(system.model, rest, payload)
-        own = rest.data.crb[payload.root]  # about the centre of the whole tree: moments, products, first moments, mass
-        squares = own[6:9] ** 2 / own[9]
         result[payload.name] = PayloadShape(
-            centre=rest.data.subtree_com[payload.root].copy(), mass=payload.mass,
-            inertia=own[:3] - (squares.sum() - squares),
+            centre=payload.centre(rest.data, system.model.body_subtreemass), mass=payload.mass,
+            inertia=np.diag(_inertia(system.model, rest, payload)).copy(),
             translation=(tree.centre @ shapes).T, rotation=(tree.turn @ shapes).T,
         )  # fmt: skip
     return result
@@ -169,7 +246,8 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array
     for mode in system.assembly.subjects.modes:
         force[rest.free == mode.dof] += mode.participation
     modal = np.einsum("nj,nk,kj->j", shapes, rest.mass, shapes)
-    moving = np.einsum("na,na->a", force, np.linalg.solve(rest.mass, force))
+    left = rest.motions.T @ force
+    moving = np.einsum("na,na->a", left, np.linalg.solve(rest.motions.T @ rest.mass @ rest.motions, left))
     effective = (shapes.T @ force) ** 2 / modal[:, None]
     with_mass = moving > _NOTHING * model.body_mass.sum()
     return np.where(with_mass, effective / np.where(with_mass, moving, 1.0), 0.0), np.where(with_mass, moving, 0.0)
@@ -201,7 +279,7 @@ def _inner(
     model: mujoco.MjModel, rest: AtRest, payload: Payload, shape: Array, velocity: Array, turn: Array, energy: float
 ) -> list[tuple[float, str]]:
     """Return the energy fraction of each body that moves against its payload's lowest body, as if that were rigid."""
-    centre = rest.data.subtree_com[payload.root]
+    centre = payload.centre(rest.data, model.body_subtreemass)
     ratios = []
     for body in payload.bodies:
         own = _jacobians(model, rest, body)
@@ -209,14 +287,16 @@ def _inner(
         along = own.centre @ shape - velocity - np.cross(turn, arm)
         about = own.turn @ shape - turn
         energy_in = model.body_mass[body] * along @ along + about @ _body_inertia(rest.data, model, body) @ about
-        if model.body_weldid[body] != payload.root and energy_in > 0.0:
+        if model.body_weldid[body] != payload.root and energy_in > _NOTHING * energy:
             ratios.append((float(energy_in) / energy, f"{model.body(body).name} on {payload.name}"))
     return ratios
 
 
 def _tree(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Jacobians:
-    centre = np.zeros((3, model.nv))
-    mujoco.mj_jacSubtreeCom(model, rest.data, centre, payload.root)
+    centre, part = np.zeros((2, 3, model.nv))
+    for root in (payload.root, *payload.joined):
+        mujoco.mj_jacSubtreeCom(model, rest.data, part, root)
+        centre += part * (model.body_subtreemass[root] / payload.mass if payload.joined else 1.0)
     return Jacobians(centre=centre[:, rest.free], turn=_jacobians(model, rest, payload.root).turn)
 
 
@@ -235,8 +315,9 @@ def _body_inertia(data: mujoco.MjData, model: mujoco.MjModel, body: int) -> Arra
 def _inertia(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Array:
     """Return a payload's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
     data, total = rest.data, np.zeros((3, 3))
+    centre = payload.centre(data, model.body_subtreemass)
     for body in payload.bodies:
-        arm = data.xipos[body] - data.subtree_com[payload.root]
+        arm = data.xipos[body] - centre
         steiner = model.body_mass[body] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
         total += _body_inertia(data, model, body) + steiner
     return total

@@ -2,6 +2,7 @@
 
 import math
 import os
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -33,10 +34,11 @@ from wirerope_mj.engine.simulation.simulate import (
 from wirerope_mj.engine.simulation.stability import decay_over_step, stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import error_of_given, limit_of_given
+from wirerope_mj.engine.statics.linear import soft_equalities
 from wirerope_mj.engine.system import System, on_deck, varied
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import SimulationError, WireRopeError
+from wirerope_mj.foundation.errors import ModelWarning, SimulationError, WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import BaseMotion
@@ -113,6 +115,7 @@ def simulate_batch(
 
     Warns:
         AccuracyWarning: `timestep` is too long for friction that yields within it; by the variant in which it yields most.
+        ModelWarning: an equality constraint of the first system gives way.
     """
     check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate)
     threads = (os.cpu_count() or 1) if threads is None else integer("threads", threads, least=1)
@@ -145,6 +148,8 @@ def simulate_batch(
             motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
+        for text in soft_equalities(systems[0]):
+            warnings.warn(text, ModelWarning, stacklevel=2)
         if judged:
             came = [(one, v) for v in variants if isinstance(one := results[v.number], BatchResult)]
             _judge_step(came, timestep=timestep, duration=duration, sample_rate=sample_rate, engine=engine)

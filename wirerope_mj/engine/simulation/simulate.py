@@ -1,6 +1,7 @@
 """System + base motion -> Response."""
 
 import math
+import warnings
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -18,11 +19,12 @@ from wirerope_mj.engine.simulation.run import RunResult, require_lawful, warn_of
 from wirerope_mj.engine.simulation.stability import decay_over_step, slowest_period, stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, error_of_given, limit_of_given
+from wirerope_mj.engine.statics.linear import soft_equalities
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.budget import require_disk, require_memory, require_time
-from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
+from wirerope_mj.foundation.errors import ModelError, ModelWarning, RecordError, SimulationError
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.resources import version_of
 from wirerope_mj.foundation.state import State
@@ -74,6 +76,7 @@ def simulate(
 
     Warns:
         AccuracyWarning: the estimated error is above `accuracy`, contacts were struck, or samples are too few for the motion.
+        ModelWarning: an equality constraint gives way.
     """
     check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
     if timestep is None and (accuracy is None or accuracy < FINEST):
@@ -120,6 +123,8 @@ def simulate(
         raise
     warn_of_uncertainty(response)
     warn_of_aliasing([motion], sample_rate)
+    for text in soft_equalities(system):
+        warnings.warn(text, ModelWarning, stacklevel=2)
     return response
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import equations
 from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.engine.statics.linear import linear_system
 from wirerope_mj.engine.system import System, mount_rates, once_per_system
-from wirerope_mj.engine.system.tables import turning
 from wirerope_mj.foundation.arrays import Array, Booleans, ComplexArray
 from wirerope_mj.mounts.laws import OnBracket, Smoothed
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
@@ -21,30 +21,6 @@ ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be on
 N_RATES = 5  # of a law, see `rates_of`
 
 
-def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:
-    """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
-
-    Stiffness is that of the unloaded mounts in the modelled geometry, with stops open or closed, damping the laws' largest.
-    """
-    rows: list[Array] = [np.zeros((0, system.model.nv))]
-    numbers: list[tuple[float, float]] = []
-    for mount, (moves, turns) in zip(system.mounts.values(), mount_rates(system, data), strict=True):
-        rows.append(mount.axes.T @ moves)  # of the deflections, (3, n_v)
-        for law in mount.isolator.axes.values():
-            if law is None:
-                numbers.append((0.0, 0.0))
-            elif closed:
-                numbers.append((law.closed_stiffness, law.closed_damping))
-            else:
-                numbers.append((law.initial_stiffness, law.damping_coefficient))
-        if mount.isolator.rotation is not None:
-            rows.append(mount.axes.T @ turns)
-            numbers += [(stiffness, 0.0) for stiffness in turning(mount.isolator)]
-    to_deflections = np.concatenate(rows)
-    along, resisting = (to_deflections.T * row @ to_deflections for row in np.array(numbers).reshape(-1, 2).T)
-    return along, resisting
-
-
 @once_per_system
 def eigenvalues(system: System) -> ComplexArray:
     """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,), stops open."""
@@ -52,21 +28,10 @@ def eigenvalues(system: System) -> ComplexArray:
 
 
 def _eigenvalues_of_system(system: System, *, closed: bool) -> ComplexArray:
-    """Return the eigenvalues [1/s] of a system with its stops open or closed, (2 n,)."""
-    model = system.model
-    mass = np.zeros((model.nv, model.nv))
-    with system.assembly.scratch.data(model) as data:
-        mujoco.mj_fwdPosition(model, data)
-        mujoco.mj_fullM(model, data, mass)
-        matrices = _mount_matrices(system, data, closed)
-    moves = np.ones(model.nv, dtype=bool)
-    moves[system.assembly.driven_dofs] = False
-    free = np.flatnonzero(moves)
-    single = model.jnt_type[model.dof_jntid] >= int(mujoco.mjtJoint.mjJNT_SLIDE)
-    springs = np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)
-    pairs = zip(matrices, (springs, model.dof_damping), strict=True)
-    stiffness, damping = ((mounts + np.diag(joints))[np.ix_(free, free)] for mounts, joints in pairs)
-    return _eigenvalues_of_matrices(mass[np.ix_(free, free)], stiffness, damping)
+    """Return the eigenvalues [1/s] of a system with its stops open or closed, (2 n,), n motions that equalities leave."""
+    found = linear_system(system, closed=closed)
+    parts = (found.motions.T @ part @ found.motions for part in (found.mass, found.stiffness, found.damping))
+    return _eigenvalues_of_matrices(*parts) if found.motions.size else np.zeros(0, dtype=np.complex128)
 
 
 def _eigenvalues_of_matrices(inertia: Array, stiffness: Array, damping: Array) -> ComplexArray:
@@ -83,7 +48,8 @@ def stable_step(system: System) -> float:
     """Return the largest step [s] with which RK4 is stable on the unloaded mounts and on all stops."""
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values() if law is not None]
     decay = max((law.relaxation_rate for law in laws), default=0.0)
-    fastest = max(float(np.abs(_eigenvalues_of_system(system, closed=True)).max(initial=0.0)), decay)
+    constraint = linear_system(system, closed=True).fastest_constraint if system.model.neq else 0.0
+    fastest = max(float(np.abs(_eigenvalues_of_system(system, closed=True)).max(initial=0.0)), decay, constraint)
     return RK4_LIMIT / fastest if fastest > 0.0 else np.inf
 
 

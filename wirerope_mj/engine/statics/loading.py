@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import STATE, state_of
+from wirerope_mj.engine.statics.linear import linear_system
 from wirerope_mj.engine.statics.payloads import payloads_of, unresisted
 from wirerope_mj.engine.statics.roots import Roots, SlowPath
 from wirerope_mj.engine.system import System, beyond_laws
@@ -27,6 +28,8 @@ TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders 
 ACCEPTED = 1e-8
 # positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
 MOST = 3_000
+# step of a fall over the shortest time in which anything swings, and number of steps: the slowest sink by then, too
+FALL, FALLING = 0.5, 2000
 FARTHEST = 10.0  # deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
 # argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
 WITHOUT_SENSORS = 1
@@ -100,12 +103,16 @@ class Loading:
         with installed(self.model, self.data):
             # Without gravity all steps are one.
             qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS if self.gravity.any() else 1.0
-            residual = 0.0
+            residual, touches = 0.0, self._touches()
             while load < 1.0:
                 trial_load = min(load + step, 1.0)
                 self.model.opt.gravity[:] = trial_load * self.gravity
                 trial, residual = roots.find(qpos, TOLERANCE * scale)
                 carried = residual <= ACCEPTED * scale  # not if it is no number
+                if not carried and touches and not load:  # nothing carries weightless parts that just touch: no slope to follow
+                    roots.forget()
+                    trial, residual = roots.find(self._sunk(qpos), TOLERANCE * scale)
+                    carried = residual <= ACCEPTED * scale
                 if self.tried > MOST or (not carried and step < 2.0 * SMALLEST_LOAD_STEP):
                     self._accelerations(qpos)  # back to the last load that was carried
                     raise ConvergenceError(self._diagnosis(trial_load, residual))
@@ -135,6 +142,23 @@ class Loading:
             self.data.act[first : first + states.size] = states
         mujoco.mj_forwardSkip(self.model, self.data, mujoco.mjtStage.mjSTAGE_POS, WITHOUT_SENSORS)
         return self.data.qacc[self.free].copy()
+
+    def _touches(self) -> bool:
+        """Return whether contacts or limits may act, which have no slope where parts just touch."""
+        model = self.model
+        return bool(model.jnt_limited.any() or model.tendon_limited.any() or model.npair or model.geom_contype.any())
+
+    def _sunk(self, qpos: Array) -> Array:
+        """Let a position fall, each coordinate at rest again where it turns back, until it hardly moves."""
+        found = linear_system(self.system, closed=True)
+        fastest = float(np.sqrt(max(np.linalg.eigvals(np.linalg.solve(found.mass, found.stiffness)).real.max(), 1.0)))
+        step, velocity, tried = FALL / fastest, np.zeros(self.free.size), self.tried
+        for _ in range(FALLING):
+            acceleration = self._accelerations(qpos)
+            velocity = np.where(velocity * acceleration < 0.0, 0.0, velocity + step * acceleration)
+            qpos = self._moved(qpos, step * velocity)
+        self.tried = tried
+        return qpos
 
     def _go_to(self, qpos: Array) -> None:
         self.data.qpos[:], self.data.qvel[:] = qpos, 0.0

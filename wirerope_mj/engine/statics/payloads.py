@@ -1,7 +1,8 @@
 """Payloads, what no mount resists of their motions, and what a model says that is perhaps not meant.
 
-A payload is a body that mounts carry, with everything that stands on it. On one mount, or on mounts in line, it turns about
-them. Axes without a law, a strange gravity, masses far away and masses in other units can be simulated, and are warned of.
+A payload is a body that mounts carry, with everything that stands on it or is joined to it by equality constraints. On one
+mount, or on mounts in line, it turns about them. Axes without a law, a strange gravity, masses far away and masses in other
+units can be simulated, and are warned of.
 """
 
 from collections.abc import Callable, Iterator
@@ -11,7 +12,9 @@ import mujoco
 import numpy as np
 import scipy
 
-from wirerope_mj.engine.system import System, mount_rates
+from wirerope_mj.engine.statics.linear import dry_friction, soft_equalities
+from wirerope_mj.engine.system import System, mount_rates, once_per_system
+from wirerope_mj.engine.system.equalities import equality_rows, jacobian, left_by
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, UNITS, significant
 
@@ -35,47 +38,99 @@ class Payload:
 
     name: str  # of its lowest body, the first that moves on its own
     root: int  # id of that body
-    bodies: tuple[int, ...]  # ids of all that stand on it, itself included
+    bodies: tuple[int, ...]  # ids of all that stand on it or are joined to it, itself included
     mass: float  # of all of them [kg]
+    joined: tuple[int, ...] = ()  # ids of the lowest bodies of what is joined to it, and does not stand on it
+
+    def centre(self, data: mujoco.MjData, masses: Array) -> Array:
+        """Compute its centre of mass in `data` [m], (3,), from the masses of all subtrees [kg]."""
+        if not self.joined:
+            return data.subtree_com[self.root].copy()
+        roots = [self.root, *self.joined]
+        return np.asarray(masses[roots] @ data.subtree_com[roots] / self.mass)
 
 
 def movers_of(system: System) -> tuple[Payload, ...]:
     """Return the payloads, and after them what else moves on its own, such as a frame below the mounts."""
-    model = system.model
-    payloads = payloads_of(system)
+    model, payloads = system.model, payloads_of(system)
     known = {body for payload in payloads for body in payload.bodies}
-    modal = {mode.body for mode in system.assembly.subjects.modes}
-    weld, fixed = model.body_weldid.tolist(), _fixed(system)
-    roots = [
-        body for body in range(1, model.nbody)
-        if body not in known | modal and weld[body] not in fixed and weld[int(model.body_parentid[body])] in fixed
-    ]  # fmt: skip
-    return payloads + tuple(_payload(model, root) for root in roots)
+    known |= {mode.body for mode in system.assembly.subjects.modes}
+    return payloads + tuple(_payload(model, [root]) for root in _roots(system) if root not in known)
 
 
+@once_per_system
 def payloads_of(system: System) -> tuple[Payload, ...]:
     """Return the payloads of a system, in the order in which its mounts name them."""
-    model = system.model
-    fixed = _fixed(system)
-    roots: dict[int, None] = {}
-    for mount in system.mounts.values():
-        bodies = carriers(model, model.body(mount.payload_body).id)
-        roots[next(one for one in bodies if int(model.body_weldid[model.body_parentid[one]]) in fixed)] = None
-    return tuple(_payload(model, root) for root in roots)
+    with system.assembly.scratch.data(system.model) as data:
+        if system.model.neq:
+            mujoco.mj_fwdPosition(system.model, data)
+        return payloads_in(system, data, of_contacts=False)
 
 
-def _fixed(system: System) -> set[int]:
-    """Return the ids of what moves as the base does, or not at all."""
-    return {0, system.model.body(system.base).id} if system.base else {0}
+def payloads_in(system: System, data: mujoco.MjData, *, of_contacts: bool = True) -> tuple[Payload, ...]:
+    """Return the payloads in a position, with what equality constraints join to them.
 
-
-def _payload(model: mujoco.MjModel, root: int) -> Payload:
-    return Payload(
-        name=model.body(root).name,
-        root=root,
-        bodies=tuple(body for body in range(root, model.nbody) if root in carriers(model, body)),
-        mass=float(model.body_subtreemass[root]),
+    `of_contacts`: also with what presses on them, or hangs on them by a tendon or its limit, and is not carried otherwise.
+    """
+    model, roots = system.model, _roots(system)
+    own = [_lowest(model, model.body(mount.payload_body).id, roots) for mount in system.mounts.values()]
+    frames = {_lowest(model, model.body(mount.base_body).id, roots) for mount in system.mounts.values()}
+    groups = {root: [root] for root in own}
+    taken, joined = (
+        {*groups, *frames},
+        [
+            {_lowest(model, int(model.dof_bodyid[dof]), roots) for dof in np.flatnonzero(row)} - {0}
+            for row in _joining(model, data, of_contacts=of_contacts)
+        ],
     )
+    grown = True
+    while grown:
+        grown = False
+        for group in groups.values():
+            for together in joined:
+                if not together.isdisjoint(group) and (more := sorted(together - taken)):
+                    group += more
+                    taken.update(more)
+                    grown = True
+    return tuple(_payload(model, group) for group in groups.values())
+
+
+def _joining(model: mujoco.MjModel, data: mujoco.MjData, *, of_contacts: bool) -> Iterator[Array]:
+    """Yield the rates of what joins bodies by velocity coordinates, (n_v,), |rate| of all rows of a constraint together."""
+    equal, limit = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY), int(mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT)
+    rates = np.abs(jacobian(model, data)) > _MOVES if model.neq or of_contacts else np.zeros((0, model.nv), dtype=bool)
+    for kind, number in dict.fromkeys(zip(data.efc_type.tolist(), data.efc_id.tolist(), strict=True)) if len(rates) else ():
+        rows = (data.efc_type == kind) & (data.efc_id == number)
+        if kind == equal or (of_contacts and kind >= limit and data.efc_force[rows].any()):
+            yield rates[rows].any(axis=0)
+    for tendon in np.flatnonzero(model.tendon_stiffness > 0.0) if of_contacts else ():
+        first, size = int(model.ten_J_rowadr[tendon]), int(model.ten_J_rownnz[tendon])
+        row = np.zeros(model.nv)
+        row[model.ten_J_colind[first : first + size]] = data.ten_J[first : first + size]
+        yield row
+
+
+def _roots(system: System) -> list[int]:
+    """Return the ids of the lowest bodies that move on their own, in the order of the model."""
+    model, fixed = system.model, {0, system.model.body(system.base).id} if system.base else {0}
+    weld = model.body_weldid.tolist()
+    return [
+        body for body in range(1, model.nbody)
+        if weld[body] not in fixed and weld[int(model.body_parentid[body])] in fixed
+    ]  # fmt: skip
+
+
+def _lowest(model: mujoco.MjModel, body: int, roots: list[int]) -> int:
+    """Return which of the lowest bodies a body stands on, 0 if none."""
+    return next((carrier for carrier in carriers(model, body) if carrier in roots), 0)
+
+
+def _payload(model: mujoco.MjModel, roots: list[int]) -> Payload:
+    return Payload(
+        name=model.body(roots[0]).name, root=roots[0], joined=tuple(roots[1:]),
+        bodies=tuple(body for body in range(1, model.nbody) if not set(roots).isdisjoint(carriers(model, body))),
+        mass=float(sum(model.body_subtreemass[root] for root in roots)),
+    )  # fmt: skip
 
 
 def carriers(model: mujoco.MjModel, body: int) -> Iterator[int]:
@@ -87,7 +142,8 @@ def carriers(model: mujoco.MjModel, body: int) -> Iterator[int]:
 
 def model_warnings(system: System) -> tuple[str, ...]:
     """Return a sentence on each thing in a model that is perhaps not meant, with its element and the remedy."""
-    return (*_lawless(system), *_gravity(system), *_masses(system), *_loads(system))
+    said = (*_lawless(system), *_gravity(system), *_masses(system), *_loads(system))
+    return (*said, *soft_equalities(system), *dry_friction(system))
 
 
 def _lawless(system: System) -> list[str]:
@@ -117,11 +173,8 @@ def _possible_motions(system: System) -> list[Array]:
     model, data = system.model, mujoco.MjData(system.model)
     mujoco.mj_fwdPosition(model, data)
     free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
-    motions = np.eye(model.nv)[:, free]
-    equal = data.efc_type[: data.nefc] == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-    if equal.any() and not mujoco.mj_isSparse(model):
-        constrained = data.efc_J.reshape(data.nefc, model.nv)[equal][:, free]
-        motions = motions @ scipy.linalg.null_space(constrained, rcond=1e-9)
+    rows = jacobian(model, data)[equality_rows(data)] if model.neq else np.zeros((0, model.nv))
+    motions = np.eye(model.nv)[:, free] @ left_by(rows[:, free])
     return [rates @ motions for rates, _ in mount_rates(system, data)]
 
 

@@ -9,7 +9,7 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.statics.find import equilibrium
 from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History
-from wirerope_mj.engine.statics.payloads import payloads_of
+from wirerope_mj.engine.statics.payloads import Payload, payloads_in
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ConvergenceError
@@ -120,7 +120,7 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         mujoco.mj_forward(model, data)
     gravity = float(np.linalg.norm(model.opt.gravity))
     up = -model.opt.gravity / gravity if gravity else np.array([0.0, 0.0, 1.0])
-    payloads = payloads_of(system)
+    payloads = payloads_in(system, data)
     carried = {body for payload in payloads for body in payload.bodies}
     weight = gravity * sum(payload.mass for payload in payloads)
     mounts, on_mounts = {}, 0.0
@@ -135,16 +135,16 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
         history=result.history, mounts=mounts,
-        payloads={p.name: _payload(unloaded, data, p.root, p.mass) for p in payloads}, weight=weight,
+        payloads={p.name: _payload(unloaded, data, p, model.body_subtreemass) for p in payloads}, weight=weight,
         on_mounts=on_mounts, on_contacts=_on_contacts(model, data, carried, up), equilibrium=result,
     )  # fmt: skip
 
 
-def _payload(unloaded: mujoco.MjData, data: mujoco.MjData, root: int, mass: float) -> PayloadSag:
-    turn = np.zeros(3)
+def _payload(unloaded: mujoco.MjData, data: mujoco.MjData, payload: Payload, masses: Array) -> PayloadSag:
+    turn, root, centre = np.zeros(3), payload.root, payload.centre(unloaded, masses)
     mujoco.mju_subQuat(turn, data.xquat[root], unloaded.xquat[root])  # in the body's axes as modelled
     return PayloadSag(
-        mass=mass, centre=unloaded.subtree_com[root].copy(), displacement=data.subtree_com[root] - unloaded.subtree_com[root],
+        mass=payload.mass, centre=centre, displacement=payload.centre(data, masses) - centre,
         rotation=unloaded.xmat[root].reshape(3, 3) @ turn,
     )  # fmt: skip
 

@@ -10,6 +10,7 @@ import numpy as np
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.engine.system.equalities import check_base_is_free, stiffen
 from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, declared_contacts, declared_pairs, make_tables
 from wirerope_mj.foundation.arrays import Array
@@ -94,6 +95,7 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))
     userdata = int(plain.nuserdata)
     _set_options(spec)
+    stiffen(spec)
     spec.nuserdata = userdata + tables.user.size
     spec.add_numeric(name=at.LAYOUT, size=tables.layout.size, data=tables.layout.tolist())
     parameters = [*tables.parameters.tolist(), 0.0]  # never empty
@@ -102,6 +104,9 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     _add_state_actuator(spec, plain, tables, [first, first + tables.layout.size, userdata, int(plain.na)])
     _add_sensors(spec, plain, declared, subjects)
     model = spec.compile()
+    driven = [int(model.jnt_dofadr[joint]) for joint in subjects.driven]
+    if model.neq and driven:
+        check_base_is_free(model, model.body(base).name, driven)
     return Assembly(
         model=model, tables=tables, subjects=subjects, userdata=userdata, activation=int(plain.na),
         sensor=int(plain.nsensordata), contacts=declared_contacts(model, base),

@@ -1,0 +1,164 @@
+"""A linear system about the modelled geometry: unloaded mounts, its own springs and dampers, what constraints leave of it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import scipy
+
+from wirerope_mj.engine.system import System, mount_rates, once_per_system
+from wirerope_mj.engine.system.equalities import equality_name, equality_rows, jacobian, left_by
+from wirerope_mj.engine.system.tables import turning
+from wirerope_mj.foundation.arrays import Array, Integers
+
+# Step [m, rad, m/s or rad/s] of central differences: their error and that of rounding are both near 1e-9 of the stiffness.
+STEP = 1e-6
+GIVES_WAY = 0.01  # change of a natural frequency from which a constraint of MuJoCo's is not rigid
+_SLOWEST = 1.0  # angular frequency [rad/s] below which nothing swings
+
+
+@dataclass(frozen=True, kw_only=True)
+class Linear:
+    """A system without its driven base, in the free velocity coordinates."""
+
+    mass: Array  # (n, n)
+    stiffness: Array  # (n, n)
+    damping: Array  # (n, n)
+    motions: Array  # those that equality constraints leave, as columns, (n, n_left)
+    equalities: Integers  # which constraint each row is of, (n_rows,)
+    rows: Array  # rates of the equality constraints, (n_rows, n)
+    # reference of MuJoCo's constraints, force = -weight (rows a + damping rate + stiffness error), (3, n_rows)
+    soft: Array
+
+    @property
+    def fastest_constraint(self) -> float:
+        """Largest rate at which MuJoCo brings an equality constraint back [1/s], 0 without any."""
+        _, b, k = self.soft
+        return float(np.abs(0.5 * b + np.sqrt((0.25 * b * b - k).astype(np.complex128))).max(initial=0.0))
+
+
+def linear_system(system: System, *, closed: bool) -> Linear:
+    """Linearise a system in the modelled geometry with its stops open or closed; damping is the laws' largest."""
+    model = system.model
+    mass = np.zeros((model.nv, model.nv))
+    free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
+    with system.assembly.scratch.data(model) as data:
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        matrices = zip(_mount_matrices(system, data, closed), _springs_and_dampers(model, data), strict=True)
+        stiffness, damping = ((mounts + own)[np.ix_(free, free)] for mounts, own in matrices)
+        numbers = equality_rows(data) if model.neq else np.zeros(0, dtype=np.int64)
+        rows = jacobian(model, data)[np.ix_(numbers, free)] if numbers.size else np.zeros((0, free.size))
+        k, b, impedance, _ = data.efc_KBIP[numbers].T
+        soft = np.array([data.efc_D[numbers], b, impedance * k])
+        equalities = data.efc_id[numbers].copy()
+    return Linear(
+        mass=mass[np.ix_(free, free)], stiffness=stiffness, damping=damping, motions=left_by(rows), equalities=equalities,
+        rows=rows, soft=soft,
+    )  # fmt: skip
+
+
+def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:
+    """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
+
+    Stiffness is that of the unloaded mounts in the modelled geometry, with stops open or closed, damping the laws' largest.
+    """
+    rows: list[Array] = [np.zeros((0, system.model.nv))]
+    numbers: list[tuple[float, float]] = []
+    for mount, (moves, turns) in zip(system.mounts.values(), mount_rates(system, data), strict=True):
+        rows.append(mount.axes.T @ moves)  # of the deflections, (3, n_v)
+        for law in mount.isolator.axes.values():
+            if law is None:
+                numbers.append((0.0, 0.0))
+            elif closed:
+                numbers.append((law.closed_stiffness, law.closed_damping))
+            else:
+                numbers.append((law.initial_stiffness, law.damping_coefficient))
+        if mount.isolator.rotation is not None:
+            rows.append(mount.axes.T @ turns)
+            numbers += [(stiffness, 0.0) for stiffness in turning(mount.isolator)]
+    to_deflections = np.concatenate(rows)
+    along, resisting = (to_deflections.T * row @ to_deflections for row in np.array(numbers).reshape(-1, 2).T)
+    return along, resisting
+
+
+def _springs_and_dampers(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]:
+    """Compute stiffness and damping of joints, tendons and actuators, (n_v, n_v) each."""
+    if not beyond_joints(model):
+        single = model.jnt_type[model.dof_jntid] >= int(mujoco.mjtJoint.mjJNT_SLIDE)
+        return np.diag(np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)), np.diag(model.dof_damping)
+    weightless = model.__copy__()
+    weightless.opt.gravity[:] = 0.0
+    other = mujoco.MjData(weightless)
+    other.qpos[:] = data.qpos
+    return smooth_slopes(weightless, other)
+
+
+def beyond_joints(model: mujoco.MjModel) -> bool:
+    """Return whether tendons, actuators of the model's own or polynomials act besides linear springs and dampers of joints."""
+    return bool(model.ntendon or model.nu > 1 or model.nflex or model.jnt_stiffnesspoly.any() or model.dof_dampingpoly.any())
+
+
+def smooth_slopes(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]:
+    """Compute how forces besides mounts' and constraints' resist displacements and rates about rest, (n_v, n_v) each."""
+    rest = data.qpos.copy()
+
+    def forces(unit: Array, moves: float, rates: float) -> Array:
+        data.qpos[:] = rest
+        mujoco.mj_integratePos(model, data.qpos, moves * unit, 1.0)
+        data.qvel[:] = rates * unit
+        mujoco.mj_forward(model, data)
+        return data.qfrc_smooth.copy()
+
+    slopes = [
+        [(forces(unit, -a * STEP, -b * STEP) - forces(unit, a * STEP, b * STEP)) / (2.0 * STEP) for unit in np.eye(model.nv)]
+        for a, b in ((1.0, 0.0), (0.0, 1.0))
+    ]
+    data.qpos[:], data.qvel[:] = rest, 0.0
+    stiffness, damping = np.array(slopes)
+    return 0.5 * (stiffness + stiffness.T), 0.5 * (damping + damping.T)
+
+
+@once_per_system
+def soft_equalities(system: System) -> tuple[str, ...]:
+    """Return a sentence on equality constraints that give way in a simulation, with the natural frequency that this moves."""
+    if not system.model.neq:
+        return ()
+    found = linear_system(system, closed=False)
+    weight, _, stiffness = found.soft
+    rigid = _frequencies(found.motions.T @ found.stiffness @ found.motions, found.motions.T @ found.mass @ found.motions)
+    sentences = []
+    for number in dict.fromkeys(found.equalities.tolist()):
+        own = found.equalities == number
+        motions, rows = left_by(found.rows[~own]), found.rows[own]  # this one soft, and rigid what else there is
+        added, held = ((rows.T * w) @ rows for w in (weight[own], (weight * stiffness)[own]))
+        soft = _frequencies(*(motions.T @ part @ motions for part in (found.stiffness + held, found.mass + added)))
+        for frequency in rigid[:1]:
+            moved = soft[int(np.argmin(np.abs(np.log(soft / frequency))))] if soft.size else np.inf
+            if abs(moved / frequency - 1.0) > GIVES_WAY:
+                sentences.append(
+                    f"{equality_name(system.model, number)} is rigid in modes and statics, and gives way in a simulation: the "
+                    f'natural frequency of {frequency:.4g} Hz is {moved:.4g} Hz there. Write solimp="0.9999 0.9999" into it, '
+                    "or make one body of what it joins."
+                )
+    return tuple(sentences)
+
+
+def _frequencies(stiffness: Array, mass: Array) -> Array:
+    """Return the natural frequencies [Hz] of what swings, from the lowest on."""
+    rates = np.sqrt(np.maximum(scipy.linalg.eigvalsh(stiffness, mass), 0.0)) if len(mass) else np.zeros(0)
+    return np.asarray(rates[rates > _SLOWEST]) / (2.0 * np.pi)
+
+
+def dry_friction(system: System) -> Iterator[str]:
+    """Yield a sentence on dry friction in joints and tendons, which modes and statics are without."""
+    model = system.model
+    dofs = np.flatnonzero(model.dof_frictionloss > 0.0)
+    names = dict.fromkeys(f"joint {model.joint(int(joint)).name!r}" for joint in model.dof_jntid[dofs])
+    names |= dict.fromkeys(f"tendon {model.tendon(int(t)).name!r}" for t in np.flatnonzero(model.tendon_frictionloss > 0.0))
+    if names:
+        yield (
+            f"{', '.join(names)}: `frictionloss` acts in a simulation alone. Modes and statics are of what slides without it; "
+            "where it sticks, what it holds moves as one. Leave the joint away for the modes of what is held."
+        )
