@@ -57,7 +57,8 @@ CRANK = """
     <geom type="box" size=".04 .04 .04" mass="2.2"/><site name="point/piston"/></body>
 </body>
 """
-CRANK_LOOP = '<equality><connect body1="rod" body2="piston" anchor=".32 0 0" solimp="0.9999 0.9999"/></equality>'  # as rigid as `load_system` makes it
+# as rigid as `load_system` makes what says no impedance
+CRANK_LOOP = '<equality><connect body1="rod" body2="piston" anchor=".32 0 0" solimp="0.9999 0.9999"/></equality>'
 PILE = """
 <body name="tray" pos="0 0 .4"><freejoint/><geom type="box" size=".3 .3 .02" mass="12" contype="1" conaffinity="1"/>
   <geom type="box" pos=".3 0 .06" size=".02 .3 .06" mass="1" contype="1" conaffinity="1"/>

@@ -173,30 +173,35 @@ def test_an_interrupt_leaves_no_callback_behind(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_callback_that_was_installed_before_comes_back():
-    calls = []
+CALLBACKS = ("control", "act_dyn", "sensor", "passive", "act_gain", "act_bias", "contactfilter")
 
-    def mine(model, data):
-        calls.append(data.time)
 
-    def dynamics(model, data, actuator):
-        return 0.0
-
-    # The model must be compiled before: MuJoCo runs a foreign callback even while it compiles.
-    system = sdof(LAW)
-    mujoco.set_mjcb_control(mine)
-    mujoco.set_mjcb_act_dyn(dynamics)
+@pytest.mark.parametrize("name", CALLBACKS)
+def test_a_callback_of_the_process_is_refused_by_name_in_every_room(name):
+    system = sdof(LAW, gravity=G)
+    relaxed = wr.equilibrium(system, history="relaxed").state
+    rooms = [
+        lambda: wr.load_system(sdof_text(), isolators={"a": wr.Isolator(name="a", axial=LAW)}),
+        lambda: wr.equilibrium(system),
+        lambda: wr.modes(system, history="relaxed"),  # of an equilibrium that is known
+        *(
+            lambda engine=engine: wr.simulate(system, SHOCK, duration=0.02, timestep=1e-4, initial=relaxed, engine=engine)
+            for engine in ("auto", "mujoco")
+        ),
+        lambda: wr.simulate_batch([system], SHOCK, duration=0.02, timestep=1e-4, initial=relaxed),
+    ]
+    mine = lambda *_: 0.0  # noqa: E731
+    set_callback, get_callback = (getattr(mujoco, f"{verb}_mjcb_{name}") for verb in ("set", "get"))
+    set_callback(mine)
     try:
-        wr.simulate(system, SHOCK, duration=0.02, timestep=1e-4, initial="unloaded")
-        assert mujoco.get_mjcb_control() is mine
-        assert mujoco.get_mjcb_act_dyn() is dynamics
-        assert set(calls) <= {0.0}  # never while the simulation steps
-        with pytest.raises(ValueError, match="`callback`"):
-            wr.simulate(system, SHOCK, duration=0.02, timestep=1e-4, initial="unloaded", callback="fast")
-        assert mujoco.get_mjcb_control() is mine
+        for room in rooms:
+            with pytest.raises(wr.SimulationError, match=rf"`mjcb_{name}` of this process is set.*set_mjcb_{name}\(None\)"):
+                room()
+            assert get_callback() is mine
     finally:
-        mujoco.set_mjcb_control(None)
-        mujoco.set_mjcb_act_dyn(None)
+        set_callback(None)
+    wr.simulate(system, SHOCK, duration=0.02, timestep=1e-4, initial=relaxed, engine="mujoco")
+    assert get_callback() is None
 
 
 def test_the_mounts_act_on_a_model_beside_one_that_is_not_ours():

@@ -7,6 +7,7 @@ import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from typing import Any, Literal
 
 import mujoco
@@ -28,6 +29,25 @@ _users = 0
 _kind: Kind = "native"
 _before: tuple[object, ...] = (None,) * 4
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+# MuJoCo's callbacks that change what a model does: the first three are those that make mounts act
+_OWN, _ACTING = ("control", "act_dyn", "sensor"), ("passive", "act_gain", "act_bias", "contactfilter")
+
+
+def check_callbacks() -> None:
+    """Raise SimulationError if the process has a callback of its own, which no result here would hold."""
+    with _lock:
+        names = _ACTING if _users else _OWN + _ACTING
+    for name in names:
+        if getattr(mujoco, f"get_mjcb_{name}")() is not None:
+            raise SimulationError(
+                f"`mjcb_{name}` of this process is set: MuJoCo's callbacks act on every model, mounts act through them, and "
+                f"kernel, modes and statics know nothing of them. Call mujoco.set_mjcb_{name}(None) first; your law is an "
+                "`OwnLaw`, and a force on the payload part of the motion."
+            )
+
+
+check_callbacks()
+import_module("mujoco.batch")  # it compiles a model, which no callback of the process's own survives
 
 
 class _Views:
@@ -121,9 +141,11 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
     RuntimeWarning.
 
     Raises:
-        SimulationError: another thread steps with the other kind, or MuJoCo could not go on within the block.
+        SimulationError: another thread steps with the other kind, the process has a callback of its own, or MuJoCo could not
+            go on within the block.
     """
     one_of("callback", kind, ("native", "python"))
+    check_callbacks()
     kind = _verified(model, data) if kind == "native" else kind
     _acquire(kind)
     try:

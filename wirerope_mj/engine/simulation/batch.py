@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.control.install import Kind
+from wirerope_mj.engine.control.install import Kind, check_callbacks
 from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
@@ -117,6 +117,7 @@ def simulate_batch(
         AccuracyWarning: `timestep` is too long for friction that yields within it; by the variant in which it yields most.
         ModelWarning: an equality constraint of the first system gives way.
     """
+    check_callbacks()
     check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate)
     threads = (os.cpu_count() or 1) if threads is None else integer("threads", threads, least=1)
     systems, motions, starts = _variants(systems, motions, initial)

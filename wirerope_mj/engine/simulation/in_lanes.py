@@ -8,7 +8,7 @@ from functools import partial
 import mujoco
 import numpy as np
 
-from wirerope_mj.engine.control.install import STATE
+from wirerope_mj.engine.control.install import STATE, check_callbacks
 from wirerope_mj.engine.kernel.equations import Equations
 from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.response.peaks import Peak
@@ -71,6 +71,7 @@ def go_in_lanes(
     `drive` makes slides from base vectors, (n_driven, 3); `sink` takes the samples if they are wanted, `progress` the simulated
     time [s] now and then.
     """
+    check_callbacks()
     distinct, which = distinct_motions(motions)
     events = [events_key(motion) for motion in distinct]
     groups = _groups(equations, states, which, [events[motion] for motion in which])

@@ -12,7 +12,7 @@ import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as control
-from wirerope_mj.engine.control.install import state_of
+from wirerope_mj.engine.control.install import check_callbacks, state_of
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import Equations, equations, not_held
 from wirerope_mj.engine.kernel.rest import SETTINGS, settle
@@ -197,6 +197,7 @@ def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
         ConvergenceError: there is no equilibrium, or it was not found; names the mount that cannot carry its load.
     """
     one_of("history", history, HISTORIES)
+    check_callbacks()
     known = _known.setdefault(system, {})
     if history not in known:
         with system.assembly.scratch.data(system.model) as data:

@@ -12,6 +12,7 @@ from weakref import WeakKeyDictionary
 import mujoco
 import numpy as np
 
+from wirerope_mj.engine.control.install import check_callbacks
 from wirerope_mj.engine.system.assembly import Assembly, assemble
 from wirerope_mj.engine.system.changes import Changes
 from wirerope_mj.engine.system.checks import check_joints, check_numbers, check_written, refused
@@ -123,7 +124,9 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
     Raises:
         ValueError: `source` is neither a path, a name nor text.
         ModelError: the model cannot be read, or its mounts, sites, isolators or base are not what they must be.
+        SimulationError: the process has one of MuJoCo's callbacks set.
     """
+    check_callbacks()
     text, path = _read(source)
     try:
         for name, isolator in (isolators or {}).items():
