@@ -165,11 +165,11 @@ GOOD = "time [s],z [g]\n"
             "time [s],z\n0,1\n1,1\n",
             'line 1: column "z" has no unit. Write it behind the name, for instance "z [m/s^2]"',
         ),
-        ("time,z [g]\n0,1\n1,1\n", 'line 1: column "time" has no unit.* known units: s, ms'),
+        ("time,z [g]\n0,1\n1,1\n", 'line 1: column "time" has no unit.* known units: s, ms, us, min, h'),
         ("time [s],z [V]\n0,1\n1,1\n", 'column "z" has the unknown unit "V". Known units: m/s^2, m/s2, m/s²'),
-        ("time [min],z [g]\n0,1\n1,1\n", 'column "time" has the unknown unit "min". Known units: s, ms'),
-        ("z [g],time [s]\n1,0\n1,1\n", "line 1: the first column must be time.* the columns are z, time"),
-        ("0,1\n1,1\n", "line 1: the first column must be time.* the columns are 0, 1"),
+        ("time [mm],z [g]\n0,1\n1,1\n", 'column "time" has the unknown unit "mm". Known units: s, ms, us, min, h'),
+        ("z [g],x [g]\n1,0\n1,1\n", "line 1: no column is the time; one alone is called.* the columns are z [g], x [g]"),
+        ("0,1\n1,1\n", "line 1: numbers begin here and no header stands above them"),
         (
             "time [s],ch1 [g]\n0,1\n1,1\n",
             "no column is named x, y or z; the columns are time, ch1. Say which one moves the base where, for instance "
@@ -177,9 +177,9 @@ GOOD = "time [s],z [g]\n"
         ),
         ("time [s]\n0\n1\n", "no column is named x, y or z; the columns are time"),
         ("time [s],x [g],ax [g]\n0,1,1\n1,1,1\n", '"ax" is a second column for direction x'),
-        (bytes(range(256)), "line 1: the header holds NUL characters: this is no text, or text in UTF-16"),
-        (b"\x80\xff,1\n0,1\n", "line 1: the first column must be time.*not text in UTF-8, save it as CSV"),
-        (b"PAR1\x15\x04,1\n0,1\n", "line 1: the header holds control characters: this is no text"),
+        (bytes(range(256)), "line 1: control characters (NUL) stand where a table has text, as in a binary file, one that was"),
+        (b"\x80\xff,b\n0,1\n", "line 1: no column is the time"),
+        (b"PAR1\x15\x04,1\n0,1\n", "this is not a Parquet file, or it is damaged"),
         (GOOD + "0,1\n1,2,3\n", "line 3: 3 cells where the header has 2 columns. Decimals are written with a point"),
         (
             "time [s];z [g]\n0,1\n1,1\n",

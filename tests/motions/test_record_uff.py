@@ -101,7 +101,7 @@ def test_an_uneven_abscissa_is_resampled_and_said(uff):
             history(7, "z", WAVE),
             "neither 7:z nor a dataset 164 says the unit of the accelerations. Say it, for instance unit=",
         ),
-        (history(7, "z", WAVE, unit="V"), '7:z has the unknown unit "v". Say which is meant, for instance unit="g"'),
+        (history(7, "z", WAVE, unit="V"), '7:z has the unknown unit "V". Say which is meant, for instance unit="g"'),
         (history(7, "z", WAVE, unit="g", count=500), "7:z holds 200 values where its header says 500"),
         (b"    -1\n    58\nno header\n    -1\n", "this universal file cannot be read"),
         (history(7, "z", WAVE, unit="g")[:-40], "holds no complete dataset: it was cut off before the line -1"),

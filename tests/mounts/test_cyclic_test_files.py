@@ -79,7 +79,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
     [
         ({"loops": []}, "`loops` must hold at least one loop"),
         ({"frequency": 0.0}, "`frequency` must be > 0, got 0.0"),
-        ({"deflection_unit": "inch"}, "`deflection_unit` must be one of 'm', 'mm', 'cm', 'in', got 'inch'"),
+        ({"deflection_unit": "inch"}, "`deflection_unit` must be one of 'm', 'mm', 'cm', 'in', .*, got 'inch'"),
         ({"force_unit": "kg"}, "`force_unit` must be one of 'N', .*'kN', 'lbf', .*got 'kg'"),
     ],
 )
@@ -161,7 +161,7 @@ def swapped(number, text):
             GOOD,
             r'line 1: there is no column "force".*loop, time, deflection; expected',
         ),
-        ("loop,time [s],way [mm],force [kN]", GOOD, r'line 1: there is no column "deflection"'),
+        ("loop,time [s],way,force [kN]", GOOD, r'line 1: there is no column "deflection"'),
         ("loop,deflection [mm],deflection [m],force [kN]", GOOD, r"line 1: deflection stands in the columns.*one unit"),
         ("loop,time [s],deflection,force [kN]", GOOD, r'line 1: column "deflection" has no unit.*m, mm'),
         ("loop,time [s],deflection [mm],force [kg]", GOOD, r'line 1: .*unknown unit "kg". Known units: N, daN, kN'),
@@ -235,8 +235,8 @@ def test_a_cycle_that_no_isolator_could_make_is_refused(tmp_path, change, messag
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"PK\x03\x04\x14 zipped", "line 1: the header holds control characters: this is no text"),
-        (b"\x89PNG\r\n", "line 1: .*the file is not text in UTF-8, save it as CSV"),
+        (b"PK\x03\x04\x14 zipped", "this is no XLSX file that can be read"),
+        (b"\x89PNG\r\n", "this is a PNG picture, which is not read"),
         (b"column," * 2_000 + b"\n1,2\n", 'line 1: there is no column "deflection". .*column, column'),
         (b"deflection [mm],force [kN]\n0," + b"x" * 9_000 + b"\n", 'line 2: "x+\\.\\.\\." in column "force"'),
     ],

@@ -1,23 +1,34 @@
-"""Units of files and of what people read, and what one of each is in SI; the library itself speaks SI."""
+"""Units of files and of what people read, and what one of each is in SI; the library itself speaks SI.
+
+One table of units, and one notation of a column's name with its unit, for records, loops, densities, curves and tables.
+"""
 
 import math
+import re
+import unicodedata
 from collections.abc import Mapping
+from functools import cache
 from typing import overload
 
 from wirerope_mj.foundation.arrays import Array
 
 STANDARD_GRAVITY = 9.80665  # Standard acceleration of free fall [m/s^2] (ISO 80000-3), the g of shock levels
-TIME_UNITS = {"s": 1.0, "ms": 1e-3}
-LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
-FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605, "kip": 4448.2216152605}
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
+LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "um": 1e-6, "ft": 0.3048}
+FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605, "kip": 4448.2216152605, "kgf": STANDARD_GRAVITY}
 STIFFNESS_UNITS = {"N/mm": 1e3, "lb/in": 175.12683524647636}  # of vendors' tables; 4.4482216152605 N / 0.0254 m
-VELOCITY_UNITS = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254}
+VELOCITY_UNITS = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254, "ft/s": 0.3048}
 ACCELERATION_UNITS = {
     "m/s^2": 1.0, "m/s2": 1.0, "m/s²": 1.0, "g": STANDARD_GRAVITY, "mm/s^2": 1e-3, "mm/s2": 1e-3, "cm/s^2": 1e-2, "cm/s2": 1e-2,
-    "gal": 1e-2, "in/s^2": 0.0254, "ft/s^2": 0.3048,
+    "gal": 1e-2, "in/s^2": 0.0254, "ft/s^2": 0.3048, "mg": 1e-3 * STANDARD_GRAVITY,
 }  # fmt: skip
+FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
+MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
+PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
+    ("(m/s^2)^2/Hz", "(m/s2)2/Hz", "(m/s²)²/Hz", "m^2/s^3", "m2/s3", "m^2/s^4/Hz"), 1.0
+)
 _POUND = 0.45359237
-# units of each kind of quantity in the tables of a model, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)
+# units of each kind of quantity in files, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)
 UNITS: dict[str, Mapping[str, float]] = {
     "length": {"mm": 1e-3} | LENGTH_UNITS,
     "mass": {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": _POUND},
@@ -30,11 +41,37 @@ UNITS: dict[str, Mapping[str, float]] = {
     "stiffness": {
         f"{force}/{length}": newtons / metres
         for force, newtons in FORCE_UNITS.items() for length, metres in (("m", 1.0), ("mm", 1e-3))
-    } | {"MN/m": 1e6},
-    "frequency": {"Hz": 1.0},
+    } | {"MN/m": 1e6, "lb/in": STIFFNESS_UNITS["lb/in"]},
+    "frequency": FREQUENCY_UNITS,
     "ratio": {"%": 0.01, "-": 1.0},
     "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
+    "force": FORCE_UNITS,
+    "moment": MOMENT_UNITS,
+    "velocity": VELOCITY_UNITS,
+    "acceleration": ACCELERATION_UNITS,
+    "density": PSD_UNITS,
 }  # fmt: skip
+# what else a logger writes as a unit beside the quantities that are read: enough to know a row of units, or what stands in
+# parentheses, for one
+_ELSEWHERE = (
+    "V", "mV", "°C", "degC", "°F", "Pa", "kPa", "MPa", "bar", "psi", "rpm", "1/min", "deg/s", "rad/s", "um/m", "mm/mm", "dB",
+    "J", "pC", "counts", "kg/m^3", "N/mm^2",
+)  # fmt: skip
+_WORDS = {
+    word: unit
+    for unit, words in {
+        "s": "sec secs second seconds sek sekunden", "ms": "msec msecs millisecond milliseconds",
+        "us": "usec usecs microsecond microseconds", "min": "mins minute minutes", "h": "hr hrs hour hours",
+        "m": "meter meters metre metres", "mm": "millimeter millimeters millimetre millimetres",
+        "cm": "centimeter centimeters centimetre centimetres", "in": "inch inches", "ft": "foot feet", "um": "micron microns",
+        "N": "newton newtons", "kN": "kilonewton kilonewtons", "kip": "kips klbf", "kgf": "kp", "lbf": "lbsf",
+        "lb": "lbs pound pounds", "kg": "kilogram kilograms", "t": "tonne tonnes", "Hz": "hertz", "gal": "gals",
+        "g": "gn gs", "deg": "degree degrees grad", "%": "percent pct", "m/s2": "mps2", "m/s": "mps", "in/s": "ips",
+        "ft/s": "fps", "counts": "count",
+    }.items()
+    for word in words.split()
+}  # fmt: skip
+_RMS = re.compile(r"(?<=g)[ _]?rms(?=\W*2)", re.IGNORECASE)  # of a density: grms^2/Hz is g^2/Hz
 _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY)}
 # Displayed units to one SI unit; the g is a divisor, so that integers of it stay integers.
 _PER_SI = {
@@ -46,6 +83,75 @@ _PER_SI = {
 def shown_in(unit: str) -> tuple[str, float]:
     """Return the unit in which an engineer reads values of an SI unit, and the factor into it; else the unit itself and 1."""
     return _SHOWN.get(unit, (unit, 1.0))
+
+
+def find_unit(text: str, known: Mapping[str, float]) -> str | None:
+    """Find which of the known units a text spells: µs and usec are us, m/s² is m/s^2, KN is kN, lbs are lbf; None if none."""
+    if text in known:
+        return text
+    spelled = _spelled(text)
+    if found := _by_spelling(tuple(known)).get(spelled):
+        return found
+    if spelled == "lb" and "lbf" in known:
+        return "lbf"
+    if spelled in (spelled.upper(), spelled.lower()) or text.istitle():
+        # of prefixes only M and m differ by their case alone
+        alike = {unit for unit in known if _spelled(unit).lower() == spelled.lower() and not unit.startswith("M")}
+        return min(alike, default=None)
+    return None
+
+
+def is_unit(text: str) -> bool:
+    """Tell whether a text is a unit of any quantity, also of one that no file of this project needs."""
+    return any(find_unit(text, units) is not None for units in (*UNITS.values(), dict.fromkeys(_ELSEWHERE, 1.0)))
+
+
+def split_unit(cell: str) -> tuple[str, str | None]:
+    """Split a column's heading into its name and its unit, None where it states none.
+
+    The unit stands in brackets, "x [mm]"; or, where it is a known one, in parentheses, "x (mm)", behind a slash, "x / mm", a
+    comma or the word in.
+    """
+    text = cell.strip()
+    if match := re.fullmatch(r"(.*?)\s*\[([^\]]*)\]", text, re.DOTALL):
+        return match[1], match[2].strip()
+    if text.endswith(")"):
+        depth = 0
+        for place in range(len(text) - 1, -1, -1):
+            depth += {")": 1, "(": -1}.get(text[place], 0)
+            if depth == 0:
+                unit = text[place + 1 : -1].strip()
+                if is_unit(unit):
+                    return text[:place].rstrip().removesuffix("/").rstrip(), unit
+                break
+    if "/" in text or "," in text or " in " in text:
+        match = re.fullmatch(r"(.+?)(?:\s+/\s*|,\s*|\s+in\s+)(\S+)", text) or re.fullmatch(r"([^/]+)/([^/\s]+)", text)
+        if match and is_unit(match[2]) and not is_unit(text):
+            return match[1].strip(), match[2]
+    return text, None
+
+
+def underscored_unit(name: str, known: Mapping[str, float]) -> tuple[str, str | None]:
+    """Split a name such as time_ms or z_m_s2, which cannot hold other signs, into its name and its unit; None without one."""
+    for place in (match.start() for match in re.finditer("(?<=.)_", name)):
+        behind = name[place + 1 :].replace("_per_", "/")
+        if found := find_unit(behind, known) or find_unit(behind.replace("_", "/", 1), known):
+            return name[:place], found
+    return name, None
+
+
+@cache
+def _by_spelling(known: tuple[str, ...]) -> dict[str, str]:
+    return {_spelled(unit): unit for unit in reversed(known)}
+
+
+@cache
+def _spelled(unit: str) -> str:
+    """Return a unit in one spelling: ASCII, no sign of multiplication or power, words as symbols."""
+    text = unicodedata.normalize("NFKC", unit).strip().replace("\u03bc", "u").replace("\u2212", "-").replace("'s", "")
+    text = re.sub(r"[A-Za-z]+", lambda match: _WORDS.get(match[0].lower(), match[0]), _RMS.sub("", text))
+    text = re.sub(r"[\^\s*\u00b7\u22c5\u00d7]|(?<=[A-Za-z])\.(?=[A-Za-z])", "", text).replace("/s/s", "/s2")
+    return re.sub(r"\((\w+)\)", r"\1", re.sub(r"^([A-Za-z]+)s-([12])$", r"\1/s\2", text)).replace("/s1", "/s")
 
 
 def in_si(value: float, factor: float) -> float:

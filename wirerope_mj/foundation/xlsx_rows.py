@@ -34,6 +34,12 @@ def xlsx_rows(path: Path, sheet: str = "") -> tuple[str, list[tuple[int, list[st
         return str(chosen.title), [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
 
 
+def is_workbook(path: Path) -> bool:
+    """Tell whether a file is a workbook, by its content or by its ending; OSError if it cannot be read."""
+    with regular(path).open("rb") as file:
+        return file.read(4) == b"PK\x03\x04" or path.suffix.lower() in (".xlsx", ".xlsm")
+
+
 def sheet_names(path: Path) -> list[str]:
     """Read the names of a workbook's sheets, in small letters; raises as `xlsx_rows` does."""
     with _workbook(path) as book:

@@ -8,26 +8,25 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike
-from wirerope_mj.foundation.csv_units import read_header, rows_in_si
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted, short
+from wirerope_mj.foundation.table_files import read_header, rows_in_si
 from wirerope_mj.foundation.units import (
     ACCELERATION_UNITS,
     FORCE_UNITS,
+    FREQUENCY_UNITS,
     LENGTH_UNITS,
+    MOMENT_UNITS,
+    PSD_UNITS,
     STANDARD_GRAVITY,
     TIME_UNITS,
     VELOCITY_UNITS,
+    find_unit,
 )
 
 Points = tuple[tuple[float, float], ...]
-PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
-    ("(m/s^2)^2/Hz", "(m/s2)2/Hz", "(m/s²)²/Hz", "m^2/s^3", "m2/s3"), 1.0
-)
 FORCE_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
 ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]  # times [s] and loads [N, N m], (n,) and (n, 6)
-_MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
-_FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
 _AMPLITUDE_UNITS = {"displacement": LENGTH_UNITS, "velocity": VELOCITY_UNITS, "acceleration": ACCELERATION_UNITS}
 
 
@@ -126,7 +125,7 @@ def table_lines(path: Path) -> tuple[str, Points]:
             f"{header.location}: an amplitude table has the columns {example}, or with a velocity or an acceleration at the "
             f"end; here are {header.listed(units=True)}."
         )
-    rows = rows_in_si(header, [*[_FREQUENCY_UNITS] * len(places), _AMPLITUDE_UNITS[quantity]])
+    rows = rows_in_si(header, dict(enumerate([*[FREQUENCY_UNITS] * len(places), _AMPLITUDE_UNITS[quantity]])))
     try:
         lines = banded_lines([row if len(row) == 3 else (row[0], *row) for row in rows])
     except ValueError as error:
@@ -171,8 +170,8 @@ def force_rows(path: Path) -> ForceRows:
             )
     if "time" not in header.names:
         raise RecordError(f'{header.location}: there is no column "time [s]".')
-    units = [TIME_UNITS if one == "time" else FORCE_UNITS if one[0] == "f" else _MOMENT_UNITS for one in header.names]
-    rows = [dict(zip(header.names, row, strict=True)) for row in rows_in_si(header, units)]
+    units = [TIME_UNITS if one == "time" else FORCE_UNITS if one[0] == "f" else MOMENT_UNITS for one in header.names]
+    rows = [dict(zip(header.names, row, strict=True)) for row in rows_in_si(header, dict(enumerate(units)))]
     loads = tuple(tuple(row.get(name, 0.0) for name in FORCE_COLUMNS) for row in rows)
     return tuple(row["time"] for row in rows), loads
 
@@ -180,12 +179,20 @@ def force_rows(path: Path) -> ForceRows:
 def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) -> Points:
     """Read the points of a file of two columns; RecordError, which names the line, if it is not such a table."""
     header = read_header(path, kind=kind, example=example)
-    if len(header.names) != 2:
+    of_units = [
+        [column for column, unit in enumerate(header.units) if unit is not None and find_unit(unit, known)]
+        for known in (FREQUENCY_UNITS, units)
+    ]
+    if len(header.names) == 2:  # a column without a unit, or with another, is named below
+        of_units = [of_units[0] or [column for column in (0, 1) if column not in of_units[1]], of_units[1] or [1]]
+    if len(of_units[0]) != 1 or len(of_units[1]) != 1:
         raise RecordError(
             f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: "
-            f"{header.listed(units=True)}."
+            f"{header.listed(units=True)}. Leave one column of frequencies [Hz] and one [{next(iter(units))}]."
         )
+    places = [of_units[0][0], of_units[1][0]]
     try:
-        return checked_points("rows", rows_in_si(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])
+        rows = rows_in_si(header, dict(zip(places, (FREQUENCY_UNITS, units), strict=True)))
+        return checked_points("rows", rows, quantity=header.names[places[1]])
     except ValueError as error:
         raise RecordError(f"{path}: {error}") from None

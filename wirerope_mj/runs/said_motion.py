@@ -72,7 +72,7 @@ def _channels(record: Path, channels: Sequence[str] | None, direction: str | Non
             if not name:
                 raise ValueError(f"`channels` are NAME=DIRECTION, for instance ch3=z, got {item!r}.")
         return {name: direction_in(text, "channels") for name, _, text in pairs}
-    names = tuple(channels) if channels is not None else record_channels(record)
+    names = tuple(channels) if channels is not None else record_channels(record, accelerations=True)
     if len(names) != 1 or "=" in names[0]:
         raise ValueError(
             f"`direction` turns a record of one channel, and here are {', '.join(names) or 'none'}. Say where each one "

@@ -12,10 +12,10 @@ from wirerope_mj.engine.flexible.nastran import BULK, EXTERNAL, read_grids
 from wirerope_mj.engine.flexible.part import FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_folder
-from wirerope_mj.foundation.csv_units import number_in
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.table_files import number_in
 from wirerope_mj.foundation.units import LENGTH_UNITS
 
 MODES, SHAPES, POINTS = "modes.csv", "shapes.csv", "points.csv"

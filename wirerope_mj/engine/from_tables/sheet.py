@@ -1,27 +1,19 @@
 """A table of a model: a CSV file, or a sheet of an XLSX file, with units in its header; or a CAD program's text."""
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from wirerope_mj.engine.from_tables.layout import MassProperties
-from wirerope_mj.foundation.csv_units import (
-    Header,
-    first_header,
-    header_of_cells,
-    number_in,
-    read_header,
-    require_cells,
-    rows_below,
-)
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import plain, short
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.table_files import number_in, read_header, rows_below
+from wirerope_mj.foundation.table_header import Header
+from wirerope_mj.foundation.text_files import read_text
 from wirerope_mj.foundation.units import LENGTH_UNITS, UNITS, in_si
-from wirerope_mj.foundation.xlsx_rows import xlsx_rows
 
 PURE, TEXT = "number", "text"  # kinds of columns that need no unit
 _MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": UNITS["mass"]["lb"]}
@@ -83,14 +75,15 @@ def read_sheet(path: Path, *, kind: str, needed: Mapping[str, str], further: Map
         RecordError: says file, row and column that are wrong.
     """
     example = ", ".join(_with_unit(name, quantity) for name, quantity in needed.items())
-    if path.suffix.lower() in {".xlsx", ".xlsm"}:
-        header, cells = _excel(path, kind=kind, example=example)
-    else:
-        header = read_header(path, kind=kind, example=f'"{example}"')
-        cells = ((location, row) for _, location, row in rows_below(header))
+    header = read_header(path, kind=kind, example=f'"{example}"', sheet=kind.split()[-1])
     known = {**needed, **further}
-    factors = _factors(header, needed, known)
-    rows = [Row(location, dict(zip(header.names, row, strict=True)), known, factors) for location, row in cells]
+    cells = [(location, row) for _, location, row in rows_below(header)]
+    empty = {i for i in header.unnamed if not any(row[i] for _, row in cells)}
+    factors = _factors(header, needed, known, empty)
+    rows = [
+        Row(location, {name: row[i] for i, name in enumerate(header.names) if i not in empty}, known, factors)
+        for location, row in cells
+    ]
     if not rows:
         raise RecordError(f"{path}: the {kind} has a header and no rows.")
     _require_distinct(rows)
@@ -101,9 +94,16 @@ def _with_unit(name: str, quantity: str) -> str:
     return name if quantity in {PURE, TEXT} else f"{name} [{next(iter(UNITS[quantity]))}]"
 
 
-def _factors(header: Header, needed: Mapping[str, str], known: Mapping[str, str]) -> dict[str, float]:
-    """Return the factor of each column's unit; RecordError if a column is unknown, missing, there twice or without unit."""
-    for name in header.names:
+def _factors(header: Header, needed: Mapping[str, str], known: Mapping[str, str], empty: set[int]) -> dict[str, float]:
+    """Return the factor of each column's unit; RecordError if a column is unknown, missing, there twice or without unit.
+
+    Columns that are empty and have no name are not looked at.
+    """
+    for number, name in enumerate(header.names):
+        if number in empty:
+            continue
+        if number in header.unnamed:
+            raise RecordError(f"{header.location}: {name} has no name and holds something. Name it, or empty it.")
         if name not in known:
             hint = ", ".join(_with_unit(*item) for item in known.items())
             raise RecordError(f'{header.location}: unknown column "{short(plain(name))}". Known columns: {hint}.')
@@ -117,6 +117,8 @@ def _factors(header: Header, needed: Mapping[str, str], known: Mapping[str, str]
         )
     factors = {}
     for number, name in enumerate(header.names):
+        if number in empty:
+            continue
         plain_kind = known[name] in {PURE, TEXT}
         if plain_kind and header.units[number] not in {None, "", "-", "1"}:
             raise RecordError(f'{header.location}: column "{name}" has no unit; write "{name}".')
@@ -133,29 +135,6 @@ def _require_distinct(rows: list[Row]) -> None:
         seen[name] = row.location
 
 
-def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tuple[str, list[str]]]]:
-    """Return header and rows of a sheet of an XLSX file, as texts; empty rows and those that begin with # are skipped."""
-    sheet, filled = xlsx_rows(path, kind.split()[-1])
-    header = first_header(
-        header_of_cells(path, number, cells[: 1 + max(n for n, cell in enumerate(cells) if cell)], sheet=sheet)
-        for number, cells in filled
-    )
-    if header is None:
-        raise RecordError(f"{path}: the sheet is empty. A {kind} has a header such as {example}.")
-    names = header.names
-
-    def rows() -> Iterator[tuple[str, list[str]]]:
-        for number, cells in filled:
-            if number <= header.line:
-                continue
-            location = replace(header, line=number).location
-            row = cells[: len(names)] + [""] * (len(names) - len(cells)) + [cell for cell in cells[len(names) :] if cell]
-            require_cells(header, location, row)
-            yield location, row
-
-    return header, rows()
-
-
 def read_cad_text(path: Path, *, sign: float) -> MassProperties:
     """Return the mass properties in a text as SolidWorks writes it, about the centre of mass, in the output coordinate system.
 
@@ -165,7 +144,7 @@ def read_cad_text(path: Path, *, sign: float) -> MassProperties:
         RecordError: something is missing, in unknown units, or not said in the way above.
     """
     try:
-        text = regular(path).read_text(encoding="utf-8-sig", errors="replace")
+        text = read_text(path)
     except OSError as error:
         raise RecordError(f"{path}: the mass properties cannot be read: {why_unread(error)}") from None
     mass, unit = _found(path, text, rf"^\s*Mass\s*=\s*{_NUMBER}\s*(\w+)", "the mass")

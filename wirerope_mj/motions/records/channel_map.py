@@ -5,13 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, VELOCITY_UNITS
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, VELOCITY_UNITS, find_unit
 
 Quantity = Literal["acceleration", "velocity", "displacement", "deflection", "force"]
 Axis = Literal["x", "y", "z"]
-LENGTHS = {**LENGTH_UNITS, "um": 1e-6}
 UNITS: Mapping[Quantity, Mapping[str, float]] = {
-    "acceleration": ACCELERATION_UNITS, "velocity": VELOCITY_UNITS, "displacement": LENGTHS, "deflection": LENGTHS,
+    "acceleration": ACCELERATION_UNITS, "velocity": VELOCITY_UNITS, "displacement": LENGTH_UNITS, "deflection": LENGTH_UNITS,
     "force": FORCE_UNITS,
 }  # fmt: skip
 """Units of each quantity, and what one of each is in SI."""
@@ -37,14 +36,14 @@ class ChannelPhrase:
     def quantity_of(self, unit: str) -> Quantity | None:
         """Return the quantity that the phrase states, or that of a unit; None if the unit is not one of it."""
         if self.quantity is not None:
-            return self.quantity if unit in UNITS[self.quantity] else None
+            return self.quantity if find_unit(unit, UNITS[self.quantity]) else None
         return quantity_of(unit, mount=self.subject.startswith("mount/"))
 
 
 def quantity_of(unit: str, *, mount: bool) -> Quantity | None:
     """Return the quantity that a unit is of, None if it is not known: lengths are displacements, of a mount deflections."""
     for quantity, units in UNITS.items():
-        if unit in units and mount == (quantity in ("deflection", "force")):
+        if find_unit(unit, units) and mount == (quantity in ("deflection", "force")):
             return quantity
     return None
 
@@ -73,7 +72,7 @@ def parse_channel(column: str, phrase: str) -> ChannelPhrase:
             role = "axis"
         elif bare in UNITS:
             role = "quantity"
-        elif any(bare in units for units in UNITS.values()):
+        elif any(find_unit(bare, units) for units in UNITS.values()):
             role = "unit"
         elif bare in ("absolute", "relative"):
             role = "reference"

@@ -13,6 +13,7 @@ from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.summary import Summarised, quantity
+from wirerope_mj.foundation.units import find_unit
 from wirerope_mj.motions.records.channel_map import SI, UNITS, Axis, ChannelPhrase, Quantity, parse_channel
 from wirerope_mj.motions.records.checks import clipped_text, flat_tops
 from wirerope_mj.motions.records.reading import level_at_rest, offset_of
@@ -197,7 +198,7 @@ def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | N
     unit = phrase.unit or header
     known = None if unit is None else phrase.quantity_of(unit)
     if known is not None and unit is not None:
-        return known, unit
+        return known, find_unit(unit, UNITS[known]) or unit
     wanted = phrase.quantity or ("deflection" if phrase.subject.startswith("mount/") else "acceleration")
     listed = ", ".join(UNITS[wanted])
     fault = "has no unit" if unit is None else f'has the unit "{unit}", which is none of what {phrase.subject} can have'

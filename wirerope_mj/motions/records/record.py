@@ -11,21 +11,24 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, nonzero, one_of, positive
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.parquet_files import read_content
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
+from wirerope_mj.foundation.table_files import LARGEST
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY, find_unit
 from wirerope_mj.motions.motion import BaseMotion, Said
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 from wirerope_mj.motions.records.checks import motion_warnings, reading_warnings
 from wirerope_mj.motions.records.sampling import BASELINES, even, resampled, without_baseline
-from wirerope_mj.motions.records.table import read_record_table, table_channels
+from wirerope_mj.motions.records.table import acceleration_channels, read_record_table, table_channels
 from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
 _SAMPLES_PER_PERIOD = 4
 _EVEN = 1e-3  # of an interval, by which the last digit of an instant may shift it: as much as counts as even in a file
+_MEASURED = frozenset(
+    [".csv", ".txt", ".tsv", ".dat", ".asc", ".mat", ".xlsx", ".xlsm", ".uff", ".unv", ".lvm", ".tdms", ".at2", ".v2"]
+)
 _BLOCK = 100_000  # samples that are looked at together, so that a long record is not copied
 
 
@@ -167,7 +170,7 @@ def load_record(
     rate = None if resample is None else positive("resample", resample)
     one_of("gaps", gaps, ("refuse", "fill"))
     if unit is not None:
-        one_of("unit", unit, ACCELERATION_UNITS)
+        unit = find_unit(unit, ACCELERATION_UNITS) or one_of("unit", unit, ACCELERATION_UNITS)
     directions = None if channels is None else _checked_channels(channels)
     file = Path(path).absolute()
 
@@ -221,16 +224,18 @@ def is_measurement(path: Path) -> bool:
         except RecordError:  # it has no metadata of ours
             return True
         return False
-    return path.suffix.lower() in (".csv", ".txt", ".mat", ".xlsx", ".uff", ".unv") or is_uff(path)
+    return path.suffix.lower() in _MEASURED or is_uff(path)
 
 
-def record_channels(path: str | Path) -> tuple[str, ...]:
-    """Return the names of a record's channels, as `load_record` takes them.
+def record_channels(path: str | Path, *, accelerations: bool = False) -> tuple[str, ...]:
+    """Return the names of a record's channels, as `load_record` takes them; perhaps only those of accelerations.
 
     RecordError: the file is no record.
     """
     file = Path(path).absolute()
-    return uff_channels(file) if is_uff(file) else table_channels(file)
+    if is_uff(file):
+        return uff_channels(file)
+    return acceleration_channels(file) if accelerations else table_channels(file)
 
 
 def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:

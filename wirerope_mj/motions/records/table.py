@@ -1,4 +1,4 @@
-"""A measured record from a CSV file, read in blocks, or from another table: its channels, its numbers on the three axes.
+"""A measured record from a table, read in blocks: its channels, its numbers on the three axes.
 
 There is a fast path for files that are right, and a slow one to name the line that is wrong.
 """
@@ -6,62 +6,109 @@ There is a fast path for files that are right, and a slow one to name the line t
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.csv_units import (
+from wirerope_mj.foundation.clock_times import clock_time, is_clock_time
+from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.table_files import (
     LARGEST,
-    Header,
+    find_column,
+    is_comment,
     number_in,
+    numbered_rows,
+    open_rows,
     parse_number,
     read_header,
     require_cells,
     with_point,
-    with_points,
 )
-from wirerope_mj.foundation.directions import Direction
-from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, TIME_UNITS
+from wirerope_mj.foundation.table_header import Header, is_missing
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, TIME_UNITS, find_unit, underscored_unit
 from wirerope_mj.motions.records.reading import Reading, axes_of
-from wirerope_mj.motions.records.whole_tables import check_whole_table, is_whole_table, read_whole_table
 
 _BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
-_AXIS_COLUMN = re.compile(r"(?:(?:a|acc|acceleration)[ _]?)?([xyz])", re.IGNORECASE)
+_AXIS_COLUMN = re.compile(
+    r"(?:.*\.)?(?:(?:a|acc|accel|acceleration)[ _]?)?([xyz])(?:[ _-]?(?:axis|dir|direction))?", re.IGNORECASE
+)
+_TIME_COLUMN = re.compile(
+    r"(?:.*\.)?(?:(?:elapsed|relative|absolute|record|sample|test)[ _])?"
+    r"(?:time|t|x_?value|zeit|temps|tiempo|tempo|(?:date|datum)[ _/-]?(?:time|zeit)|time[ _]?(?:stamp|axis))"
+    r"(?:_(?:s|sec|ms|us|min|h))?",
+    re.IGNORECASE,
+)
+_FILL = 'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies before or behind'
+Clock = Callable[[str], float]  # instant of a cell [s]
 
 
-def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False) -> Iterator[Array]:
-    """Yield the columns' numbers block by block, (n, n_columns); the first of them is time.
+def read_blocks(
+    header: Header, columns: Sequence[int], clock: Clock | None = None, *, missing: bool = False
+) -> Iterator[Array]:
+    """Yield the columns' numbers block by block, (n, n_columns); the first of them is time, which a `clock` may say.
 
     Every row must have the header's number of cells: in one that has more or fewer, such as one with decimal commas between
     commas, nothing says which number belongs to which column. If `missing`, cells behind the time may be empty or NaN.
     RecordError: a row has another number of cells than the header, or a cell is no number or not finite.
     """
-    with header.path.open(encoding="latin-1") as file:  # numbers are ASCII; comments of any encoding are skipped
-        for _ in range(header.line):
-            file.readline()
-        rows = _full_rows(header, file)
-        while True:
-            try:
-                with warnings.catch_warnings():
-                    warnings.simplefilter("ignore", UserWarning)  # empty lines, and no line at all at the end
-                    block = np.loadtxt(
-                        rows, delimiter=header.delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK,
-                        converters=(lambda cell: parse_number(cell) if cell.strip() else math.nan) if missing else None,
-                    )  # fmt: skip
-            except ValueError:
-                name_bad_line(header, columns, missing=missing)
-                raise RecordError(
-                    f"{header.path}: a row behind the header in line {header.line} holds something else than numbers. Write "
-                    "it again as plain CSV in UTF-8."
-                ) from None
-            if not len(block):
-                return
-            if not np.all(np.abs(block) <= LARGEST):
-                name_bad_line(header, columns, missing=missing)
-            yield block
+    converters: dict[int | str, Callable[[str], float]] = {}
+    if missing:
+        converters = dict.fromkeys(columns[1:], lambda cell: math.nan if is_missing(cell.strip()) else parse_number(cell))
+    if clock is not None:
+        converters[columns[0]] = clock
+    delimiter, rows = _full_rows(header)
+    while True:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # empty lines, and no line at all at the end
+                block = np.loadtxt(
+                    rows, delimiter=delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK,
+                    converters=converters or None,
+                )  # fmt: skip
+        except ValueError:
+            name_bad_line(header, columns, clock, missing=missing)
+            raise RecordError(
+                f"{header.path}: a row behind the header in line {header.line} holds something else than numbers. Write "
+                "it again as plain CSV in UTF-8."
+            ) from None
+        if not len(block):
+            return
+        if not np.all(np.abs(block) <= LARGEST):
+            name_bad_line(header, columns, clock, missing=missing)
+        yield block
+
+
+def _full_rows(header: Header) -> tuple[str, Iterator[str]]:
+    """Return the sign between cells, and the lines of numbers with decimal points.
+
+    They raise ValueError at one that has not as many cells as the header has columns.
+    """
+    plainly = header.content is None and header.delimiter != " " and header.decimal == "."
+    return (header.delimiter if plainly else "\t"), (_plain_rows(header) if plainly else _parsed_rows(header))
+
+
+def _plain_rows(header: Header) -> Iterator[str]:
+    signs, delimiter = len(header.names) - 1, header.delimiter
+    blank = f' \t\r\n"{delimiter}'
+    with open_rows(header) as lines:
+        for line in lines:
+            if line.count(delimiter) == signs and '"' not in line and line.strip(blank):
+                yield line
+            elif line.strip(blank) and not is_comment(line):
+                cells = header.cells(line)
+                if len(cells) != signs + 1 or any(delimiter in cell for cell in cells):
+                    raise ValueError("a row has another number of cells than the header")
+                yield delimiter.join(cells)
+
+
+def _parsed_rows(header: Header) -> Iterator[str]:
+    for number, cells in numbered_rows(header):
+        if len(cells) != len(header.names):
+            raise ValueError("a row has another number of cells than the header")
+        yield "\t".join(with_point(header, header.at(number), cell) for cell in cells)
 
 
 def most_rows(path: Path) -> int:
@@ -73,88 +120,90 @@ def most_rows(path: Path) -> int:
     return rows
 
 
-def name_bad_line(header: Header, columns: Sequence[int], *, missing: bool = False) -> None:
-    """Raise RecordError that names the first line that cannot belong to a record, if there is one."""
-    before = -math.inf
-    with header.path.open(encoding="utf-8-sig", errors="replace") as lines:
-        for number, text in enumerate(lines, start=1):
-            if number <= header.line or not text.strip():
-                continue
-            location = f"{header.path}, line {number}"
-            cells = text.rstrip("\r\n").split(header.delimiter)
-            require_cells(header, location, cells)
-            for column in columns:
-                cell = cells[column] = with_point(header, location, cells[column].strip())
-                if cell and cell.lower().lstrip("+-") != "nan":
-                    number_in(location, header.names[column], cell)
-                elif not missing or column == columns[0]:
-                    remedy = "its time is needed"
-                    if column != columns[0]:
-                        remedy = 'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies '
-                        remedy += "before or behind"
-                    found = f'{cell or "an empty cell"} in column "{header.names[column]}"'
-                    raise RecordError(f"{location}: {found}; {remedy}.")
-            time = float(cells[columns[0]])
-            if time <= before:
-                fault = "repeats the row before" if time == before else f"comes after {before!r}"
-                raise RecordError(f"{location}: time {time!r} {fault}; times must increase from row to row.")
-            before = time
-
-
-def _full_rows(header: Header, lines: Iterable[str]) -> Iterator[str]:
-    """Yield the lines that are not empty; ValueError at one that has not as many cells as the header has columns."""
-    signs = len(header.names) - 1
-    for line in lines:
-        if line.isspace():
-            continue
-        if line.count(header.delimiter) != signs:
-            raise ValueError("a row has another number of cells than the header")
-        yield with_points(header, line)
+def name_bad_line(header: Header, columns: Sequence[int], clock: Clock | None = None, *, missing: bool = False) -> None:
+    """Raise RecordError that names the first row that cannot belong to a record, if there is one."""
+    before, of_numbers = -math.inf, isinstance(header.content, np.ndarray)
+    for number, cells in numbered_rows(header):
+        location = f"{header.path}, row {number} of the numbers" if of_numbers else header.at(number)
+        require_cells(header, location, cells)
+        for column in columns:
+            cell = cells[column] = with_point(header, location, cells[column])
+            if column == columns[0] and clock is not None:
+                try:
+                    cells[column] = repr(clock(cell))
+                except ValueError:
+                    raise RecordError(
+                        f'{location}: "{cell}" in column "{header.names[column]}" is no time as above it.'
+                    ) from None
+            elif not is_missing(cell):
+                number_in(location, header.names[column], cell)
+            elif not missing or column == columns[0]:
+                remedy = "its time is needed" if column == columns[0] else _FILL
+                raise RecordError(f'{location}: {cell or "an empty cell"} in column "{header.names[column]}"; {remedy}.')
+        time = float(cells[columns[0]])
+        if time <= before:
+            fault = "repeats the row before" if time == before else f"comes after {before!r}"
+            raise RecordError(f"{location}: time {time!r} {fault}; times must increase from row to row.")
+        before = time
 
 
 def table_channels(path: Path) -> tuple[str, ...]:
     """Return the names of all columns but the time."""
-    return _opened(path)[0].names[1:]
+    header, time, _ = _opened(path)
+    return tuple(name for column, name in enumerate(header.names) if column != time and column not in header.unnamed)
+
+
+def acceleration_channels(path: Path) -> tuple[str, ...]:
+    """Return the names of the columns whose unit is one of an acceleration; all but the time if there is none."""
+    header, time, _ = _opened(path)
+    found = [name for name, unit in zip(header.names, header.units, strict=True) if find_unit(unit or "", ACCELERATION_UNITS)]
+    return tuple(found) or table_channels(path)
 
 
 def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False) -> Reading:
-    """Return the accelerations in the columns of a table: a CSV, MATLAB, XLSX or Parquet file.
+    """Return the accelerations in the columns of a table in any container.
 
     Without `channels` they are in the columns named x, y and z, without a `unit` in the header's. With `fill` empty cells and
     NaN are filled with straight lines; else they are an error.
     """
-    header, numbers = _opened(path)
-    directions = _axis_columns(header) if channels is None else _named_columns(header, channels)
-    units = [unit if unit is not None else _unit(header, column) for column in directions]
+    header, time, clock = _opened(path, channels or ())
+    if channels is None:
+        directions = _axis_columns(header, time)
+    else:
+        directions = {find_column(header, name, without=time): direction for name, direction in channels.items()}
+    units = [unit if unit is not None else header.known_unit(column, ACCELERATION_UNITS) for column in directions]
     factors = np.array([ACCELERATION_UNITS[name] for name in units])
-    axes = axes_of(directions.values())
-    time, samples, messages = _in_si(header, numbers, list(directions), factors[:, np.newaxis] * axes, fill=fill)
-    return Reading(time, samples, tuple(dict.fromkeys(units)), tuple(messages))
+    columns, axes = [time, *directions], axes_of(directions.values())
+    instants, samples, messages = _in_si(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
+    return Reading(instants, samples, tuple(dict.fromkeys(units)), tuple(messages))
 
 
 def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Reading, tuple[str | None, ...]]:
     """Read columns of a table as they are, (n, n_columns), and the unit that its header gives each, None without one."""
-    header, numbers = _opened(path)
-    columns = list(_named_columns(header, dict.fromkeys(names, "x")))
-    time, samples, messages = _in_si(header, numbers, columns, np.eye(len(columns)), fill=fill)
+    header, time, clock = _opened(path, names)
+    columns = [find_column(header, name, without=time) for name in names]
+    instants, samples, messages = _in_si(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)
     units = tuple(header.units[column] for column in columns)
-    return Reading(time, samples, (), tuple(messages)), units
+    return Reading(instants, samples, (), tuple(messages)), units
 
 
 def _in_si(
-    header: Header, numbers: Array | None, chosen: Sequence[int], matrix: Array, *, fill: bool
+    header: Header, columns: Sequence[int], clock: Clock | None, matrix: Array, *, fill: bool
 ) -> tuple[Array, Array, list[str]]:
-    """Return instants [s], (n,), the chosen columns times a matrix (n_columns, k), and what had to be filled."""
-    path, columns = header.path, [0, *chosen]
-    time_factor = header.factor(0, TIME_UNITS)
+    """Return instants [s], (n,), the columns behind the time times a matrix (n_columns, k), and what had to be filled."""
+    path, content = header.path, header.content
+    time_factor = header.factor(columns[0], TIME_UNITS) if clock is None else 1.0
     blocks: Iterable[Array]
-    if numbers is None:
-        most = most_rows(path)  # memory that is not written to costs nothing: a long record stands in memory once
-        blocks = read_blocks(header, columns, missing=fill)
+    if isinstance(content, np.ndarray):
+        most, blocks = len(content), [content[:, columns]]
+        usable = np.abs(blocks[0]) <= LARGEST
+        usable[:, 1:] |= np.isnan(blocks[0][:, 1:]) & fill
+        if not usable.all():
+            name_bad_line(header, columns, missing=fill)
     else:
-        most, blocks = len(numbers), [numbers[:, columns]]
-        names = tuple(header.names[column] for column in columns)
-        check_whole_table(path, names, blocks[0], missing=fill)
+        # memory that is not written to costs nothing: a long record stands in memory once
+        most = most_rows(path) if content is None else len(content)
+        blocks = read_blocks(header, columns, clock, missing=fill)
     time, samples, size = np.empty(most), np.empty((most, matrix.shape[1])), 0
     messages: list[str] = []
     if fill:
@@ -168,20 +217,44 @@ def _in_si(
         raise RecordError(f"{path}: a record needs at least 2 rows of numbers, this one has {size}.")
     time, samples = time[:size], samples[:size]
     if np.any(time[1:] <= time[:-1]):
-        name_bad_line(header, columns, missing=fill)
+        name_bad_line(header, columns, clock, missing=fill)
     return time, samples, messages
 
 
-def _opened(path: Path) -> tuple[Header, Array | None]:
-    """Return the header of a table, and its numbers if it is read whole; RecordError if its first column is not time."""
-    if is_whole_table(path):
-        return read_whole_table(path)
+def _opened(path: Path, names: Iterable[str] = ()) -> tuple[Header, int, Clock | None]:
+    """Return the header of a table, the column of the time of some channels, and how its cells are read if a clock wrote them.
+
+    RecordError: no column, or none alone, is the time.
+    """
     header = read_header(path, kind="record", example='"time [s], z [g]"')
-    if header.names[0].lower() not in ("time", "t"):
+    _, first = next(iter(numbered_rows(header)), (0, [""] * len(header.names)))
+    clocks = [column for column, cell in enumerate(first[: len(header.names)]) if is_clock_time(cell)]
+    called = [column for column, name in enumerate(header.names) if _TIME_COLUMN.fullmatch(name)]
+    of_unit = [column for column, unit in enumerate(header.units) if unit is not None and find_unit(unit, TIME_UNITS)]
+    exactly = [column for column in called if header.names[column].lower() in ("time", "t")]
+    structs = {name.rpartition(".")[0] for name in names}
+    beside = [column for column in called if {header.names[column].rpartition(".")[0]} == structs]
+    content = header.content
+    if isinstance(content, np.ndarray) and all(np.array_equal(content[:, i], content[:, called[0]]) for i in called):
+        called = called[:1]
+    found = next((columns for columns in (called, exactly, beside, clocks, of_unit) if len(columns) == 1), None)
+    if found is None:
+        several = [header.names[column] for column in called or of_unit]
+        fault = f"{len(several)} columns may be the time" if several else "no column is the time"
         raise RecordError(
-            f'{header.location}: the first column must be time, as in "time [s], z [g]"; the columns are {header.listed()}.'
+            f'{header.location}: {fault}; one alone is called time or t, or has a unit of time, as in "time [s], z [g]"; the '
+            f"columns are {header.listed(units=True)}."
         )
-    return header, None
+    (column,) = found
+    if column not in clocks:
+        return header, column, None
+    began, _ = clock_time(first[column])
+
+    def seconds(cell: str) -> float:
+        day, second = clock_time(cell.strip())
+        return 86400.0 * (day - began) + second
+
+    return header, column, seconds
 
 
 def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> tuple[list[Array], list[str]]:
@@ -208,37 +281,23 @@ def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> tupl
     return [numbers], messages
 
 
-def _unit(header: Header, column: int) -> str:
-    header.factor(column, ACCELERATION_UNITS)
-    return str(header.units[column])
-
-
-def _named_columns(header: Header, channels: Mapping[str, Direction]) -> dict[int, Direction]:
-    """Return the indices of the columns asked for, with their directions."""
-    for name in channels:
-        count = header.names[1:].count(name)
-        if count != 1:
-            fault = f'there is no column "{name}"' if count == 0 else f'there are {count} columns "{name}"'
-            raise RecordError(f"{header.location}: {fault}; the columns are {header.listed(1)}.")
-    return {header.names.index(name, 1): direction for name, direction in channels.items()}
-
-
-def _axis_columns(header: Header) -> dict[int, Direction]:
+def _axis_columns(header: Header, time: int) -> dict[int, Direction]:
     """Return the indices of the columns that are named after an axis, with their directions."""
     columns: dict[int, Direction] = {}
-    for column, name in enumerate(header.names[1:], start=1):
-        match = _AXIS_COLUMN.fullmatch(name)
-        if not match:
+    for column, name in enumerate(header.names):
+        match = _AXIS_COLUMN.fullmatch(name) or _AXIS_COLUMN.fullmatch(underscored_unit(name, ACCELERATION_UNITS)[0])
+        if not match or column == time:
             continue
         axis = match[1].lower()
         if axis in columns.values():
+            chosen = f"{name}#{header.names[: column + 1].count(name)}" if header.names.count(name) > 1 else name
             raise RecordError(
                 f'{header.location}: "{name}" is a second column for direction {axis}. '
-                f'Choose with channels={{"{name}": "{axis}"}} (--channels {name}={axis}).'
+                f'Choose with channels={{"{chosen}": "{axis}"}} (--channels {chosen}={axis}).'
             )
         columns[column] = axis
     if not columns:
-        example = header.names[-1] if len(header.names) > 1 else "ch1"
+        example = next((name for column, name in enumerate(header.names) if column != time), "ch1")
         option = f'"{example}=z"' if " " in example else f"{example}=z"
         alone = " or, with one column, --direction z" if len(header.names) == 2 else ""
         raise RecordError(

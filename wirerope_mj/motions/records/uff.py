@@ -7,11 +7,19 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, VELOCITY_UNITS
+from wirerope_mj.foundation.table_files import LARGEST
+from wirerope_mj.foundation.units import (
+    ACCELERATION_UNITS,
+    FORCE_UNITS,
+    LENGTH_UNITS,
+    TIME_UNITS,
+    VELOCITY_UNITS,
+    find_unit,
+)
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
 _ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
@@ -22,9 +30,7 @@ _UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
 _MEASURED = {
     _ACCELERATION: ("", "m/s^2"), 11: ("velocity", "m/s"), 8: ("displacement", "m"), 13: ("force", "N"), 9: ("force", "N"),
 }  # fmt: skip
-# units as they are spelled, by their small letters
 _UNITS = ACCELERATION_UNITS | VELOCITY_UNITS | LENGTH_UNITS | FORCE_UNITS
-_SPELLED = {unit.lower(): unit for unit in _UNITS}
 _REAL = (2, 4)
 _SI = 1  # code of the system of units
 # fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it
@@ -53,7 +59,7 @@ def _is_complete(path: Path) -> bool:
 
 def uff_channels(path: Path) -> tuple[str, ...]:
     """Return the names of the acceleration histories: response node and direction, as in `12:z` or `12:-x`."""
-    return tuple(_name(head) for _, head in _histories(path, None)[0])
+    return tuple(_names([head for _, head in _histories(path, None)[0]]))
 
 
 def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | None) -> Reading:
@@ -84,19 +90,14 @@ def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[s
     if not histories:
         raise RecordError(f"{path}: this universal file holds no complete time history (dataset 58, function type 1).")
     kinds = [int(head.get("ordinate_spec_data_type", 0)) for _, head in histories]
-    pairs = zip(histories, kinds, strict=True)
-    names_there = [f"{_name(head)} {_MEASURED.get(kind, ('',))[0]}".strip() for (_, head), kind in pairs]
+    names_there = _names([head for _, head in histories], [_MEASURED.get(kind, ("",))[0] for kind in kinds])
     chosen, units = dict[int, str](), list[str | None]()
     for name in names:
-        if names_there.count(name) != 1:
-            several = f'several histories are called "{name}"'
-            fault = several if name in names_there else f'there is no history "{name}"'
-            raise RecordError(f"{path}: {fault}; the file holds {', '.join(names_there)}.")
-        place = names_there.index(name)
+        place = _place(path, [head for _, head in histories], names_there, name)
         (number, head), kind = histories[place], kinds[place]
         chosen[number] = name
         label = _label(head, "ordinate")
-        unit: str | None = _SPELLED.get(label, label) or None
+        unit: str | None = find_unit(label, _UNITS) or label or None
         if unit is None and kind in _MEASURED and systems and int(systems[-1]["units_code"]) == _SI:
             unit = _MEASURED[kind][1]
         units.append(unit)
@@ -115,7 +116,7 @@ def _histories(path: Path, unit: str | None) -> tuple[Histories, list[Entries]]:
     kinds, heads, systems = _datasets(path)
     histories = []
     for n, head in heads:
-        of, known = int(head.get("ordinate_spec_data_type", 0)), unit or _label(head, "ordinate") in ACCELERATION_UNITS
+        of, known = int(head.get("ordinate_spec_data_type", 0)), unit or find_unit(_label(head, "ordinate"), ACCELERATION_UNITS)
         if _is_in_time(head) and (of == _ACCELERATION or (of in _UNKNOWN and known)):
             histories.append((n, head))
     if not histories and not _is_complete(path):
@@ -166,8 +167,8 @@ def _length(path: Path, systems: list[Entries]) -> float | None:
 def _unit(path: Path, head: Entries, unit: str | None, systems: list[Entries]) -> tuple[str, float]:
     """Return the unit of a history as text, and what it is in m/s^2."""
     label = unit if unit is not None else _label(head, "ordinate")
-    if label in ACCELERATION_UNITS:
-        return label, ACCELERATION_UNITS[label]
+    if found := find_unit(label, ACCELERATION_UNITS):
+        return found, ACCELERATION_UNITS[found]
     if label:
         raise RecordError(
             f'{path}: {_name(head)} has the unknown unit "{label}". Say which is meant, for instance unit="g" (--unit g); '
@@ -184,8 +185,7 @@ def _unit(path: Path, head: Entries, unit: str | None, systems: list[Entries]) -
 
 def _label(head: Entries, axis: str) -> str:
     text = str(head.get(f"{axis}_axis_units_lab", "")).strip().strip("[]()").strip()
-    plain = text.lower().replace("sec", "s").replace("**", "^")
-    return "" if plain in ("", "none") else plain
+    return "" if text.lower() == "none" else text
 
 
 def _name(head: Entries) -> str:
@@ -193,10 +193,34 @@ def _name(head: Entries) -> str:
     return f"{node}:{end}" if end else f"{node}"
 
 
+def _names(heads: Sequence[Entries], quantities: Sequence[str] | None = None) -> list[str]:
+    """Return what histories are called; of those of one node and direction `1:z#1`, `1:z#2`, in the order of the file."""
+    words = quantities if quantities is not None else [""] * len(heads)
+    bare = [f"{_name(head)} {word}".strip() for head, word in zip(heads, words, strict=True)]
+    return [f"{name}#{bare[: i + 1].count(name)}" if bare.count(name) > 1 else name for i, name in enumerate(bare)]
+
+
+def _place(path: Path, heads: Sequence[Entries], names: Sequence[str], name: str) -> int:
+    """Return which history is called so; of several of one node, `1:z#2` or, by its ID line, `1:z#run 2`."""
+    if name in names:
+        return names.index(name)
+    bare, _, line = name.partition("#")
+    lines = [[str(head.get(key, "")).strip() for key in ("id1", "id2", "id3", "id4", "id5")] for head in heads]
+    several = [i for i, other in enumerate(names) if other.partition("#")[0] == bare]
+    by_line = [i for i in several if line and line in lines[i]]
+    if len(by_line) == 1:
+        return by_line[0]
+    listed = ", ".join(f"{other} ({lines[i][0]})" if "#" in other and lines[i][0] else other for i, other in enumerate(names))
+    fault = f'there is no history "{name}"'
+    if several and not line:
+        fault = f'there are {len(several)} histories "{name}", choose one by its number or its ID line'
+    raise RecordError(f"{path}: {fault}; the file holds {plain(short(listed, 600))}.")
+
+
 def _all_of_one_node(path: Path, histories: Histories) -> dict[int, Direction]:
     """Return all histories along the directions that the file gives them; they must be of one node and at most three."""
-    names = [_name(head) for _, head in histories]
-    ends = [name.partition(":")[2] for name in names]
+    names = _names([head for _, head in histories])
+    ends = [name.partition(":")[2].partition("#")[0] for name in names]
     nodes = {name.partition(":")[0] for name in names}
     end = (ends[0] or "z").lstrip("-")
     if len(nodes) > 1 or not all(ends) or len({end.lstrip("-") for end in ends}) < len(ends):
@@ -208,15 +232,9 @@ def _all_of_one_node(path: Path, histories: Histories) -> dict[int, Direction]:
 
 
 def _named(path: Path, histories: Histories, channels: Mapping[str, Direction]) -> dict[int, Direction]:
-    numbers: dict[str, list[int]] = {}
-    for n, head in histories:
-        numbers.setdefault(_name(head), []).append(n)
-    for name in channels:
-        count = len(numbers.get(name, []))
-        if count != 1:
-            fault = f'there is no history "{name}"' if count == 0 else f'there are {count} histories "{name}"'
-            raise RecordError(f"{path}: {fault}; the file holds {', '.join(_name(head) for _, head in histories)}.")
-    return {numbers[name][0]: direction for name, direction in channels.items()}
+    heads = [head for _, head in histories]
+    names = _names(heads)
+    return {histories[_place(path, heads, names, name)][0]: direction for name, direction in channels.items()}
 
 
 def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:
@@ -233,12 +251,12 @@ def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:
         raise RecordError(
             f"{path}: {name} has a value or a time that is not finite or beyond {LARGEST:.0e}, or its times do not increase."
         )
-    factor = TIME_UNITS.get(_label(content, "abscissa") or "s")
-    if factor is None:
+    unit = find_unit(_label(content, "abscissa") or "s", TIME_UNITS)
+    if unit is None:
         raise RecordError(
             f'{path}: the time of {name} has the unknown unit "{_label(content, "abscissa")}"; known: {", ".join(TIME_UNITS)}.'
         )
-    return time * factor, values
+    return time * TIME_UNITS[unit], values
 
 
 def _on_one_clock(path: Path, chosen: Mapping[int, str], remedy: str = "") -> tuple[Array, Array]:

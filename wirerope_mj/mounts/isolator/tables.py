@@ -12,8 +12,9 @@ import tomli_w
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.csv_units import Header, read_header, rows_in_si
 from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.table_files import read_header, rows_in_si
+from wirerope_mj.foundation.table_header import Header
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.mounts.isolator.parts import Bracket, Geometry, Limits, Provenance, Rotation, Spread, Stiffening, Travel
 from wirerope_mj.mounts.isolator.validity import MeasuredRange, Validity
@@ -65,7 +66,7 @@ def read_curve(path: Path) -> dict[str, list[float]]:
         if name not in _COLUMNS or name in header.names[:column]:
             fault = "appears twice" if name in header.names[:column] else "is not known"
             raise RecordError(f'{header.location}: column "{name}" {fault}; a curve has {", ".join(_COLUMNS)}.')
-    rows = rows_in_si(header, [_UNITS[name] for name in header.names])
+    rows = rows_in_si(header, {column: _UNITS[name] for column, name in enumerate(header.names)})
     return {name: [row[column] for row in rows] for column, name in enumerate(header.names)}
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, ArrayLike
-from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.table_files import LARGEST
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum

@@ -1,5 +1,6 @@
 """The CSV file of a cyclic test: written, and read with whatever is wrong with it named by its line."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,10 +10,12 @@ import numpy as np
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
+from wirerope_mj.foundation.clock_times import is_clock_time
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, TIME_UNITS
+from wirerope_mj.foundation.table_files import number_in, numbered_rows, read_header, rows_below
+from wirerope_mj.foundation.table_header import Header
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, find_unit
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_passive
 from wirerope_mj.mounts.test_rig.turning import rms_noise
@@ -32,8 +35,8 @@ def save_cyclic_test(
         loops: closed cycles, at least one.
         path: file to write; an existing one is replaced.
         frequency: of the test [Hz], for a column of time that starts at 0 in each loop; the samples count as uniform in time.
-        deflection_unit: "m", "mm", "cm" or "in".
-        force_unit: "N", "daN", "kN" or "lbf".
+        deflection_unit: "m", "mm", "cm", "um", "in" or "ft".
+        force_unit: "N", "daN", "kN", "lbf", "kip" or "kgf".
 
     Raises:
         ValueError: there is no loop, an argument is out of its range, or the file cannot stand there.
@@ -67,6 +70,15 @@ _NAMES = {
     "loop": ("loop",), "amplitude": ("amplitude",), "time": ("time", "t"),
     "deflection": ("deflection", "displacement", "disp", "disp."), "force": ("force", "load"),
 }  # fmt: skip
+# words within the names that rigs give these quantities, and their units
+_WORDS = {
+    "deflection": (
+        re.compile(r"deflect|displ|\bdisp\b|stroke|travel|position|extension|lvdt|weg|verformung|hub", re.I),
+        LENGTH_UNITS,
+    ),
+    "force": (re.compile(r"force|load|kraft|last", re.I), FORCE_UNITS),
+    "time": (re.compile(r"\btime\b|zeit", re.I), TIME_UNITS),
+}
 _MOST = 1.0  # [m], beyond any travel of a wire rope isolator; a millimetre taken for a metre is a thousand times
 _FEWEST = 8  # samples: fewer are no loop
 _LEG = 0.2  # fraction of the range that counts as going back: above any noise that leaves a loop to be seen
@@ -126,12 +138,30 @@ def _columns(header: Header) -> dict[str, int]:
             )
         if indices:
             columns[quantity] = indices[0]
-    for quantity in ("deflection", "force"):
-        if quantity not in columns:
+    for quantity, (words, known) in _WORDS.items():
+        if quantity in columns:
+            continue
+        left = [i for i in range(len(header.names)) if i not in columns.values() and i not in header.unnamed]
+        of_unit = [i for i in left if header.units[i] is not None and find_unit(header.units[i] or "", known)]
+        called = [i for i in of_unit if words.search(header.names[i])]
+        without = [i for i in left if header.units[i] is None and words.search(header.names[i])]
+        found = called or ([] if quantity == "time" else of_unit or without)
+        if len(found) == 1:
+            columns[quantity] = found[0]
+        elif quantity != "time":
+            fault = f'there is no column "{quantity}"'
+            if found:
+                listed = " and ".join(f'"{header.names[i]}"' for i in found)
+                fault = (
+                    f'{listed} may all be the {quantity}: call the one that is meant "{quantity} [{header.units[found[0]]}]"'
+                )
             raise RecordError(
-                f'{header.location}: there is no column "{quantity}". The columns are {header.listed()}; '
-                f"expected a header such as {_EXAMPLE}."
+                f"{header.location}: {fault}. The columns are {header.listed()}; expected a header such as {_EXAMPLE}."
             )
+    if "time" in columns:
+        _, first = next(iter(numbered_rows(header)), (0, header.names))
+        if is_clock_time(first[columns["time"]]):
+            del columns["time"]  # of the day: nothing that loops need
     return columns
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 
-from wirerope_mj.foundation.csv_units import number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.foundation.table_files import number_in, read_header, rows_below
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STIFFNESS_UNITS, in_si
 
 MODES = ("compression", "45", "shear")  # Loading modes of the tables; shear stands for roll as well

@@ -9,8 +9,8 @@ import numpy as np
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.csv_units import number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
+from wirerope_mj.foundation.table_files import number_in, read_header, rows_below
 from wirerope_mj.foundation.units import ACCELERATION_UNITS
 from wirerope_mj.motions import Sine
 from wirerope_mj.motions.records.channel_map import parse_channel

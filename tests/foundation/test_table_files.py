@@ -1,0 +1,350 @@
+"""Tables as other programs write them: read by position and unit whatever the container, or refused by name with a remedy."""
+
+import datetime
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.engine.from_tables.sheet import read_sheet
+from wirerope_mj.foundation.units import UNITS, find_unit, split_unit
+from wirerope_mj.motions.psd_lines import psd_points
+
+pytestmark = pytest.mark.quick
+
+G = wr.STANDARD_GRAVITY
+STEP, COUNT, PEAK = 1e-3, 400, 9.75
+TIME = STEP * np.arange(COUNT)
+WAVE = np.where((TIME > 0.1) & (TIME < 0.15), PEAK * np.sin(np.pi * (TIME - 0.1) / 0.05), 0.0)
+WAVE[125] = PEAK
+
+
+def text(header, columns, separator=",", decimal=".", end="", encoding="utf-8", newline="\n"):
+    """Return a file of text: arrays are printed with five digits, or as the format beside them says."""
+    cells = []
+    for column in columns:
+        values, form = column if isinstance(column, tuple) else (column, "{:.5f}")
+        cells.append([v if isinstance(v, str) else form.format(v).replace(".", decimal) for v in values])
+    return newline.join([header, *(separator.join(row) + end for row in zip(*cells, strict=True)), ""]).encode(encoding)
+
+
+def quoted(values):
+    return [f'"{value:.5f}"'.replace(".", ",") for value in values]
+
+
+CLOCK = [f"2026-02-01 23:59:59.{700 + i:03d}" if i < 300 else f"2026-02-02 00:00:00.{i - 300:03d}" for i in range(COUNT)]
+PEER = "PEER NGA STRONG MOTION DATABASE RECORD\ninvented\nACCELERATION TIME SERIES IN UNITS OF G\n{}\n" + "\n".join(
+    " ".join(f"{v:.7E}" for v in WAVE[i : i + 5]) for i in range(0, COUNT, 5)
+)
+VALUES = "\n".join("".join(f"{v:10.5f}" for v in G * WAVE[i : i + 8]) for i in range(0, COUNT, 8)) + "\n"
+CSMIP = "Corrected accelerogram  Chan  1: 90 Deg\n" + 24 * "text\n" + 19 * "   0   0\n"
+CSMIP += f"  400 points of accel data equally spaced at  .001 sec, in m/sec2. (8f10.5)\n{VALUES}"
+REAL = [-999.0] * 33 + [1e3 * STEP] + [-999.0] * 66
+COSMOS = (
+    "Corrected acceleration (Format v01.20 with 13 text lines)\n 100 Real-header values follow on  20 lines, Format= (5F14.6)\n"
+)
+COSMOS += "".join("".join(f"{v:14.6f}" for v in REAL[i : i + 5]) + "\n" for i in range(0, 100, 5))
+COSMOS += f"  400 acceleration pts, approx   0 secs, units=m/sec2(04),Format=(8F10.5)\n{VALUES}End-of-data\n"
+
+
+def labview(columns, decimal):
+    head = f"LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t{decimal}\nX_Columns\t{columns}\n"
+    head += "***End_of_Header***\t\n\t\nChannels\t2\t\nY_Unit_Label\tN\tg\t\n"
+    head += "X0\t0.0\t0.0\t\nDelta_X\t0.001\t0.001\t\n***End_of_Header***\t\t\t\n"
+    names = "X_Value\tForce\tX_Value\tz\tComment" if columns == "Multi" else "X_Value\tForce\tz\tComment"
+    rows = {
+        "No": [f"\t{v / 2:.5f}\t{v:.5f}" for v in WAVE],
+        "One": [f"{t:.5f}\t{v / 2:.5f}\t{v:.5f}" for t, v in zip(TIME, WAVE, strict=True)],
+        "Multi": [f"{t:.5f}\t{v / 2:.5f}\t{t:.5f}\t{v:.5f}\t" for t, v in zip(TIME, WAVE, strict=True)],
+    }
+    return (f"{head}{names}\n" + "\n".join(rows[columns])).replace(".", decimal).encode()
+
+
+BOTH = (TIME, WAVE)
+TEXTS = {
+    "decimal commas": text("Zeit (s)\tZ (g)", BOTH, "\t", ","),
+    "spaces": text("time [s] z [g]", BOTH, "  "),
+    "bars": text("time [s]|z [g]", BOTH, "|"),
+    "header in the last comment": b"# by hand\n" + text("# time [s], z [g]", BOTH),
+    "comma comment over spaces": text("% time [s], z [g]", BOTH, " "),
+    "units in a second row": text("Time,Z\ns,g", BOTH),
+    "units in brackets in a second row": text("Time;Z\n[s];[g]", BOTH, ";"),
+    "below a logger's own lines": text("Logger 7\nSerial,4711\nRate,1000\n\nTime,T,Z\ns,°C,g", (TIME, 0.0 * TIME + 20.0, WAVE)),
+    "milliseconds": text("Time (ms),Z (g)", (1e3 * TIME, WAVE)),
+    "microseconds, latin-1": text("Time (µs),Z (m/s²)", (1e6 * TIME, G * WAVE), encoding="latin-1"),
+    "minutes": text("Time [min],Z [g]", ((TIME / 60.0, "{:.10f}"), WAVE)),
+    "slash": text("t/s;a_z/(m/s²)", (TIME, G * WAVE), ";"),
+    "spaced slash": text("Zeit / s;Z / g", BOTH, ";"),
+    "word": text("Zeit in s;Z in g", BOTH, ";", ","),
+    "underscores": text("time_ms,acc_z_g", (1e3 * TIME, WAVE)),
+    "capitals": text("TIME (SEC),Z (G)", BOTH),
+    "UTF-16": text("time [s]\tz [g]", BOTH, "\t", encoding="utf-16"),
+    "UTF-16 without its mark": text("time [s]\tz [g]", BOTH, "\t", encoding="utf-16-le"),
+    "unnamed index": text(",time [s],z [g]", (([str(i) for i in range(COUNT)]), *BOTH)),
+    "unnamed column": text("time [s],,z [g]", (TIME, WAVE / 2.0, WAVE)),
+    "separator behind the header": text("time [s],z [g],", BOTH),
+    "separator behind the rows": text("time [s];z [g]", BOTH, ";", ",", end=";"),
+    "separator behind all": text("time [s],z [g],", BOTH, end=","),
+    "rows of empty cells": text("time [s],z [g]", BOTH, end="\n,"),
+    "quoted decimal commas": text('"time [s]","z [g]"', (quoted(TIME), quoted(WAVE))),
+    "line break in a quoted name": text('"time\n[s]","z\n[g]"', BOTH),
+    "two rows of names": text("Time [s],Acceleration [g],\n,x,z", (TIME, WAVE / 2.0, WAVE)),
+    "two rows of names above units": text("Time,Acceleration,\n,x,z\ns,g,g", (TIME, WAVE / 2.0, WAVE)),
+    "repeated names": text("time [s],acc [g],acc [g]\n,x,z", (TIME, WAVE / 2.0, WAVE)),
+    "time behind": text("z [g],time [s]", (WAVE, TIME)),
+    "date and time": text("Timestamp,z [g]", (CLOCK, WAVE)),
+    "German date": text("Datum/Zeit;z [g]", ([f"01.02.2026 10:00:00,{i:03d}" for i in range(COUNT)], WAVE), ";", ","),
+    "time of day": text("Date,Time,z [g]", (["2026-02-01"] * COUNT, [f"10:00:00.{i:03d}" for i in range(COUNT)], WAVE)),
+    "old ends of lines": text("time [s],z [g]", BOTH, newline="\r"),
+    "separator said": text("sep=;\ntime [s];z [g]", BOTH, ";", ","),
+    **{f"LabVIEW {columns} {sign}": labview(columns, sign) for columns in ("No", "One", "Multi") for sign in ".,"},
+}
+EARTHQUAKES = {
+    "PEER": PEER.format("NPTS=    400, DT=   .0010 SEC").encode(),
+    "older PEER": PEER.format("  400   0.0010    NPTS, DT").encode(),
+    "CSMIP": CSMIP.encode(),
+    "CSMIP with velocities": (CSMIP + CSMIP[CSMIP.index("  400") :].replace("accel", "veloc").replace("sec2", "sec")).encode(),
+    "COSMOS": COSMOS.encode(),
+}
+
+
+def check(path, tolerance=1e-6, **options):
+    """Load a record and hold it against the wave, within five printed digits."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", wr.RecordWarning)
+        record = wr.load_record(path, **options)
+    np.testing.assert_allclose(record.samples[:, 2], G * WAVE, atol=2.0 * G * 1e-5)
+    np.testing.assert_allclose(record.time, TIME, atol=tolerance)
+    return record
+
+
+@pytest.mark.parametrize("content", TEXTS.values(), ids=TEXTS)
+def test_texts_are_read_by_position_and_unit(tmp_path, content):
+    (tmp_path / "r.csv").write_bytes(content)
+    check(tmp_path / "r.csv")
+
+
+@pytest.mark.parametrize("content", EARTHQUAKES.values(), ids=EARTHQUAKES)
+def test_records_of_earthquakes_are_read(tmp_path, content):
+    (tmp_path / "r.txt").write_bytes(content)
+    check(tmp_path / "r.txt", channels={"acceleration": "z"})
+
+
+def workbook(path, rows, *, merged=(), cover=False):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    if cover:
+        book.active.append(["tested by", "a person"])
+        book.create_sheet("data")
+    sheet = book.worksheets[-1]
+    for row in rows:
+        sheet.append(row)
+    for cells in merged:
+        sheet.merge_cells(cells)
+    book.save(path)
+
+
+NUMBERS = [list(row) for row in zip(TIME.tolist(), (WAVE / 2.0).tolist(), WAVE.tolist(), strict=True)]
+START = datetime.datetime(2026, 2, 1, 10)
+BOOKS = {
+    "empty cell in the header": ([["time [s]", None, "z [g]"], *NUMBERS], {}),
+    "unnamed index": ([[None, "time [s]", "x [g]", "z [g]"], *([i, *row] for i, row in enumerate(NUMBERS))], {}),
+    "merged cells": (
+        [["Time [s]", "Acceleration [g]"], [None, "x", "z"], *NUMBERS], {"merged": ("A1:A2", "B1:C1")},
+    ),
+    "title, empty rows and a row of units": (
+        [["Drop test"], [], [None, "Time", "x", "z"], [None, "s", "g", "g"], *([None, *row] for row in NUMBERS)],
+        {"merged": ("A1:D1",)},
+    ),
+    "cover": ([["time [s]", "x [g]", "z [g]"], *NUMBERS], {"cover": True}),
+    "notes": ([["time [s]", "note", "z [g]"], *([t, "start" if t == 0.0 else None, z] for t, _, z in NUMBERS)], {}),
+    "numbers as text": ([["time [s]", "z [g]"], *([f"{n:.5f}".replace(".", ",") for n in (t, z)] for t, _, z in NUMBERS)], {}),
+    "dates": ([["Time", "z [g]"], *([START + datetime.timedelta(seconds=t), z] for t, _, z in NUMBERS)], {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BOOKS)
+@pytest.mark.parametrize("file", ["r.xlsx", "r.csv"])
+def test_a_grid_of_a_workbook_is_read_by_position(tmp_path, name, file):
+    rows, options = BOOKS[name]
+    workbook(tmp_path / "r.xlsx", rows, **options)
+    check((tmp_path / "r.xlsx").rename(tmp_path / file))
+
+
+def test_fields_of_structs_and_columns_of_matrices_are_channels(tmp_path):
+    from scipy.io import savemat
+
+    path = tmp_path / "r.mat"
+    savemat(path, {"test": {"time_s": TIME, "acc": WAVE, "fs": 1000.0}})
+    for name in ("acc", "test.acc"):
+        check(path, channels={name: "z"}, unit="g")
+    savemat(path, {"run": {"dt": STEP, "acc_z_m_s2": G * WAVE}})
+    check(path)
+    called = {"names": np.array(["time", "x", "z"], object), "units": np.array(["s", "g", "g"], object)}
+    savemat(path, {"data": np.column_stack([TIME, WAVE / 2.0, WAVE])} | called)
+    check(path)
+    savemat(path, {"runs": [{"t_s": TIME, "a": WAVE}, {"t_s": TIME + 1.0, "a": -WAVE}]})
+    check(path, channels={"runs(1).a": "z"}, unit="g")
+    savemat(path, {"test": {"time": TIME, "acc": WAVE}})
+    with pytest.raises(wr.RecordError, match=r"no column is named x, y or z; the columns are test\.time, test\.acc"):
+        wr.load_record(path, unit="g")
+    with pytest.raises(wr.RecordError, match='column "test.time" has no unit. .* "test.time_s"'):
+        wr.load_record(path, channels={"acc": "z"}, unit="g")
+
+
+def test_columns_without_a_name_or_with_one_name_can_be_chosen(tmp_path):
+    (tmp_path / "r.csv").write_bytes(text("time [s],z [g],z [g]", (TIME, WAVE / 2.0, WAVE)))
+    for name in ("z#2", "column 3"):
+        check(tmp_path / "r.csv", channels={name: "z"})
+    with pytest.raises(wr.RecordError, match=r'there are 2 columns "z"; the columns are z, z. Say which: "z#1" or "z#2"'):
+        wr.load_record(tmp_path / "r.csv", channels={"z": "z"})
+    (tmp_path / "r.csv").write_bytes(text("time [s],,y [g]", (TIME, WAVE, WAVE)))
+    check(tmp_path / "r.csv", channels={"column 2": "z"}, unit="g")
+
+
+REFUSED = {
+    "a.tdms": (b"TDSm\x0e\0\0\0", "a TDMS file of LabVIEW.* Export the channels as CSV"),
+    "a.xls": (b"\xd0\xcf\x11\xe0" + bytes(600), "a workbook of old Excel"),
+    "b.xls": (b"<html><table>", "an HTML page"),
+    "a.csv": (b"\x1f\x8b\x08\0", "compressed by gzip.* Unpack it"),
+    "a.dat": (
+        bytes(range(256)),
+        r"control characters \(NUL\) stand where a table has text, as in a binary file, one that was cut",
+    ),
+    "b.dat": (b"\n".join(b"%d,%d" % (i, i) for i in range(9)), "line 1: numbers begin here and no header stands above them"),
+    "b.csv": (
+        b"time [us];z [g]\n0;1\n500;2\n1,000;3\n1,500;3\n",
+        'such as "1,000", have a comma that may separate thousands or',
+    ),
+    "c.csv": (b"time [s]\tz [mg]\n0\t0.5\n1\t1,250.5\n", '"1,250.5" in column "z" is not a number. Write thousands without'),
+    "d.csv": (b"time [s],z [g]\n0,1\n1,#N/A\n", '#N/A in column "z"; have such samples filled'),
+    "e.csv": (b"Elapsed,z [g]\n0,1\n1,2\n", "no column is the time; one alone is called time or t, or has a unit of time"),
+    "a.AT2": (PEER.format("NPTS= 500, DT= .0010 SEC").encode(), "acceleration has 400 values where line 4 says 500"),
+    "a.lvm": (labview("One", ".") + b"\n" + labview("One", ".").partition(b"\n\t\n")[2], "holds 2 measurements one after"),
+    "k.txt": (b"Origin Time\nSampling Freq(Hz)  100Hz\n", "a record of K-NET"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_not_read_is_refused_by_name(tmp_path, name):
+    content, message = REFUSED[name]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(wr.RecordError, match=message):
+        wr.load_record(tmp_path / name)
+
+
+def test_missing_values_of_every_spelling_are_filled_on_request(tmp_path):
+    words = ["#N/A", "NaN", "-nan(ind)", "null", "--", ""]
+    values = [words[i - 5] if 5 <= i < 5 + len(words) else f"{v:.5f}" for i, v in enumerate(WAVE)]
+    (tmp_path / "r.csv").write_bytes(text("time [s],z [g]", (TIME, values)))
+    record = check(tmp_path / "r.csv", gaps="fill")
+    assert f'{len(words)} samples missing in column "z"' in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    "heading", ["PSD (g^2/Hz)", "PSD [g²/Hz]", "PSD / g^2/Hz", "G**2/HZ (G^2/HZ)", "asd_g2/Hz [grms^2/Hz]"]
+)
+@pytest.mark.parametrize("reverse", [False, True])
+def test_densities_have_the_same_notation(tmp_path, heading, reverse):
+    columns = [("Frequency (Hz)", heading), ("20", "0.01"), ("200", "0.02"), ("", "")]
+    (tmp_path / "p.csv").write_text("\n".join(",".join(row[::-1] if reverse else row) for row in columns), encoding="utf-8")
+    assert psd_points(tmp_path / "p.csv") == ((20.0, pytest.approx(0.01 * G**2)), (200.0, pytest.approx(0.02 * G**2)))
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Actuator force,Actuator displacement\nkN,mm",
+        "Last / kN;Weg / mm",
+        "Load (KN)\tLVDT 1 (mm)",
+        "Load cell [kN],x [mm],Temperature [°C]",
+    ],
+)
+def test_loops_have_the_same_notation_and_the_words_of_rigs(tmp_path, header):
+    angle = np.linspace(0.0, 2.0 * np.pi, 101)
+    sign = next(one for one in "\t;," if one in header)
+    columns = [1.2 * np.sin(angle + 0.2), 3.0 * np.sin(angle), 0.0 * angle][: header.partition("\n")[0].count(sign) + 1]
+    (tmp_path / "r.csv").write_bytes(text(header, columns, sign))
+    (loop,) = wr.load_cyclic_test(tmp_path / "r.csv")
+    assert (loop.deflection.max(), loop.force.max()) == (
+        pytest.approx(3e-3, rel=1e-4),
+        pytest.approx(1200.0, rel=2e-3),
+    )  # a sample
+    (tmp_path / "r.csv").write_bytes(text("Disp 1 [mm],Disp 2 [mm],Load [kN]", [angle, angle, angle]))
+    with pytest.raises(
+        wr.RecordError, match='"Disp 1" and "Disp 2" may all be the deflection: call the one that is meant "defl'
+    ):
+        wr.load_cyclic_test(tmp_path / "r.csv")
+
+
+@pytest.mark.parametrize("ending", ["csv", "xlsx"])
+def test_tables_of_a_model_skip_empty_rows_and_columns_and_name_unnamed_ones(tmp_path, ending):
+    rows = [["name", None, "mass [kg]", None], ["pump", None, 400.0, None], [None] * 4, ["frame", None, 200.0, None]]
+
+    def read():
+        path = tmp_path / f"m.{ending}"
+        if ending == "xlsx":
+            workbook(path, rows)
+        else:
+            path.write_text("\n".join(",".join("" if cell is None else str(cell) for cell in row) for row in rows))
+        return read_sheet(path, kind="table of masses", needed={"name": "text", "mass": "mass"}, further={})
+
+    assert [(row.text("name"), row.number("mass")) for row in read()] == [("pump", 400.0), ("frame", 200.0)]
+    rows[1][1] = 5.0
+    called = "column B" if ending == "xlsx" else "column 2"
+    with pytest.raises(wr.RecordError, match=f"{called} has no name and holds something"):
+        read()
+
+
+def test_a_universal_file_may_hold_runs_of_one_node(tmp_path):
+    import pyuff
+
+    path = tmp_path / "r.uff"
+    for number, scale in ((1, 0.5), (2, 1.0)):
+        pyuff.UFF(str(path)).write_sets(
+            {
+                "type": 58, "func_type": 1, "rsp_node": 1, "rsp_dir": 3, "ref_dir": 3, "ref_node": 1, "data": scale * G * WAVE,
+                "x": TIME, "id1": f"run {number}", "rsp_ent_name": "NONE", "ref_ent_name": "NONE", "abscissa_spacing": 1,
+                "abscissa_spec_data_type": 17, "ordinate_spec_data_type": 12, "orddenom_spec_data_type": 0,
+                "ordinate_axis_units_lab": "m/s2",
+            },
+            "add",
+        )  # fmt: skip
+    for name in ("1:z#2", "1:z#run 2"):
+        check(path, channels={name: "z"})
+    with pytest.raises(
+        wr.RecordError, match=re.escape("choose one by its number or its ID line; the file holds 1:z#1 (run 1), 1")
+    ):
+        wr.load_record(path, channels={"1:z": "z"})
+    measured = wr.load_measured(path, channels={"1:z#2": "base z m/s^2"})
+    assert np.abs(measured.channels[0].values).max() == pytest.approx(G * PEAK, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "spelled", "unit"),
+    [
+        ("time", "µs", "us"), ("time", "Sec", "s"), ("time", "MS", "ms"), ("acceleration", "m/s/s", "m/s^2"),
+        ("acceleration", "m s⁻²", "m/s^2"), ("acceleration", "cm/sec2", "cm/s^2"), ("acceleration", "G's", "g"),
+        ("force", "lbs", "lbf"),
+        ("force", "KN", "kN"), ("length", "inches", "in"), ("inertia", "kg·m²", "kg m^2"), ("density", "G^2/HZ", "g^2/Hz"),
+        ("stiffness", "mN/m", None), ("acceleration", "V", None), ("force", "mN", None),
+    ],
+)  # fmt: skip
+def test_units_are_known_by_every_usual_spelling_and_no_other(quantity, spelled, unit):
+    found = find_unit(spelled, UNITS[quantity])
+    assert (found and UNITS[quantity][found]) == (unit and UNITS[quantity][unit])
+
+
+@pytest.mark.parametrize(
+    ("cell", "parts"),
+    [
+        ("z [g]", ("z", "g")), ("PSD ((m/s^2)^2/Hz)", ("PSD", "(m/s^2)^2/Hz")), ("a/(m/s2)", ("a", "m/s2")),
+        ("F/N", ("F", "N")),
+        ("Z (100g)", ("Z (100g)", None)), ("Sensor (A)", ("Sensor (A)", None)), ("m/s^2", ("m/s^2", None)),
+        ("bodies/rack/acceleration/z", ("bodies/rack/acceleration/z", None)), ("Zeit in s", ("Zeit", "s")), ("[g]", ("", "g")),
+    ],
+)  # fmt: skip
+def test_a_heading_is_split_into_name_and_unit(cell, parts):
+    assert split_unit(cell) == parts

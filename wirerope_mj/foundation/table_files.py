@@ -1,0 +1,336 @@
+"""Tables as other programs write them, whatever the container: a header with units, rows, numbers, and the line that is wrong.
+
+Text with any usual separator, decimal sign and encoding, sheets of workbooks, MATLAB and Parquet files, and the text files of
+some loggers are read by what they hold, not by the ending of their names.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.logger_files import columns_of_array_file, columns_of_logger
+from wirerope_mj.foundation.plain_text import plain, short
+from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.table_header import (
+    DELIMITERS,
+    FoundHeader,
+    Header,
+    Rows,
+    find_header,
+    is_missing,
+    is_number,
+    split_cells,
+)
+from wirerope_mj.foundation.text_files import encoding_of, foreign_kind
+from wirerope_mj.foundation.units import in_si, split_unit
+from wirerope_mj.foundation.xlsx_rows import is_workbook, sheet_names, xlsx_rows
+
+# Largest number that a file may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
+# unit, and integrals of what is left are finite.
+LARGEST = 1e15
+_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")  # characters that no text holds, but for tabs and what ends a line or a page
+_DECIMAL = re.compile(r"[-+]?\d*([.,])\d+(?:[eE][-+]?\d+)?")
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:([ ',.\u00a0\u202f])\d{3})+(?:[.,]\d+)?")
+_ABOVE = 130  # lines in which a header and the first numbers stand below what a rig or a logger says of itself
+_LOOKED_AT = 300  # rows by which the decimal sign is known
+COMMENTS = ("#", "%", "//")
+
+
+def read_header(path: Path, *, kind: str, example: str, sheet: str = "") -> Header:
+    """Read the header of a table in any container.
+
+    It is the first row with two units, or that above a row of units, or the last one above as many numbers, else the first that
+    is no comment (#, %); what a rig or a logger says of itself may stand above it. Where numbers begin at once it may be the
+    last comment. Units stand as `split_unit` splits them. Of a workbook the `sheet` is read, in small letters, the first where
+    none is called so.
+
+    Messages say what the file should be, `kind`, as "cyclic test", and show an `example` of its header.
+
+    Raises:
+        RecordError: the file cannot be read, is empty or no table.
+    """
+    wanted = f"A {kind} is a table with a header such as {example}."
+    try:
+        if not regular(path).exists():
+            raise RecordError(f"{path}: no such file. {wanted}")
+        if foreign := foreign_kind(path):
+            raise RecordError(f"{path}: {foreign}")
+        if is_workbook(path):
+            return _of_workbook(path, sheet, wanted)
+        columns = columns_of_array_file(path) or columns_of_logger(path)
+        if columns is not None:
+            names, units, numbers, line = columns
+            return _checked(Header(path, line, names, units, last=line, content=numbers))
+        return _of_text(path, wanted)
+    except OSError as error:
+        raise RecordError(f"{path}: the {kind} cannot be read: {why_unread(error)}") from None
+
+
+def _of_workbook(path: Path, sheet: str, wanted: str) -> Header:
+    titles = sheet_names(path)
+    chosen = [sheet] if sheet in titles else titles  # a cover may stand before the sheet that is meant
+    for order in (chosen, chosen[:1]):
+        for name in order:
+            title, filled = xlsx_rows(path, name)
+            width = max((len(cells) for _, cells in filled[:_ABOVE]), default=0)
+            found = find_header([(row, cells + [""] * (width - len(cells))) for row, cells in filled[:_ABOVE]])
+            if found is not None and found.surety > 0:
+                break
+        else:
+            continue
+        break
+    if not filled:
+        raise RecordError(f"{path}: the sheet {short(plain(title))} is empty. {wanted}")
+    if found is None:
+        raise _without_header(f"{path}, sheet {short(plain(title))}, row {filled[0][0]}", wanted)
+    below = [row for row in filled if row[0] > found.last]
+    header = Header(path, found.line, found.names, found.units, sheet=title, last=found.last, content=below)
+    return _checked(replace(header, decimal=_decimal_sign(header, (cells for _, cells in below[:_LOOKED_AT]))))
+
+
+def _of_text(path: Path, wanted: str) -> Header:
+    encoding = encoding_of(path)
+    with path.open(encoding=encoding, errors="replace") as file:
+        lines, comments = _first_lines(path, file)
+    if not lines:
+        raise RecordError(
+            f"{path}: the file is empty. Expected {wanted.partition('with ')[2].rstrip('.')} and rows of numbers."
+        )
+    tried: list[tuple[int, int, str, FoundHeader]] = []
+    for order, delimiter in enumerate(DELIMITERS):
+        if delimiter == " " and tried and max(tried)[0] > 0:
+            break  # spaces stand within names and beside other separators
+        rows = [(number, split_cells(text, delimiter)) for number, text in lines]
+        if found := find_header(rows) or _in_comments(comments, rows):
+            several = len(found.names) > 1 or (found.surety > 0 and delimiter == ",")
+            tried.append((found.surety if several else -1, -order, delimiter, found))
+    if not tried:
+        raise _without_header(f"{path}, line {lines[0][0]}", wanted)
+    surety, _, delimiter, found = max(tried)
+    if surety < 1:  # nothing tells: the first separator that the line has
+        text = next(text for number, text in lines if number == found.line)
+        delimiter = next((sign for sign in (*DELIMITERS,)[:4] if sign in text), ",")
+        found = next(one for _, _, sign, one in tried if sign == delimiter)
+    header = Header(path, found.line, found.names, found.units, delimiter, encoding=encoding, last=found.last)
+    with open_rows(header) as file:
+        rows_of_cells = (header.cells(text) for _, text in zip(range(_LOOKED_AT), file, strict=False))
+        return _checked(replace(header, decimal=_decimal_sign(header, rows_of_cells)))
+
+
+def _first_lines(path: Path, file: TextIO) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return the lines that a header may be among, and comments, each with its number; a cell may go on in the next line."""
+    lines: list[tuple[int, str]] = []
+    comments: list[tuple[int, str]] = []
+    whole = ""
+    for number, text in enumerate(file, start=1):
+        whole += text if not whole else f" {text}"
+        if whole.count('"') % 2 and whole.count('"') < 200 and number < _ABOVE:
+            whole = whole.rstrip("\r\n")
+            continue
+        line, whole = whole.strip("\r\n"), ""
+        if is_comment(line):
+            comments.append((number, line.lstrip(' \t"#%/')))
+        elif line.strip(' \t;,|"'):
+            if _CONTROL.search(line):
+                raise RecordError(
+                    f"{path}, line {number}: control characters{' (NUL)' if chr(0) in line else ''} stand where a table has "
+                    "text, as in a binary file, one that was cut off, or text in UTF-16 without its mark. Export it as CSV "
+                    "from the program that wrote it, or save the text in UTF-8."
+                )
+            if set(line) - set('-=_+ \t;,|"'):  # else a line that is drawn
+                lines.append((number, line))
+        if len(lines) > _ABOVE:
+            break
+    return lines, comments
+
+
+def _in_comments(comments: Sequence[tuple[int, str]], rows: Rows) -> FoundHeader | None:
+    """Find a header in the last comment that has as many cells as the numbers below, whatever separates them."""
+    width = len(rows[0][1])
+    for number, text in reversed([one for one in comments if one[0] < rows[0][0]]):
+        for delimiter in DELIMITERS:
+            cells = split_cells(text, delimiter)
+            if len(cells) == width and (width > 1 or split_unit(cells[0])[1]) and not any(map(is_number, cells)):
+                names, units = zip(*map(split_unit, cells), strict=True)
+                return FoundHeader(1, number, number, names, units)
+    return None
+
+
+def _without_header(location: str, wanted: str) -> RecordError:
+    return RecordError(
+        f"{location}: numbers begin here and no header stands above them. {wanted} Write that line above the numbers."
+    )
+
+
+def _checked(header: Header) -> Header:
+    """Return the header with a name for every column: "column 3" or, in a sheet, "column C" where it has none."""
+    unnamed = frozenset(i for i, name in enumerate(header.names) if not name)
+    names = tuple(name or _column_name(header, i) for i, name in enumerate(header.names))
+    return replace(header, names=names, unnamed=unnamed)
+
+
+def _column_name(header: Header, column: int) -> str:
+    if not header.sheet:
+        return f"column {column + 1}"
+    letters, number = "", column + 1
+    while number:
+        number, rest = divmod(number - 1, 26)
+        letters = chr(ord("A") + rest) + letters
+    return f"column {letters}"
+
+
+def find_column(header: Header, name: str, *, without: int | None = None) -> int:
+    """Return the index of the column that is called so, `without` one of them; RecordError that lists the columns if none is.
+
+    A name may be that of the column, that with its unit as the file has it, "column 3", the field of a struct by its own name,
+    or of several columns of one name the second as `name#2`.
+    """
+    there = {i: column for i, column in enumerate(header.names) if i != without}
+    bare, unit = split_unit(name)
+    first, _, number = name.rpartition("#")
+    alike = [i for i, column in there.items() if column == first]
+    position = re.fullmatch(r"column (\d+)", name)
+    ways = (
+        [i for i, column in there.items() if column == name],
+        [i for i, column in there.items() if unit is not None and (column, header.units[i]) == (bare, unit)],
+        [i for i, column in there.items() if not header.line and column.rpartition(".")[2] == name],
+        alike[int(number) - 1 : int(number)] if number.isdigit() and int(number) else [],
+        [int(position[1]) - 1] if position and int(position[1]) - 1 in there else [],
+    )
+    places = next((found for found in ways if found), [])
+    if len(places) == 1:
+        return places[0]
+    fault, remedy = f'there is no column "{short(plain(name))}"', ""
+    if places:
+        fault, remedy = f'there are {len(places)} columns "{short(plain(name))}"', f' Say which: "{name}#1" or "{name}#2".'
+    raise RecordError(f"{header.location}: {fault}; the columns are {short(plain(', '.join(there.values())))}.{remedy}")
+
+
+def _decimal_sign(header: Header, rows: Iterable[Sequence[str]]) -> str:
+    """Return the sign of the first number below a header that has decimals; RecordError where commas may be of thousands."""
+    sign, commas, whole = "", [], 0
+    for cells in rows:
+        for cell in cells:
+            match = _DECIMAL.fullmatch(cell)
+            sign = sign or (match[1] if match else "")
+            if match and match[1] == ",":
+                commas.append(cell.lstrip("+-"))
+            whole += bool(re.fullmatch(r"[-+]?[1-9]\d{1,2}", cell))
+    if sign == "," and whole and all(re.fullmatch(r"[1-9]\d{0,2},\d{3}", cell) for cell in commas):
+        raise RecordError(
+            f'{header.location}: the numbers below, such as "{commas[0]}", have a comma that may separate thousands or '
+            "decimals. Write them without separators of thousands, and with a decimal point."
+        )
+    return sign or "."
+
+
+def is_comment(text: str) -> bool:
+    """Tell whether a line is a comment."""
+    return text.lstrip(' \t"').startswith(COMMENTS)
+
+
+def open_rows(header: Header) -> TextIO:
+    """Open a text at the line behind its header."""
+    file = header.path.open(encoding=header.encoding, errors="replace")
+    for _ in range(header.last):
+        file.readline()
+    return file
+
+
+def rows_below(header: Header) -> Iterator[tuple[int, str, list[str]]]:
+    """Yield line number, file and line for messages, and the cells of every row; empty rows and comments are skipped."""
+    for line, cells in numbered_rows(header):
+        location = header.at(line)
+        require_cells(header, location, cells)
+        if any("[" in cell or "(" in cell for cell in cells) and sum(split_unit(cell)[1] is not None for cell in cells) > 1:
+            raise RecordError(
+                f'{location}: "{short(plain(header.delimiter.join(cells)))}" looks like a second header after that in '
+                f"{'row' if header.sheet else 'line'} {header.line}. "
+                "A file has one header and one unit for each quantity: convert the rows, or use two files."
+            )
+        yield line, location, [with_point(header, location, cell) for cell in cells]
+
+
+def numbered_rows(header: Header) -> Iterator[tuple[int, list[str]]]:
+    """Yield number and cells of every row below a header as they stand; empty rows and comments are skipped."""
+    width, content = len(header.names), header.content
+    if isinstance(content, np.ndarray):
+        yield from ((number, ["" if v != v else repr(v) for v in row]) for number, row in enumerate(content.tolist(), 1))
+    elif content is not None:
+        for number, cells in content:
+            yield number, [*cells[:width], *[""] * (width - len(cells)), *(cell for cell in cells[width:] if cell)]
+    else:
+        with open_rows(header) as file:
+            for number, text in enumerate(file, start=header.last + 1):
+                if not is_comment(text) and any(cells := header.cells(text)):
+                    yield number, cells
+
+
+def rows_in_si(header: Header, units: Mapping[int, Mapping[str, float]]) -> list[tuple[float, ...]]:
+    """Read the numbers of some columns below a header in SI; `units` are those that each of them may have."""
+    factors = {column: header.factor(column, known) for column, known in units.items()}
+    return [
+        tuple(in_si(number_in(place, header.names[column], cells[column]), factor) for column, factor in factors.items())
+        for _, place, cells in rows_below(header)
+    ]
+
+
+def with_point(header: Header, location: str, cell: str) -> str:
+    """Return a cell, its number with a decimal point; RecordError if the file's decimal sign is another."""
+    match = _DECIMAL.fullmatch(cell) if header.decimal == "," else None
+    if match is None:
+        return cell
+    if match[1] == ".":
+        raise RecordError(
+            f'{location}: "{short(cell)}" has a point and numbers above it have decimal commas. Write all with the same sign.'
+        )
+    return cell.replace(",", ".")
+
+
+def require_cells(header: Header, location: str, cells: Sequence[str]) -> None:
+    """Raise RecordError unless a row has as many cells as the header has columns."""
+    count, columns = len(cells), len(header.names)
+    if count == columns:
+        return
+    message = f"{location}: {count} cells where the header has {columns} columns."
+    if count > columns and header.delimiter == ",":
+        message += " Decimals are written with a point: here every comma separates two cells."
+    elif count == 1 and (other := next((sign for sign in ";\t," if sign in cells[0]), None)):
+        message += (
+            f" The header's cells are separated by {DELIMITERS[header.delimiter]}, those of this row by {DELIMITERS[other]}."
+        )
+    raise RecordError(message)
+
+
+def parse_number(cell: str) -> float:
+    """Return the number in a cell; ValueError also for 1_000 and digits of other scripts, which Python takes."""
+    if "_" in cell or not cell.isascii():
+        raise ValueError(cell)
+    return float(cell)
+
+
+def number_in(location: str, name: str, cell: str) -> float:
+    """Return the finite number in a cell of the column `name`; RecordError if it is none."""
+    try:
+        value = parse_number(cell)
+    except ValueError:
+        hint = ""
+        if is_missing(cell):
+            hint = " Its value is missing."
+        elif _THOUSANDS.fullmatch(cell):
+            hint = " Write thousands without a separator."
+        elif re.fullmatch(r"[-+.,\deE]+\s*[a-zA-Zµ²/^]+2?", cell):
+            hint = " Units stand in the header only, one for each column."
+        elif "," in cell:
+            hint = " Decimals are written with a point, or all with a comma where semicolons or tabs separate the cells."
+        raise RecordError(f'{location}: "{short(cell)}" in column "{short(name)}" is not a number.{hint}') from None
+    if not abs(value) <= LARGEST:
+        raise RecordError(
+            f'{location}: {cell} in column "{name}" is no measured value; cut or repair the file before it is used.'
+        )
+    return value

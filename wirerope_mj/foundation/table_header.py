@@ -1,0 +1,244 @@
+"""The header of a table among the rows that other programs write: names and units by position, in one row or in several."""
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.clock_times import is_clock_time
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import plain, short
+from wirerope_mj.foundation.units import find_unit, is_unit, split_unit, underscored_unit
+
+Rows = Sequence[tuple[int, list[str]]]  # number of each row, counted from 1, and its cells
+DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "spaces"}
+# what stands in a cell whose value is missing, in small letters
+MISSING = frozenset(
+    [
+        "nan",
+        "+nan",
+        "-nan",
+        "na",
+        "n/a",
+        "#n/a",
+        "#na",
+        "null",
+        "none",
+        "nil",
+        "-",
+        "--",
+        "---",
+        "nan(ind)",
+        "-nan(ind)",
+        "1.#qnan",
+        "-1.#ind",
+        "#div/0!",
+        "#value!",
+        "#num!",
+        "#ref!",
+        "missing",
+    ]
+)
+_LONGEST_UNIT = 16  # characters: a cell that is longer says something else than a unit
+
+
+@dataclass(frozen=True, eq=False)
+class Header:
+    """The rows of a table that name its columns."""
+
+    path: Path  # of the file
+    line: int  # number of the row with the names, counted from 1; 0 where the file has no rows
+    names: tuple[str, ...]  # of the columns, units taken off; one without a name is called "column 3", in a workbook "column C"
+    units: tuple[str | None, ...]  # of the columns; None where the header has none
+    delimiter: str = ""  # between the cells of a text
+    decimal: str = "."  # or a comma, where other signs separate the cells, or quotation marks stand around them
+    sheet: str = ""  # of a workbook
+    encoding: str = "utf-8"  # of a text
+    last: int = 0  # number of the last row of the header, where units or other names stand below the first
+    unnamed: frozenset[int] = frozenset()  # columns without a name
+    # rows below the header of a workbook; numbers of all columns of another file, (n, n_columns); None of a text
+    content: Rows | Array | None = field(default=None, repr=False)
+
+    @property
+    def location(self) -> str:
+        """File and line, or sheet and row, as messages begin."""
+        return self.at(self.line)
+
+    def at(self, row: int) -> str:
+        """Name a row of the file, as messages begin."""
+        if self.sheet:
+            return f"{self.path}, sheet {short(plain(self.sheet))}, row {row}"
+        return f"{self.path}, line {row}" if row else str(self.path)
+
+    def listed(self, first: int = 0, *, units: bool = False) -> str:
+        """List the columns' names from number `first` on, as messages do."""
+        written = [f"{name} [{unit}]" if units and unit else name for name, unit in zip(self.names, self.units, strict=True)]
+        return short(plain(", ".join(written[first:])))
+
+    def factor(self, column: int, known: Mapping[str, float]) -> float:
+        """Return the value of the column's unit in SI; RecordError if it has none, or one that is not known."""
+        return known[self.known_unit(column, known)]
+
+    def known_unit(self, column: int, known: Mapping[str, float]) -> str:
+        """Return the column's unit as `known` spells it, also that behind the last underscore of its name.
+
+        RecordError: it has none, or one that is not known.
+        """
+        name, unit = short(plain(self.names[column])), self.units[column]
+        if unit is None:
+            if found := underscored_unit(self.names[column], known)[1]:
+                return found
+            first = next(iter(known))
+            underscored = f"{name}_{re.sub('[^A-Za-z0-9]', '', first.replace('/', 'p'))}"
+            example = (
+                f'"{name} [{first}]"' if self.line else f'"{underscored}" or, where it may hold brackets, "{name} [{first}]"'
+            )
+            raise RecordError(
+                f'{self.location}: column "{name}" has no unit. Write it behind the name, for instance {example}; known units: '
+                f"{', '.join(known)}."
+            )
+        if found := find_unit(unit, known):
+            return found
+        raise RecordError(
+            f'{self.location}: column "{name}" has the unknown unit "{short(plain(unit))}". Known units: {", ".join(known)}.'
+        )
+
+    def cells(self, text: str) -> list[str]:
+        """Return the cells of a line, without empty ones beyond the last column."""
+        cells = split_cells(text, self.delimiter)
+        while len(cells) > len(self.names) and not cells[-1]:
+            cells.pop()
+        return cells
+
+
+@dataclass(frozen=True)
+class FoundHeader:
+    """Where a header stands among rows, and what it says."""
+
+    surety: int  # 3: two units at least; 2: a row of units; 1: as many names as the numbers below; 0: the first row
+    line: int
+    last: int
+    names: tuple[str, ...]
+    units: tuple[str | None, ...]
+
+
+def split_cells(text: str, delimiter: str) -> list[str]:
+    """Split a line at a delimiter, " " being any run of spaces; quotation marks hold a cell together and are taken off."""
+    if delimiter == " ":
+        parts: list[str] = []
+        for part in re.findall(r'"[^"]*"|\S+', text):
+            if parts and re.fullmatch(r"\[.*\]|\(.*\)", part):
+                parts[-1] += f" {part}"  # a unit belongs to the name before it
+            else:
+                parts.append(part)
+        return [part.strip('"') for part in parts]
+    if '"' in text:
+        try:
+            return [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter, skipinitialspace=True), [])]
+        except csv.Error:
+            pass
+    return [cell.strip().strip('"').strip() for cell in text.split(delimiter)]
+
+
+def is_missing(cell: str) -> bool:
+    """Tell whether a cell says that its value is missing."""
+    return not cell or cell.lower() in MISSING
+
+
+def is_number(cell: str) -> bool:
+    """Tell whether a cell holds a number, with a decimal point or comma."""
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return "_" not in cell
+
+
+def find_header(rows: Rows) -> FoundHeader | None:
+    """Find the header among the first rows of a table; None where numbers begin at once, or there is no row.
+
+    It is the first row with two units, else that above a row of units, else the last one above the numbers that has as many
+    cells, else the first.
+    """
+    data = next((i for i, (_, cells) in enumerate(rows) if _is_data(cells)), len(rows))
+    if data == 0:
+        return None
+    above = rows[:data]
+    of_units = next((i for i in range(1, data) if _are_units(rows[i][1]) and _match(rows[i - 1][1], rows[i][1])), None)
+    with_units = next((i for i, (_, cells) in enumerate(above) if sum(split_unit(c)[1] is not None for c in cells) >= 2), None)
+    if with_units is not None and with_units == of_units:
+        with_units = None
+    fits = data < len(rows) and _match(above[-1][1], rows[data][1])
+    if with_units is not None:
+        surety, names = 3, with_units
+    elif of_units is not None:
+        surety, names = 2, of_units - 1
+    elif fits:
+        surety, names = 1, data - 1
+    else:
+        surety, names = 0, 0
+    line, cells = rows[names]
+    headings = [split_unit(cell) for cell in cells]
+    last = names
+    # names that span columns, as merged cells do, and their parts in the row below or above
+    if names + 1 < data and not _are_units(rows[names + 1][1]) and _spans(cells, rows[names + 1][1]):
+        last = names + 1
+        headings = _joined(cells, rows[last][1])
+    elif surety < 3 and names and _spans(rows[names - 1][1], cells):
+        headings = _joined(rows[names - 1][1], cells)
+    if last + 1 < data and _are_units(rows[last + 1][1]):
+        last += 1
+        headings += [("", None)] * (len(rows[last][1]) - len(headings))
+        below = [split_unit(cell)[1] or cell or None for cell in rows[last][1]] + [None] * len(headings)
+        headings = [(name, unit or more) for (name, unit), more in zip(headings, below, strict=False)]
+    kept = max((i for i, heading in enumerate(headings, 1) if heading[0] or heading[1]), default=0)
+    if data < len(rows):
+        kept = max(kept, min(len(headings), len(rows[data][1])))  # a column without a name may hold something
+    found, units = zip(*(headings[:kept] or headings[:1]), strict=True)
+    return FoundHeader(surety, line, rows[last][0], tuple(found), tuple(units))
+
+
+def _is_data(cells: Sequence[str]) -> bool:
+    """Tell whether most of a row is numbers or times, beginning with the first cell that is not empty."""
+    filled = [cell for cell in cells if cell]
+    numbers = [is_number(cell) or is_clock_time(cell) or is_missing(cell) for cell in filled]
+    return bool(filled) and numbers[0] and not is_missing(filled[0]) and 2 * sum(numbers) > len(numbers)
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Tell whether a row holds nothing but units, most of them known."""
+    filled = [split_unit(cell) for cell in cells if cell]
+    units = [unit if unit is not None and not name else name for name, unit in filled]
+    short_ones = all(0 < len(unit) <= _LONGEST_UNIT and not is_number(unit) for unit in units)
+    return bool(units) and short_ones and 2 * sum(map(is_unit, units)) >= len(units) and is_unit(units[0])
+
+
+def _match(names: Sequence[str], cells: Sequence[str]) -> bool:
+    """Tell whether names stand above cells, one above each but for empty ones at the end, and none is a number."""
+    least = [max((i for i, cell in enumerate(row, 1) if cell), default=0) for row in (names, cells)]
+    fit = least[0] <= len(cells) and least[1] <= len(names) and least[0] > (len(cells) > 1)
+    return fit and not any(is_number(name) for name in names if name)
+
+
+def _spans(above: Sequence[str], below: Sequence[str]) -> bool:
+    """Tell whether names above span columns that have further names below, as merged cells do."""
+    if len(above) != len(below) or any(is_number(cell) for cell in (*above, *below)) or sum(map(bool, above)) < 2:
+        return False
+    spanned = [i for i, name in enumerate(above) if i and (not name or name == above[i - 1])]
+    # a column of one name has none in the other row; of two names each, the upper ones come several times
+    alone = not above[0] or not all(below)
+    return bool(spanned) and all(below[i] for i in spanned) and (alone or all(above))
+
+
+def _joined(above: Sequence[str], below: Sequence[str]) -> list[tuple[str, str | None]]:
+    """Join names that span columns with those below them; a unit is that of either."""
+    headings: list[tuple[str, str | None]] = []
+    span: tuple[str, str | None] = ("", None)
+    for i, cell in enumerate(below):
+        if i < len(above) and above[i]:
+            span = split_unit(above[i])
+        name, unit = split_unit(cell)
+        headings.append((f"{span[0]} {name}".strip(), unit or span[1]))
+    return headings
