@@ -77,8 +77,7 @@ def _of_workbook(path: Path, sheet: str, wanted: str) -> Header:
     for order in (chosen, chosen[:1]):
         for name in order:
             title, filled = xlsx_rows(path, name)
-            width = max((len(cells) for _, cells in filled[:_ABOVE]), default=0)
-            found = find_header([(row, cells + [""] * (width - len(cells))) for row, cells in filled[:_ABOVE]])
+            found = find_header(filled[:_ABOVE])
             if found is not None and found.surety > 0:
                 break
         else:

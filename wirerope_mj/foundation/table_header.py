@@ -224,8 +224,9 @@ def _match(names: Sequence[str], cells: Sequence[str]) -> bool:
 
 def _spans(above: Sequence[str], below: Sequence[str]) -> bool:
     """Tell whether names above span columns that have further names below, as merged cells do."""
-    if len(above) != len(below) or any(is_number(cell) for cell in (*above, *below)) or sum(map(bool, above)) < 2:
+    if len(above) > len(below) or any(is_number(cell) for cell in (*above, *below)) or sum(map(bool, above)) < 2:
         return False
+    above = [*above, *[""] * (len(below) - len(above))]  # a workbook keeps no empty cells at the end
     spanned = [i for i, name in enumerate(above) if i and (not name or name == above[i - 1])]
     # a column of one name has none in the other row; of two names each, the upper ones come several times
     alone = not above[0] or not all(below)
