@@ -280,8 +280,9 @@ def test_a_job_is_replayed_and_reported_from_its_folder_alone(done, tmp_path, ca
 def test_the_recording_holds_every_case(done):
     from rerun.chunk import RrdReader
 
-    stores = {entry.recording_id for entry in RrdReader(str(done[0] / "out" / "job.rrd")).recordings()}
-    assert len(stores) == 2
+    stores = RrdReader(str(done[0] / "out" / "job.rrd")).recordings()
+    assert len({entry.recording_id for entry in stores}) == 2
+    assert len({entry.application_id for entry in stores}) == 1
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def cases(
     show(content, "limits")
     print_headline(content.verdict)
     files = sorted(f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir())
-    effect = "opens the view, which switches between the cases"
+    effect = "opens the view, whose panel on the left switches between the cases"
     print()
     say_where(f"{folder}/, {perf_counter() - began:.1f} s in all", files, show=folder / "job.rrd", effect=effect)
     return 0

@@ -5,7 +5,7 @@ job.toml           load cases and their folders, what is reported, the document'
 cases/FOLDER/      a run for each load case, as `wirerope run` writes it
 summary.json       the answer, the matrix of cases and criteria, what governs each limit
 report.html        one page (report.pdf, report.docx)
-job.rrd            the recordings of all cases, between which the viewer switches
+job.rrd            a recording for each case in one layout, between which the viewer's panel on the left switches
 ```
 """
 
@@ -245,7 +245,7 @@ def _simulated(question: _Question) -> _Outcome:
         warnings.simplefilter("always")
         try:
             write = rejudge_run if again else partial(write_run, force=True)
-            write(scenario, folder, when_judged=lambda judged: answers.append(judged.headline), case=folder.name)
+            write(scenario, folder, when_judged=lambda judged: answers.append(judged.headline))
         except (WireRopeError, ValueError, OSError) as error:
             return _Outcome(scenario.name, perf_counter() - began, "", error=str(error))
     warned = tuple((one.category, str(one.message)) for one in caught)
@@ -273,10 +273,12 @@ def _run_all(questions: list[_Question], workers: int | None, done: Done) -> Ite
 
 def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> None:
     """Write what the cases say together: summary, page, documents and recording."""
-    from wirerope_mj.views.recording.viewer import JOINED, join_recordings  # late: rerun takes long to import
+    from wirerope_mj.views.recording.record import record_cases  # late: rerun takes long to import
+    from wirerope_mj.views.recording.viewer import JOINED
 
     content = job_content(judged)
     said = content.to_dict("limits", "load-cases", "envelope")
     write_json(folder / SUMMARY, {"format": FORMAT, "name": judged.name, "content": said})
     write_page(content, page_files(folder, None, pdf=pdf, docx=docx, force=True))
-    join_recordings([folder / CASES / case.folder / "run.rrd" for case in judged.cases], folder / JOINED)
+    notes = {case.name: case.note for case in judged.cases}
+    record_cases({case.name: case.run for case in judged.cases}, folder / JOINED, notes=notes)

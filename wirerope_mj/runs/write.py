@@ -85,13 +85,12 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
 
 def write_run(
     scenario: Scenario, folder: str | Path, *, force: bool = False, progress: bool = False, state: bool = False,
-    when_judged: Callable[[JudgedRun], None] = lambda judged: None, case: str = "",
+    when_judged: Callable[[JudgedRun], None] = lambda judged: None,
 ) -> None:  # fmt: skip
     """Do what `run_scenario` does without reading the response back.
 
     `when_judged` is called with the judged run before anything is made of it; what it raises ends the run, whose folder is
-    not written then. With `state` the recording keeps every sample, too; `case` says which load case it is among several,
-    in letters of a file's name: its recording has a layout of its own then.
+    not written then. With `state` the recording keeps every sample, too.
     """
     target = Path(folder)
     check_folder(target, force=force, kind=KIND, marks=MARKS)
@@ -114,13 +113,13 @@ def write_run(
             (temporary / SCENARIO).write_text(text, encoding="utf-8")
             content = summary_content(judged, seconds=round(seconds, 3))
             (temporary / SUMMARY).write_text(json_text(content), encoding="utf-8")
-            _write_views(scenario, judged, temporary, writing, state=state, case=case)
+            _write_views(scenario, judged, temporary, writing, state=state)
             write_checksums(temporary)
 
 
 def rejudge_run(
-    scenario: Scenario, folder: str | Path, *, when_judged: Callable[[JudgedRun], None] = lambda judged: None, case: str = ""
-) -> None:  # fmt: skip
+    scenario: Scenario, folder: str | Path, *, when_judged: Callable[[JudgedRun], None] = lambda judged: None
+) -> None:
     """Judge the run of a scenario by other limits, and write it anew from its own samples; nothing is simulated.
 
     The scenario is as it was but for `limits` and `combined_travel`; the rest as `write_run` takes it. WireRopeError if the
@@ -146,7 +145,7 @@ def rejudge_run(
             (temporary / name).write_text(text, encoding="utf-8")
         for old in (*temporary.glob("*.png"), *temporary.glob("*.html"), *temporary.glob("*.rrd"), temporary / CHECKSUMS):
             old.unlink()
-        _write_views(scenario, judged, temporary, lambda name: None, state=False, case=case)
+        _write_views(scenario, judged, temporary, lambda name: None, state=False)
         write_checksums(temporary)
 
 
@@ -234,9 +233,7 @@ def _scenario_text(scenario: Scenario, response: Response, folder: Path, *, mode
     return tomli_w.dumps(content, multiline_strings=True)
 
 
-def _write_views(
-    scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool, case: str
-) -> None:
+def _write_views(scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool) -> None:
     # Here, because the page, and rerun even more, take longer to import than a small simulation takes.
     from wirerope_mj.content.run import panel_over_frequency, run_content
     from wirerope_mj.runs.page import REPORT
@@ -261,8 +258,8 @@ def _write_views(
     with run_beside(write_report):
         from wirerope_mj.views.recording.record import record_run
 
-        how: Entries = {"state": state, "over_frequency": panel_over_frequency(judged), "case": case}
-        record_run(judged, folder / "run.rrd", title=title, scenario_text=text, **how)
+        over = panel_over_frequency(judged)
+        record_run(judged, folder / "run.rrd", title=title, scenario_text=text, state=state, over_frequency=over)
 
 
 def _scenario_markdown(scenario: Scenario) -> str:

@@ -31,14 +31,14 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     """
     scenes = _scenes(drawn, factor)
     left: rrb.Container = tabs_with(scenes, "scene", scene or str(scenes[0].name))
-    if (run := drawn.alone) is not None and run.selection.governing is not None:
-        left = rrb.Vertical(left, _near(run, run.selection.governing, wide=True), row_shares=[3, 2])
+    if (run := drawn.alone) is not None and (governing := drawn.shared.governing) is not None:
+        left = rrb.Vertical(left, _near(run, governing, wide=True, figures=not drawn.cases), row_shares=[3, 2])
     top = rrb.Horizontal(left, tabs_with(_tabs(drawn, plots), "tab", tab), column_shares=[5, 6], name="run")
     banner = [_text(text.path, text.name) for text in drawn.texts if text.place == BANNER]
     texts = [_text(text.path, text.name) for text in drawn.texts if text.place == BELOW]
     texts = [*([_text((CURSOR,), "At the time cursor")] if drawn.alone else []), *texts]
     below = rrb.Horizontal(rrb.Tabs(*texts, active_tab=0), event_view(entity("events")), column_shares=[5, 6])
-    return layout(rrb.Vertical(*banner, top, below, row_shares=[6, 76, 18]), drawn.shared.window)
+    return layout(rrb.Vertical(*banner, top, below, row_shares=[6, 76, 18]), drawn.shared.window, cases=drawn.cases)
 
 
 def loop_widths(drawn: Drawn) -> dict[str, float]:
@@ -57,14 +57,14 @@ def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
     largest = max(drawn.runs, key=lambda run: scene_extent(run.response.scene)[1])
     below = entity(GHOSTS)
     if (run := drawn.alone) is not None:
-        scenes = [_scene(run, "True scale", whole_scene(run.response, mount=run.selection.governing))]
-        if run.selection.used and run.selection.mounts:
+        scenes = [_scene(run, "True scale", whole_scene(run.response, mount=drawn.shared.governing))]
+        if drawn.shared.used and drawn.shared.mounts:
             across, upward = plan_bounds(run.response)
             bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
             name = "Mounts from above, % used now"
             scenes.append(rrb.Spatial2DView(origin=entity(PLAN), name=name, background=GROUND, visual_bounds=bounds))
         if factor > 1.0:
-            camera = whole_scene(run.response, mount=run.selection.governing)
+            camera = whole_scene(run.response, mount=drawn.shared.governing)
             scenes.append(scene_view(below + _origin(run), [f"+ {below}/**"], f"Motion drawn {factor:g} times larger", camera))
         return scenes
     columns = 1 if len(drawn.runs) <= 3 else 2
@@ -93,11 +93,11 @@ def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()
     return scene_view(run.root + _origin(run), contents, name, camera)
 
 
-def _near(run: DrawnRun, mount: str, *, wide: bool = False) -> rrb.Spatial3DView:
-    """Return a mount from near, without what belongs to others."""
+def _near(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = True) -> rrb.Spatial3DView:
+    """Return a mount from near, without what belongs to others; its name says what is used of the limit if `figures`."""
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
-    worst = next((one for one in run.selection.used if one.subject == mount), None)
+    worst = next((used for used in run.selection.used if used.subject == mount and figures), None)
     used = f", {in_unit(worst.largest, '%'):.0f} % of its limit of {worst.governing.criterion}" if worst else ""
     name = ": ".join(filter(None, (run.name, f"Mount {mount}{used}")))
     return _scene(run, name, close_up_of(run.response, mount, wide=wide), hidden)
@@ -135,10 +135,10 @@ def _overview(drawn: Drawn) -> rrb.Container:
         return rrb.Grid(*views, grid_columns=1 if len(views) <= 3 else 2, name="Overview")
     shares = [3.0] * len(views)
     if drawn.over_frequency is not None:
-        views.append(over_frequency_view(drawn.over_frequency))
+        views.append(over_frequency_view(drawn.over_frequency, narrow=drawn.cases))
         shares.append(4.0)
-    lanes = lane_paths(run.response, run.selection)
-    name, window = "Base, stops, use of limits [%]", time_axis(run.selection.window)
+    lanes = lane_paths(run.response, drawn.shared)
+    name, window = "Base, stops, use of limits [%]", time_axis(drawn.shared.window)
     views.append(rrb.StateTimelineView(origin=entity(), contents=lanes, name=name, time_view=window))
     return rrb.Vertical(*views, row_shares=[*shares, 0.9 + 0.6 * len(lanes)], name="Overview")
 
@@ -149,5 +149,5 @@ def _view(drawn: Drawn, key: tuple[str, ...]) -> rrb.View:
 
 def _loop_view(drawn: Drawn, plot: LoopPlot) -> rrb.Spatial2DView:
     ratio = drawn.shared.utilisation(plot.mount, plot.axis)
-    used = "" if np.isnan(ratio) or not drawn.alone else f", {100 * ratio:.0f} % of rated travel"
+    used = "" if np.isnan(ratio) or not drawn.alone or drawn.cases else f", {100 * ratio:.0f} % of rated travel"
     return loop_view(plot.path, f"{plot.mount}: kN over mm{used}", width=plot.plot.width, trails=plot.trails)

@@ -8,6 +8,7 @@ import numpy as np
 from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
 from wirerope_mj.assessment.comparison.runs import Subject, subjects_of
 from wirerope_mj.assessment.criteria import Verdict
+from wirerope_mj.assessment.criteria.ended import Used
 from wirerope_mj.content.histories import TOTAL, USED, Histories, difference_key, differing, overlay_histories, run_histories
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.panels import Panel
@@ -64,6 +65,8 @@ class Drawn:
     panels: Histories  # over time
     over_frequency: Panel | None = None  # what stands over frequency; None for nothing
     texts: tuple[Text, ...] = field(default=())
+    # whether the layout is that of several load cases, each a recording of its own: names of views then hold no figure of one
+    cases: bool = False
 
     @property
     def alone(self) -> DrawnRun | None:
@@ -122,7 +125,9 @@ def several_runs(
         raise ValueError(f"`responses` must be two to {len(COLORS)}, got {len(responses)}.")
     comparison = compare_runs(responses, align, verdicts)
     runs = tuple(_overlaid(run, color) for run, color in zip(comparison.runs, COLORS, strict=False))
-    shared = _shared(runs, comparison.mounts)
+    shared = shared_selection(runs, comparison.mounts, most=MOST_MOUNTS)
+    worst = tuple(used for used in shared.used if used.subject in shared.mounts)[:1]
+    shared = replace(shared, used=worst, bodies=(), points=(), numbers={})
     return Drawn(runs=runs, comparison=comparison, shared=shared, panels=overlay_histories(comparison, shared))
 
 
@@ -131,8 +136,8 @@ def _overlaid(run: ComparedRun, color: Color) -> DrawnRun:
     return DrawnRun(**vars(run), color=color, selection=selection, frames=frames_of(run.response))
 
 
-def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
-    """Return mounts of several runs as a selection: the worst of any run first."""
+def shared_selection(runs: Sequence[DrawnRun], mounts: tuple[str, ...], most: int | None = None) -> Selection:
+    """Return the mounts of several runs as a selection, the worst of any run first, at most so many of an axis."""
     utilisations = np.full((len(mounts), 3), np.nan)
     travel = np.zeros((len(mounts), 3))
     acting = np.zeros((len(mounts), 3), dtype=bool)
@@ -143,16 +148,17 @@ def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
                 utilisations[row] = np.fmax(utilisations[row], own.utilisations[own.mounts.index(name)])
                 travel[row] = np.maximum(travel[row], peak.maximum - peak.minimum)
                 acting[row] |= [name in own.ranked[axis] for axis in AXES]
-    used = [one for run in runs for one in run.selection.used if one.subject in mounts]
-    used = sorted(used, key=lambda one: -one.largest)[:1]
-    worst = [one.subject for one in used]
+    used: dict[str, Used] = {}
+    for entry in sorted((entry for run in runs for entry in run.selection.used), key=lambda entry: -entry.largest):
+        used.setdefault(entry.subject, entry)
+    worst = next((name for name in used if name in mounts), "")
     ranked = {}
     for number, axis in enumerate(AXES):
         order = np.lexsort([-travel[:, number], -np.nan_to_num(utilisations[:, number])])
         names = [mounts[row] for row in order if acting[row, number]]
-        ranked[axis] = tuple(sorted(names, key=lambda name: name not in worst)[:MOST_MOUNTS])
+        ranked[axis] = tuple(sorted(names, key=lambda name: name != worst)[:most])
     starts, ends = zip(*(run.selection.window for run in runs), strict=True)
     return replace(
         runs[0].selection, window=(min(starts), max(ends)), utilisations=utilisations, mounts=mounts, ranked=ranked,
-        bodies=(), points=(), used=tuple(used), numbers={},
+        used=tuple(used.values()),
     )  # fmt: skip

@@ -25,12 +25,21 @@ _LEGEND, _LINE = (WIDTH + 46.0, 8.0), 9.0
 _ASIDE = 92.0  # width of the legend
 
 
-def log_over_frequency(rec: Stream, run: RunResult, panel: Panel) -> None:
-    """Log frame and curves of a panel over frequency; of a sweep the frequency at the time cursor besides."""
+def log_over_frequency(rec: Stream, run: RunResult, panel: Panel, *, titled: bool = False) -> None:
+    """Log frame and curves of a panel over frequency; of a sweep the frequency at the time cursor besides.
+
+    Where the name of its view is that of several cases its title stands in the plot.
+    """
     path = entity(ROOT)
     plot = log_frequency_panel(rec, path, panel, width=WIDTH, lift=_LIFT)
     _log_peaks(rec, child(path, "data"), panel, plot)
     _log_now(rec, child(path, "data"), run, plot)
+    if titled:
+        place = rr.Points2D(
+            [[0.5 * WIDTH, -_LINE]], labels=[panel.ylabel or panel.title], colors=DARK.base, radii=rr.Radius.ui_points(0.0),
+            show_labels=True,
+        )  # fmt: skip
+        rec.log(child(path, "title"), place, static=True)
 
 
 def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, lift: float) -> Plot:
@@ -112,9 +121,10 @@ def _log_now(rec: Stream, data: str, run: RunResult, plot: Plot) -> None:
     rec.send_columns(child(data, "cursor"), times, rr.LineStrips2D.columns(strips=strips))
 
 
-def over_frequency_view(panel: Panel) -> rrb.Spatial2DView:
-    """Return the view of a panel over frequency."""
-    bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + _ASIDE], y_range=[-6.0, HEIGHT + 15.0])
+def over_frequency_view(panel: Panel, *, narrow: bool = False) -> rrb.Spatial2DView:
+    """Return the view of a panel over frequency; the letters of its legend take more of a narrow one."""
+    aside = (1.4 if narrow else 1.0) * _ASIDE
+    bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + aside], y_range=[-6.0, HEIGHT + 15.0])
     name = f"{panel.ylabel or panel.title}, over frequency [Hz]"
     return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)
 

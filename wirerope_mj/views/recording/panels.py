@@ -138,14 +138,14 @@ def lane_paths(response: Response, selection: Selection) -> list[str]:
     return [_path("base"), *stops, *(_path(name) for name in _subjects(selection))]
 
 
-def log_lanes(rec: Stream, response: Response, selection: Selection) -> None:
-    """Log the lanes of a run that is alone."""
-    end = selection.window[1]
+def log_lanes(rec: Stream, response: Response, selection: Selection, shared: Selection) -> None:
+    """Log the lanes of a run that is alone; `shared` says which, and until when they are seen."""
+    end = shared.window[1]
     _log_lane(rec, "base", _phases(response), _PHASES, end)
     closed = _pressing(response)
     if closed is not None:
         _log_lane(rec, "stops", [(float(response.time[row]), int(closed[row])) for row in changes(closed)], _STOPS, end)
-    names = _subjects(selection)
+    names = _subjects(shared)
     for used in selection.used:
         if used.subject in names:
             state = (used.course >= NEAR).astype(int) + (used.course > 1.0)

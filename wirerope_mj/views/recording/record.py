@@ -1,11 +1,13 @@
 """Recordings of one response, or of two or more over each other: one writer, one layout."""
 
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
 from wirerope_mj.assessment.comparison import Align
@@ -23,16 +25,18 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.blueprint import blueprint_of, loop_widths
+from wirerope_mj.views.recording.cases import cases_drawn, layout_of_cases
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun, one_run, several_runs
 from wirerope_mj.views.recording.ghosts import ghost_factor, log_ghosts
 from wirerope_mj.views.recording.loops import drawn_loops, log_loops, loop_plots
 from wirerope_mj.views.recording.now import log_cursor, log_plan
 from wirerope_mj.views.recording.over_frequency import log_over_frequency
 from wirerope_mj.views.recording.panels import log_lanes, log_panel
-from wirerope_mj.views.recording.paths import TIMELINE, AtEvents, Below, Stream, at, entity, known_letters, root_of
+from wirerope_mj.views.recording.paths import APPLICATION, TIMELINE, AtEvents, Below, Stream, at, entity, known_letters, root_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
 from wirerope_mj.views.recording.texts import overlay_texts, run_texts, test_texts
+from wirerope_mj.views.recording.viewer import join_recordings
 
 OVERLAY_FILE = "overlay.rrd"
 
@@ -63,28 +67,52 @@ def record_rerun(
 
 def record_run(
     run: RunResult, path: str | Path, *, title: str = "", scenario_text: str = "", tab: str = "Overview",
-    state: bool = False, over_frequency: Panel | None = None, tests: Sequence[Correlation] = (), case: str = "",
+    state: bool = False, over_frequency: Panel | None = None, tests: Sequence[Correlation] = (),
 ) -> Path:  # fmt: skip
     """Write a judged run, and return the path; the rest as `record_rerun`.
 
-    `over_frequency` is what is drawn over frequency, `case` names the load case among several in one file; measured channels of
-    `tests` are ghosts among the curves of the run.
+    `over_frequency` is what is drawn over frequency; measured channels of `tests` are ghosts among the curves of the run.
     """
     drawn = one_run(run, over_frequency)
     drawn = replace(drawn, panels=with_ghosts(drawn.panels, tests))
     texts = run_texts(run, title=title, scenario_text=scenario_text)
     drawn = replace(drawn, texts=(*texts, *test_texts(tests)))
     target = target_of(path)
-    with atomic_recording(target, case=case) as rec:
-        shown = AtEvents(rec, main_instants(run.response, run.selection))
-        _write(rec, shown, drawn, tab=tab, scene="", state=state)
-        _send_properties(rec, drawn.runs[0], title)
-        log_lanes(shown, run.response, run.selection)
-        log_cursor(shown, run)
-        log_plan(shown, run.response, run.selection)
-        if over_frequency is not None:
-            log_over_frequency(shown, run, over_frequency)
+    with atomic_recording(target) as rec:
+        _write_alone(rec, run, drawn, title=title, tab=tab, state=state)
     return target
+
+
+def record_cases(runs: Mapping[str, JudgedRun], path: Path, *, notes: Mapping[str, str]) -> None:
+    """Write the runs of the load cases of one model, by their names, as one file: a recording for each, in one layout.
+
+    The viewer has one layout for all recordings of an application: this one holds what any case shows, and its names of views
+    no figure of a single case. `notes` say what the cases are.
+    """
+    drawn = cases_drawn(runs, notes)
+    layout, factor = layout_of_cases(list(drawn.values()))
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".") as folder:
+        parts = []
+        for number, (name, run) in enumerate(runs.items()):
+            parts.append(Path(folder) / f"{number}.rrd")
+            with atomic_recording(parts[-1], application=f"{APPLICATION} cases") as rec:
+                _write_alone(rec, run, drawn[name], title=name, common=(None if number else layout, factor))
+        join_recordings(parts, path)
+
+
+def _write_alone(
+    rec: rr.RecordingStream, run: RunResult, drawn: Drawn, *, title: str, tab: str = "Overview", state: bool = False,
+    common: tuple[rrb.Blueprint | None, float] | None = None,
+) -> None:  # fmt: skip
+    """Log a run alone, or one of several load cases."""
+    shown = AtEvents(rec, main_instants(run.response, run.selection))
+    _write(rec, shown, drawn, tab=tab, state=state, common=common)
+    _send_properties(rec, drawn.runs[0], title)
+    log_lanes(shown, run.response, run.selection, drawn.shared)
+    log_cursor(shown, run)
+    log_plan(shown, run.response, run.selection)
+    if drawn.over_frequency is not None:
+        log_over_frequency(shown, run, drawn.over_frequency, titled=drawn.cases)
 
 
 def record_overlay(
@@ -128,12 +156,21 @@ def record_runs(
     return target
 
 
-def _write(rec: rr.RecordingStream, shown: Stream, drawn: Drawn, *, tab: str, scene: str, state: bool) -> None:
-    """Log what one run and several have in common, the layout first: the viewer then has it from the beginning."""
-    loops, factor = drawn_loops(drawn.runs, drawn.shared), ghost_factor(drawn)
+def _write(
+    rec: rr.RecordingStream, shown: Stream, drawn: Drawn, *, tab: str, scene: str = "", state: bool,
+    common: tuple[rrb.Blueprint | None, float] | None = None,
+) -> None:  # fmt: skip
+    """Log what one run and several have in common, the layout first: the viewer then has it from the beginning.
+
+    `common` is the layout of several load cases, which the first of them brings along, and by what factor it enlarges the
+    ghosts' motion.
+    """
+    loops = drawn_loops(drawn.runs, drawn.shared)
     plots = loop_plots(loops, drawn.shared, loop_widths(drawn))
-    layout = blueprint_of(drawn, plots, factor, tab=tab, scene=scene)
-    rec.send_blueprint(layout, make_active=True, make_default=True)
+    factor = common[1] if common else ghost_factor(drawn)
+    layout = common[0] if common else blueprint_of(drawn, plots, factor, tab=tab, scene=scene)
+    if layout is not None:
+        rec.send_blueprint(layout, make_active=True, make_default=True)
     for text in drawn.texts:
         rec.log(entity(*text.path), rr.TextDocument(text.text, media_type=rr.MediaType.MARKDOWN), static=True)
     for run in drawn.runs:

@@ -23,10 +23,10 @@ def target_of(path: str | Path, *, file: str = FILE) -> Path:
 
 
 @contextmanager
-def atomic_recording(target: Path, *, case: str = "") -> Iterator[rr.RecordingStream]:
+def atomic_recording(target: Path, *, application: str = APPLICATION) -> Iterator[rr.RecordingStream]:
     """Write what the block logs as `target`, and leave nothing behind if the block fails.
 
-    The viewer has one layout for all recordings of an application: each `case` is one of its own.
+    The viewer has one layout for all recordings of an application.
 
     Yields:
         The rerun recording to log to.
@@ -40,7 +40,7 @@ def atomic_recording(target: Path, *, case: str = "") -> Iterator[rr.RecordingSt
     rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
     try:
         with atomic_file(target) as temporary, temporary.open("wb", buffering=0) as file:
-            stream = _Written(f"{APPLICATION} {case}".strip(), file)
+            stream = _Written(application, file)
             try:
                 yield KnownLetters(stream)
                 stream.write(flush=True)

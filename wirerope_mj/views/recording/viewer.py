@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
+from typing import BinaryIO
 from urllib.parse import quote
 
 from wirerope_mj.foundation.atomic_files import atomic_file
@@ -39,8 +40,10 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
         command += ["--serve-web", "--port", str(server), "--web-viewer-port", str(page), str(path)]
         print(f"Open {web_address(server, page)} in a browser. Ctrl-C ends it.", flush=True)
     else:
-        command += ["--new", str(path)]
-    _run(command)
+        # Of a file with several recordings the viewer opens one; from its standard input it takes all.
+        command += ["--new", "-" if path.name == JOINED else str(path)]
+    with path.open("rb") as recording:
+        _run(command, recording)
 
 
 def find_recording(path_or_folder: str | Path) -> Path:
@@ -109,8 +112,9 @@ def free_port(preferred: int) -> int:
     raise WireRopeError("no port of this machine is free for the viewer.")
 
 
-def _run(command: list[str]) -> None:
-    process = subprocess.Popen(command, env={**os.environ, "CI": "1"})  # from where `CI` is set it sends no usage data
+def _run(command: list[str], recording: BinaryIO) -> None:
+    # From where `CI` is set it sends no usage data.
+    process = subprocess.Popen(command, stdin=recording, env={**os.environ, "CI": "1"})
     try:
         code = process.wait()
     except KeyboardInterrupt:

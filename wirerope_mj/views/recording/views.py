@@ -16,22 +16,25 @@ Pane: TypeAlias = rrb.View | rrb.Container
 SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second takes ten
 
 
-def layout(content: Pane, window: tuple[float, float]) -> rrb.Blueprint:
-    """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
+def layout(content: Pane, window: tuple[float, float], *, cases: bool = False) -> rrb.Blueprint:
+    """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats.
+
+    With `cases` there are several recordings, and the panel that lists them is open.
+    """
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
     speed = SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0  # what lasts longer is slow enough in real time
     panel = rrb.TimePanel(
         state="collapsed", timeline=TIMELINE, playback_speed=speed, play_state="paused", loop_mode="selection",
         time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
     )  # fmt: skip
-    return opening(content, panel)
+    return opening(content, panel, cases=cases)
 
 
-def opening(content: Pane, panel: rrb.TimePanel) -> rrb.Blueprint:
-    """Return the blueprint of `content` and a time panel alone."""
+def opening(content: Pane, panel: rrb.TimePanel, *, cases: bool = False) -> rrb.Blueprint:
+    """Return the blueprint of `content` and a time panel alone, or beside the panel that lists the recordings."""
     return rrb.Blueprint(
-        content, panel, rrb.BlueprintPanel(state="hidden"), rrb.SelectionPanel(state="hidden"), rrb.TopPanel(state="hidden"),
-        auto_views=False, auto_layout=False,
+        content, panel, rrb.BlueprintPanel(state="expanded" if cases else "hidden"), rrb.SelectionPanel(state="hidden"),
+        rrb.TopPanel(state="hidden"), auto_views=False, auto_layout=False,
     )  # fmt: skip
 
 
