@@ -113,6 +113,26 @@ def test_the_recording_is_whole_and_holds_every_mode(tmp_path, cabinet, recordab
     assert moving == {1, 2, 3, 4, 5, 6}
 
 
+def test_no_mount_is_judged_by_the_amplitude_that_is_drawn(tmp_path, recordable):
+    from rerun.chunk import RrdReader
+
+    system = wr.load_system("floating_floor")
+    path = record_modes(animated_modes(system, modes(system)), tmp_path)
+    labels, entities, coloured = [], set(), []
+    for chunk in RrdReader(path).stream():
+        entities.add(str(chunk.entity_path).rsplit("/", 1)[-1])
+        batch = chunk.to_record_batch()
+        for name in batch.schema.names:
+            if name.endswith(":labels"):
+                labels += batch[name].flatten().to_pylist()
+            if name == "Boxes3D:colors" and not chunk.is_static:
+                coloured.append(str(chunk.entity_path))
+    assert "m16" in labels
+    assert not [label for label in labels if "%" in label]
+    assert not entities & {"worst", "ring"}
+    assert not coloured, "bars that change colour say what is used of limits"
+
+
 def test_the_film_shows_the_shapes_and_ropes_end_on_the_rack(cabinet):
     system, found = cabinet
     film = animated_modes(system, found)

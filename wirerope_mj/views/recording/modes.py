@@ -5,6 +5,7 @@ in the recording of a response, /mode the text about the mode in view, /modes th
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.markdown import markdown_blocks, markdown_table
 from wirerope_mj.views.recording.animation import Along
-from wirerope_mj.views.recording.paths import TIMELINE, entity, nanoseconds
+from wirerope_mj.views.recording.paths import AXES, TIMELINE, entity, nanoseconds
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
@@ -44,7 +45,8 @@ def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "",
 
 def _write(animation: ModeAnimation, rec: rr.RecordingStream, title: str, larger: Sequence[Modes]) -> None:
     response = animation.response
-    selection, frames = select(response), frames_of(response)
+    # Shapes have no size: what mounts would use of limits at that of the picture is not judged, and none is the worst.
+    selection, frames = replace(select(response, ()), ranked=dict.fromkeys(AXES, ())), frames_of(response)
     rec.send_blueprint(_blueprint(animation, frames, title), make_active=True, make_default=True)
     rec.send_recording_name(f"{title}: modes")
     kind = rr.MediaType.MARKDOWN
