@@ -1,19 +1,22 @@
 """Files of recordings: written atomically, in rerun's strict mode."""
 
+import os
+import threading
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO
 
 import rerun as rr
-import rerun_bindings
 from rerun.error_utils import strict_mode
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.views.recording.paths import APPLICATION, Columns, KnownLetters, Stream
+from wirerope_mj.views.recording.paths import APPLICATION, KnownLetters
 from wirerope_mj.views.recording.viewer import FILE
+
+_BLOCK = 2**20  # Of a recording, written at once [bytes]
+_OPEN_FILES = Path("/dev/fd")  # Folder in which Linux and macOS give an open pipe a path
 
 
 def target_of(path: str | Path, *, file: str = FILE) -> Path:
@@ -39,56 +42,50 @@ def atomic_recording(target: Path, *, application: str = APPLICATION) -> Iterato
     was_strict = strict_mode()
     rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
     try:
-        with atomic_file(target) as temporary, temporary.open("wb", buffering=0) as file:
-            stream = _Written(application, file)
-            try:
-                yield KnownLetters(stream)
-                stream.write(flush=True)
-            finally:
-                stream.close()
-            if not file.tell():
+        with atomic_file(target) as temporary:
+            with (
+                _ourselves_written(temporary) as pipe,
+                rr.RecordingStream(application, recording_id=uuid.uuid4()) as rec,
+            ):
+                rec.set_log_time_enabled(False)
+                rec.save(pipe)
+                yield KnownLetters(rec)
+            if not temporary.stat().st_size:
                 raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
     finally:
         rr.set_strict_mode(was_strict)
 
 
-class _Written(Stream):
-    """A recording whose bytes this process writes: none of rerun's threads waits for a file, nor anything for them.
+@contextmanager
+def _ourselves_written(path: Path) -> Iterator[Path]:
+    """Lend a path to which rerun may write what becomes the file `path`: a pipe, at whose other end we write it."""
+    # On a full disk rerun's own writing ends with a line on standard error, and whoever waits for it, as the end of a recording
+    # and that of the process do, waits for ever. From the pipe everything is taken, whether or not there is space for it.
+    if not _OPEN_FILES.is_dir():
+        yield path
+        return
+    reading, writing = os.pipe()
+    errors: list[OSError] = []
+    thread = threading.Thread(target=_write, args=(reading, path, errors), daemon=True)
+    thread.start()
+    try:
+        yield _OPEN_FILES / str(writing)
+    finally:
+        os.close(writing)  # rerun has opened it once more, and closed it by now
+        thread.join()
+    if errors:
+        raise errors[0]
 
-    Where rerun writes itself, a full disk or an interrupt ends its thread, and whoever waits for that, as the end of a
-    recording and of the process do, waits for ever.
-    """
 
-    def __init__(self, application: str, file: BinaryIO) -> None:
-        super().__init__(rr.RecordingStream(application, recording_id=uuid.uuid4()))
-        self._file, self._bytes = file, self._rec.binary_stream()
-        self._rec.set_log_time_enabled(False)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._rec, name)
-
-    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
-        """Send rows, and write what has been encoded by now: a long recording is never in memory as a whole."""
-        self._rec.send_columns(path, index, columns)
-        self.write(flush=False)
-
-    def send_blueprint(self, blueprint: rr.blueprint.Blueprint, **how: bool) -> None:
-        """Send a layout as rerun does, but for its stream, which rerun keeps with its threads."""
-        native = rerun_bindings.new_blueprint(self._rec.get_application_id(), make_default=False, make_thread_default=False)
-        stream = rr.RecordingStream._from_native(native)
-        stream.set_time("blueprint", sequence=0)
-        blueprint._log_to_stream(stream)
-        rerun_bindings.send_blueprint(stream.memory_recording().storage, recording=self._rec.to_native(), **how)
-        stream.disconnect()  # the stream holds its memory, which holds the stream
-
-    def write(self, *, flush: bool) -> None:
-        """Write the bytes that there are; all of them after a flush."""
-        rest = memoryview(self._bytes.read(flush=flush) or b"")
-        while rest:
-            rest = rest[self._file.write(rest) :]
-
-    def close(self) -> None:
-        """Give back rerun's threads and memory."""
-        self._rec.disconnect()
-        del self._bytes, self._rec
-        rerun_bindings.flush_and_cleanup_orphaned_recordings()
+def _write(reading: int, path: Path, errors: list[OSError]) -> None:
+    """Write what comes out of a pipe as a file until it ends; after an error take it away only."""
+    with open(reading, "rb", buffering=0) as source:
+        try:
+            with path.open("wb", buffering=0) as file:
+                while block := source.read(_BLOCK):
+                    while block:
+                        block = block[file.write(block) :]
+        except OSError as error:
+            errors.append(error)
+            while source.read(_BLOCK):
+                pass
