@@ -277,7 +277,7 @@ def test_entities_of_a_recording_are_named_as_they_are(run):
 
 
 def test_a_plan_shows_formulas_and_escapes_as_letters(tmp_path):
-    layout = read_layout("genset", tables_in(models_folder() / "templates" / "genset"), positive_products=False)
+    layout = read_layout("genset", tables_in(models_folder() / "templates" / "genset"))
     mounts = (replace(layout.mounts[0], name=f"$x^2$ {ESCAPE} 振"), *layout.mounts[1:])
     layout = replace(layout, name=f"{NAME} $\\alpha$ \\$", mounts=mounts)
     with raised_warnings():

@@ -11,7 +11,7 @@ from wirerope_mj.views.plots.model_plan import _figure
 @pytest.mark.quick
 def test_no_name_lies_over_a_mark_or_another_name():
     """In the plan of the template "engine" lay over a mount and "terminal_box" over a stop."""
-    figure = _figure(read_layout("genset", tables_in(models_folder() / "templates" / "genset"), positive_products=False))
+    figure = _figure(read_layout("genset", tables_in(models_folder() / "templates" / "genset")))
     for panel in figure.axes[:1] + figure.axes[2:]:  # without the key
         boxes = {text.get_text(): text.get_window_extent() for text in panel.texts if text.get_text()}
         marks = [(line, at) for line in panel.lines for at in panel.transData.transform(line.get_xydata())]

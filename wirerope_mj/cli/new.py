@@ -20,7 +20,7 @@ def new(
     name: str | None = None,
     template: Literal["cabinet", "floor", "genset", "medium-weight-machine", "two-stage"] | None = None,
     deck: Deck = None,
-    products: Literal["tensor", "positive"] = "tensor",
+    products: Literal["tensor", "positive"] | None = None,
     pdf: Flag = False,
     force: Flag = False,
 ) -> int:
@@ -35,7 +35,8 @@ def new(
             and azimuth [deg].
         masses: table: name, mass [kg], x, y, z [mm] of the centre of mass, ixx, iyy, izz, ixy, ixz, iyz [kg m^2] about it
             or size_x, size_y, size_z [mm] of a box filled evenly; frequency [Hz], damping [%] and along (x, y, z) of a
-            subassembly that rings on its own; or SolidWorks' mass properties, a .txt file.
+            subassembly that rings on its own; rows of totals are left out; or SolidWorks' mass properties, a .txt file of one
+            part or several.
         stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts.
         points: table: name, x, y, z [mm] of points on the payload to observe.
         forces: table: name, x, y, z [mm] of points at which forces may act, such as a crankshaft's unbalance.
@@ -44,7 +45,8 @@ def new(
         tables: workbook with sheets of these names, or folder with files of these names, in place of one option for each.
         name: of the equipment; the model's by default.
         template: start from a model of the house, without tables; that of genset is made of tables to edit.
-        products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm).
+        products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm); by default as a text
+            of SolidWorks says it, of a table tensor.
         pdf: write the plan as PDF, too.
         force: replace the model's folder that is there.
     """
@@ -70,8 +72,8 @@ def new(
             "cabinet`, `floor`, `genset`, `medium-weight-machine` or `two-stage`."
         )
     else:
-        positive = products == "positive"
-        layout = new_model(folder, found, name=name, positive_products=positive, deck=bends, formats=formats, force=force)
+        sign = products or ""
+        layout = new_model(folder, found, name=name, products=sign, deck=bends, formats=formats, force=force)
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
     try:

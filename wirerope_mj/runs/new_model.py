@@ -45,7 +45,7 @@ def tables_in(source: Path) -> dict[str, Path]:
 
 
 def new_model(
-    folder: Path, tables: Mapping[str, Path], *, name: str | None = None, positive_products: bool = False,
+    folder: Path, tables: Mapping[str, Path], *, name: str | None = None, products: str = "",
     deck: Deck | None = None, formats: Sequence[str] = ("png",), force: bool = False,
 ) -> Layout:  # fmt: skip
     """Write the folder of a model from tables and return what they say.
@@ -53,7 +53,7 @@ def new_model(
     It holds MODEL.xml, MODEL being its last part, the isolators as used, the tables, and MODEL_plan in each of the
     `formats`: "png", "pdf", "svg". The model has been loaded before the folder stands. Tables are CSV files or workbooks,
     by their names in `TABLES`, as `read_layout` reads them; `name` is the payload's, by default the model's;
-    `positive_products` says that products of inertia are +sum x y dm, else elements of the tensor; a `deck` is what the
+    `products` is the notation of products of inertia, as `read_layout` has it; a `deck` is what the
     mounts stand on in place of a rigid one.
 
     RecordError if a table is wrong, or the folder cannot be written; ModelError if an isolator or the model is wrong;
@@ -61,7 +61,7 @@ def new_model(
     """
     called = folder.resolve().name
     check_folder(folder, force=force, kind=KIND, marks=marks(called))
-    layout = read_layout(name or called, tables, positive_products=positive_products)
+    layout = read_layout(name or called, tables, products=products)
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(called)) as temporary:
         _write_isolators(layout, temporary / "isolators", tables.get("stops"))
         model = temporary / f"{called}.xml"

@@ -1,27 +1,23 @@
 """The tables of a model read and checked row by row."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.engine.flexible.panel import DAMPING
 from wirerope_mj.engine.from_tables.layout import (
     Box,
     Layout,
-    Mass,
-    MassProperties,
     Placed,
     Point,
-    Sprung,
     StopLaw,
     axes_along,
     check_places,
-    why_impossible,
 )
-from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_cad_text, read_sheet
+from wirerope_mj.engine.from_tables.masses import SIZES, read_masses
+from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.plain_text import short
@@ -31,14 +27,12 @@ from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isol
 _POSITION = {"name": TEXT, "x": "length", "y": "length", "z": "length"}
 _DIRECTION = dict.fromkeys(("direction_x", "direction_y", "direction_z", "bars_x", "bars_y", "bars_z"), PURE)
 _ANGLES = {"inclination": "angle", "azimuth": "angle"}
-_MOMENTS, _PRODUCTS = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz")
-_SIZES = ("size_x", "size_y", "size_z")
 _CENTRE, _CORNER = (tuple(f"{of}_{axis}" for axis in "xyz") for of in ("centre", "corner"))
 # depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]
 _ROUNDING = 1e-3
 
 
-def read_layout(name: str, tables: Mapping[str, Path], *, positive_products: bool = False) -> Layout:
+def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") -> Layout:
     """Read and check the tables of a model, by their names; those of mounts and masses are needed.
 
     mounts: name, x, y, z, isolator, and a direction or inclination and azimuth; perhaps bracket_axial, bracket_shear,
@@ -58,7 +52,8 @@ def read_layout(name: str, tables: Mapping[str, Path], *, positive_products: boo
     Args:
         name: of the payload.
         tables: CSV files, or workbooks with a sheet of the table's name.
-        positive_products: products of inertia are +sum x y dm, as CAD programs may write them; else elements of the tensor.
+        products: "positive" if products of inertia are +sum x y dm, as CAD programs may write them, "tensor" if they are
+            elements of the tensor; "" as a text says it, and of a table elements of the tensor.
 
     Raises:
         RecordError: a table is wrong; says file, row and column.
@@ -68,7 +63,7 @@ def read_layout(name: str, tables: Mapping[str, Path], *, positive_products: boo
         raise ValueError(
             f'names of a model and its payload must be letters, digits, "_" and "-", and not "deck"; got {short(name)!r}.'
         )
-    heavy = _read_masses(tables["masses"], sign=-1.0 if positive_products else 1.0)
+    heavy = read_masses(tables["masses"], products=products)
     isolators: dict[str, Path | VendorPart] = {}
     placed = _read_mounts(tables["mounts"], isolators)
     stopped = _read_stops(tables["stops"], isolators) if "stops" in tables else ()
@@ -81,79 +76,6 @@ def read_layout(name: str, tables: Mapping[str, Path], *, positive_products: boo
     )  # fmt: skip
     check_places(layout, tables["masses"])
     return layout
-
-
-def _read_masses(path: Path, *, sign: float) -> tuple[Mass, ...]:
-    if path.suffix.lower() == ".txt":
-        properties = read_cad_text(path, sign=sign)
-        if properties.mass <= 0.0:
-            raise RecordError(f"{path}: the mass must be > 0, got {properties.mass:g} kg.")
-        if why := why_impossible(properties.inertia):
-            raise RecordError(f"{path}: no body has these moments of inertia: {why}.")
-        return (Mass(path.stem, properties, location=str(path)),)
-    needed = {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}}
-    further = {
-        **dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia"), **dict.fromkeys(_SIZES, "length"),
-        "frequency": "frequency", "damping": "ratio", "along": TEXT,
-    }  # fmt: skip
-    rows = read_sheet(path, kind="table of masses", needed=needed, further=further)
-    return tuple(_mass(row, sign) for row in rows)
-
-
-def _mass(row: Row, sign: float) -> Mass:
-    name, mass = row.text("name"), row.number("mass")
-    if mass <= 0.0:
-        raise row.error(f'column "mass" of "{short(name)}" must be > 0, got {row.cells["mass"]}.')
-    given = [column for column in (*_MOMENTS, *_PRODUCTS) if row.has(column)]
-    missing = [column for column in _MOMENTS if column not in given]
-    if given and missing:
-        raise row.error(
-            f'column "{missing[0]}" of "{short(name)}" is empty though "{given[0]}" is given; fill in '
-            "ixx, iyy and izz, or size_x, size_y and size_z of a box, or leave all empty: then it is a point mass."
-        )
-    tensor = np.zeros((3, 3))
-    if any(row.has(column) for column in _SIZES):
-        tensor = _box(row, name, mass, given)
-    elif given:
-        tensor[np.diag_indices(3)] = [row.number(column) for column in _MOMENTS]
-        for column, (i, j) in zip(_PRODUCTS, ((0, 1), (0, 2), (1, 2)), strict=True):
-            tensor[i, j] = tensor[j, i] = sign * row.number(column, 0.0)
-    if why := why_impossible(tensor):
-        raise row.error(
-            f'no body has the inertia in columns "ixx" to "iyz" of "{short(name)}": {why}. It is taken '
-            "about the part's own centre of mass."
-        )
-    properties = MassProperties(mass, np.array(row.vector("x", "y", "z")), tensor)
-    return Mass(name, properties, _sprung(row, name), row.location)
-
-
-def _sprung(row: Row, name: str) -> Sprung | None:
-    """Return how a subassembly stands in the payload; None of a mass that is part of it."""
-    if not row.has("frequency"):
-        if given := [column for column in ("damping", "along") if row.has(column)]:
-            raise row.error(f'"{short(name)}" has a {given[0]} and no "frequency"; fill in both or none.')
-        return None
-    frequency, damping = row.number("frequency"), row.number("damping", DAMPING)
-    axis = row.text("along") if row.has("along") else "z"
-    if frequency <= 0.0 or not 0.0 <= damping < 1.0 or axis not in ("x", "y", "z"):
-        raise row.error(
-            f'a subassembly has a "frequency" > 0, a "damping" from 0 to below 100 % and moves "along" x, y or '
-            f"z; got {frequency:g} Hz, {100.0 * damping:g} % and {short(axis)}."
-        )
-    if "/" in name or any(character.isspace() for character in name) or name == "deck":
-        raise row.error(f'"{short(name)}" is a body of its own and needs a name without spaces and "/".')
-    return Sprung(frequency, damping, axis)
-
-
-def _box(row: Row, name: str, mass: float, moments: Sequence[str]) -> Array:
-    """Return the tensor of inertia of a box that is filled evenly [kg m^2]."""
-    if moments:
-        raise row.error(f'columns "{moments[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.')
-    sizes = np.array([row.number(column) for column in _SIZES])
-    for column, size in zip(_SIZES, sizes, strict=True):
-        if size < 0.0:
-            raise row.error(f'column "{column}" of "{short(name)}" must be >= 0, got {row.cells[column]}.')
-    return np.diag(mass / 12.0 * (sizes @ sizes - sizes**2))
 
 
 def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
@@ -223,10 +145,10 @@ def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:
     if "envelope" not in tables:
         return ()
     places = dict.fromkeys((*_CENTRE, *_CORNER), "length")
-    needed = {"name": TEXT, **dict.fromkeys(_SIZES, "length")}
+    needed = {"name": TEXT, **dict.fromkeys(SIZES, "length")}
     boxes = []
     for row in read_sheet(tables["envelope"], kind="table of the envelope", needed=needed, further=places):
-        size = np.array(row.vector(*_SIZES))
+        size = np.array(row.vector(*SIZES))
         if not (size > 0.0).all():
             raise row.error('columns "size_x", "size_y", "size_z" must be > 0.')
         centred, cornered = (any(row.has(column) for column in columns) for columns in (_CENTRE, _CORNER))
