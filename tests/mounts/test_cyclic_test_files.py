@@ -247,3 +247,19 @@ def test_bytes_that_are_no_text_and_endless_cells_are_refused_in_few_words(tmp_p
     with pytest.raises(RecordError, match=said) as caught:
         wr.load_cyclic_test(path)
     assert len(str(caught.value).replace(str(path), "")) < 500  # two lines of a wide screen, not the whole file
+
+
+@pytest.mark.parametrize(("k", "unit", "said"), [(1e5, "N", "kN where N is"), (2e6, "MN", "N where kN is")])
+@pytest.mark.parametrize("read", [wr.load_cyclic_test, wr.load_cycles])
+def test_forces_in_another_unit_than_the_header_says_are_named_as_deflections_are(tmp_path, k, unit, said, read):
+    angle = 2.0 * np.pi * np.arange(201) / 200
+    deflection, force = 2.0 * np.sin(angle), 2e-3 * k * np.sin(angle + 0.3)  # [mm], [N]
+    wrong = force * {"N": 1e-3, "MN": 1.0}[unit]  # kN called N, and N called kN
+    header = {"N": "force [N]", "MN": "force [kN]"}[unit]
+    rows = [f"{x!r},{f!r}" for x, f in zip(deflection.tolist(), wrong.tolist(), strict=True)]
+    path = tmp_path / "test.csv"
+    path.write_text("\n".join([f"deflection [mm],{header}", *rows]))
+    with pytest.raises(RecordError, match=f"than any isolator; are the forces in {said} said or expected"):
+        read(path)
+    with pytest.raises(ValueError, match="than any isolator"):
+        wr.identify([wr.mounts.laws.Loop.from_samples(1e-3 * deflection, wrong * {"N": 1.0, "MN": 1e3}[unit])], law=wr.BoucWen)

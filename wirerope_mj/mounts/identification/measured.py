@@ -164,7 +164,7 @@ def _check(loop: Loop, number: int, stop: bool) -> None:
         raise ValueError(f"loop {number} holds numbers that are not finite.")
     if np.ptp(x) == 0.0:
         raise ValueError(f"loop {number}: the deflection is constant at {x[0]:.6g} m.")
-    require_likely(loop.amplitude, f"loop {number}")
+    require_likely(loop.amplitude, 0.5 * float(np.ptp(f)), f"loop {number}", stop=stop)
     # A cycle ends where it began; its steps there are as large as anywhere.
     gap, step = abs(x[-1] - x[0]), float(np.abs(np.diff(x)).max())
     if gap > 3.0 * step:

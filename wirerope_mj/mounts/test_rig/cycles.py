@@ -58,7 +58,8 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
             steady = _steady(np.array(samples.deflection), force, time, locate, stop)
             for loop in steady:
                 require_nominal(samples, loop.amplitude, locate(0, len(samples.lines) - 1))
-                require_likely(loop.amplitude, locate(0, len(samples.lines) - 1))
+                half = 0.5 * float(np.ptp(loop.force))
+                require_likely(loop.amplitude, half, locate(0, len(samples.lines) - 1), stop=stop)
         except ValueError as error:
             raise RecordError(str(error)) from None
         loops += steady

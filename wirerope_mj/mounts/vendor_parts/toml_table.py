@@ -38,7 +38,7 @@ class TomlTable:
 
     def optional_number(self, key: str) -> float | None:
         """Take a number > 0; None where there is none."""
-        value = self._optional(key, None, _is_positive, f"a number > 0, from {1.0 / _LARGEST:g} to {_LARGEST:g}")
+        value = self._optional(key, None, _is_positive, f"a finite number > 0, from {1.0 / _LARGEST:g} to {_LARGEST:g}")
         return None if value is None else float(value)
 
     def optional_integer(self, key: str) -> int | None:
