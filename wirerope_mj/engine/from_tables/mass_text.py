@@ -5,7 +5,6 @@ the output coordinate system; else the principal moments Px, Py, Pz with their a
 +sum x y dm unless it is told to use "negative tensor notation"; what of a text is redundant shows which it is.
 """
 
-import codecs
 import re
 import unicodedata
 import warnings
@@ -18,7 +17,7 @@ from wirerope_mj.engine.from_tables.layout import MassProperties, why_impossible
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError, RecordWarning, why_unread
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.text_files import read_text
 from wirerope_mj.foundation.units import LENGTH_UNITS, UNITS
 
 TENSOR, POSITIVE = "tensor", "positive"  # notations of products of inertia: elements of the tensor, or +sum x y dm
@@ -77,11 +76,9 @@ def read_mass_text(path: Path, *, products: str = "") -> list[tuple[str, MassPro
         RecordError: something is missing, in unknown units, contradicts itself, or parts are in several coordinate systems.
     """
     try:
-        content = regular(path).read_bytes()
+        lines = read_text(path).splitlines()
     except OSError as error:
         raise RecordError(f"{path}: the mass properties cannot be read: {why_unread(error)}") from None
-    encoding = "utf-16" if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
-    lines = content.decode(encoding, errors="replace").splitlines()
     text = _with_points(path, "\n".join(map(_folded, lines)))
     masses = list(_MASS.finditer(text))
     if not masses:

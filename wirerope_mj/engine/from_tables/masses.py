@@ -20,8 +20,8 @@ MOMENTS, PRODUCTS, SIZES = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz"), ("size_
 _TOTAL = {
     "total", "totals", "totale", "totaux", "totales", "totaal", "totalt", "sum", "sums", "summe", "summen", "gesamt",
     "insgesamt", "gesamtmasse", "gesamtgewicht", "zwischensumme", "zwischensummen", "subtotal", "subtotale", "somme", "soma",
-    "suma", "somma", "razem", "yhteensa", "samlet", "\u03c3", "\u2211", "\u5408\u8ba1", "\u603b\u8ba1",
-    "\u5408\u8a08", "\ud569\uacc4",
+    "suma", "somma", "razem", "yhteensa", "samlet", "\u03c3", "\u2211", "\u5408\u8ba1", "\u603b\u8ba1", "\u5408\u8a08",
+    "\ud569\uacc4",
 }  # fmt: skip
 _BESIDE = {"grand", "sub", "mass", "masses", "weight", "masse", "massen", "gewicht", "all", "parts", "of", "the", "over", "kg"}
 _ROUNDED = 2e-3  # by how much a total may miss the sum of what it adds up, for the digits that are printed
