@@ -154,8 +154,7 @@ def _add_sensors(spec: mujoco.MjSpec, model: mujoco.MjModel, declared: list[Decl
     sizes = {f"body/{model.body(body).name}": at.KINEMATICS for body in subjects.bodies}
     sizes |= {model.site(site).name: at.POINT_VALUES for site in subjects.points}
     for mount in declared:
-        n_states = sum(law.n_states for law in mount.isolator.axes.values() if law is not None)
-        sizes[f"mount/{mount.name}"] = at.MOUNT_VALUES + n_states
+        sizes[f"mount/{mount.name}"] = at.MOUNT_VALUES + mount.isolator.n_states
     sizes |= {f"contact/{pair}": 1 for pair in range(len(declared_pairs(model)))}
     for name, size in sizes.items():
         spec.add_sensor(

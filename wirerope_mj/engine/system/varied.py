@@ -117,7 +117,7 @@ def _check_mounts(system: System, changes: Changes) -> None:
             raise ModelError(f"there is no mount {name!r}. Mounts of this system: {list(system.mounts)}.")
     for name, isolator in changes.isolators.items():
         mount = system.mounts[name]
-        n_states = sum(law.n_states for law in isolator.axes.values() if law is not None)
+        n_states = isolator.n_states
         room = mount.states[2].stop - mount.states[0].start
         if n_states != room:
             raise ModelError(
@@ -262,8 +262,8 @@ def _write_tables(model: mujoco.MjModel, system: System, isolators: Mapping[str,
 
 def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, room: int) -> str:
     def size(isolator: Isolator) -> int:
-        coupled = isolator.coupled
-        own = sum(law.kernel_parameters().size for law in isolator.axes.values() if law is not None)
+        acting = isolator.conditioned
+        coupled, own = acting.coupled, sum(law.kernel_parameters().size for law in acting.axes.values() if law is not None)
         return own + (0 if coupled is None else coupled.mount_parameters().size)
 
     old = max(system.mounts.values(), key=lambda mount: size(isolators[mount.name]) - size(mount.isolator))

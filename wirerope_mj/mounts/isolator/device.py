@@ -166,6 +166,11 @@ class Isolator(Brief):
             return self
         return replace(self, stiffening=None).scaled(factor)
 
+    @property
+    def n_states(self) -> int:
+        """Number of internal states of the laws as they act: a damper on a bracket has one."""
+        return sum(law.n_states for law in self.conditioned.axes.values() if law is not None)
+
     def _on(self, bracket: Bracket) -> "Isolator":
         laws: dict[str, Law] = {}
         for axis, stiffness in bracket.stated.items():
