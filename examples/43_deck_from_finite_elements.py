@@ -44,7 +44,7 @@ places = {mount.base_site: rigid.model.site(mount.base_site).pos for mount in ri
 where = {"points": places, "shapes": {name: np.outer(middle, up) for name in places}}
 deck = wr.FlexiblePart(frequencies=frequencies, damping=0.02, participation=np.outer(gamma, up), **where)
 pulse = wr.HalfSine(peak=8.0 * wr.STANDARD_GRAVITY, duration=0.011, direction="z", start=0.01)
-for label, base in {"rigid": None, "one mode": deck.below(30.0), "12 modes": deck}.items():
+for label, base in {"rigid": None, "12 modes": deck}.items():
     response = wr.simulate(wr.on_deck(rigid, base) if base else rigid, pulse, duration=0.3)
     plt.plot(response.time, response.bodies["block"].acceleration[:, 2] / wr.STANDARD_GRAVITY, label=label)
 plt.xlabel("time [s]")

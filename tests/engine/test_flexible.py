@@ -1,6 +1,7 @@
 """Flexible parts by modes: a panel as one, engines that agree, energy, a deck's own spectrum, and what is refused."""
 
 import math
+from contextlib import nullcontext
 
 import mujoco
 import numpy as np
@@ -9,10 +10,17 @@ from house import hysteresis, sdof, sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.durability.mission import deflection_rates
+from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.flexible import Panel
+from wirerope_mj.engine.flexible import FlexiblePart, Panel, load_flexible, save_flexible
 from wirerope_mj.engine.simulation.engines import unsupported_system
+from wirerope_mj.engine.simulation.run import highest_frequency, missing_modes
+from wirerope_mj.engine.statics.loading import Loading
+from wirerope_mj.engine.system import on_deck
 from wirerope_mj.foundation.errors import ModelError
+
+# the decks of a few modes here are held against others with as few
+pytestmark = pytest.mark.filterwarnings("ignore:the modes of the deck")
 
 G = wr.STANDARD_GRAVITY
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.02)
@@ -249,3 +257,52 @@ def test_what_bends_about_mean_axes_changes_its_momentum_by_the_mounts_and_its_w
     assert np.abs(forces).max() > 2.0 * sum(masses.values()) * G  # the mounts work
     # Both are of one instant: they agree to rounding.
     assert np.abs(left).max() < 1e-9 * np.abs(rate).max()
+
+
+def test_a_deck_with_too_few_modes_for_what_the_base_brings_says_so_with_residual_vectors_too(tmp_path):
+    """A half-sine of 11 ms brings up to 57 Hz: 80 % of its energy lie below 0.625 over its duration, by its own transform."""
+    f = np.linspace(0.0, 200.0, 400_001) * 0.011
+    with np.errstate(divide="ignore", invalid="ignore"):
+        energy = np.nan_to_num((np.cos(np.pi * f) / (1.0 - 4.0 * f * f)) ** 2, nan=(np.pi / 4.0) ** 2)
+    highest = f[np.searchsorted(np.cumsum(energy), 0.8 * (np.cumsum(energy)[-1] + 0.0))] / 0.011
+    assert highest_frequency(PULSE) == pytest.approx(highest, rel=0.02)  # lines of 4 Hz, an eighth of 1 over the run's time
+    n = 12
+    whole = FlexiblePart(
+        frequencies=np.linspace(20.0, 240.0, n), damping=0.03, participation=np.tile([0.0, 0.0, 4.0], (n, 1)),
+        points={"m1": (0.0, 0.0, 0.2)}, shapes={"m1": np.tile([0.0, 0.0, 0.05], (n, 1))},
+    )  # fmt: skip
+    plain = sdof(wr.KelvinVoigt(k=2e4, c=60.0), gravity=G)
+    for part, missing in ((whole.below(50.0), True), (whole.below(50.0, residual=True), True), (whole.below(130.0), False)):
+        save_flexible(part, tmp_path / "part", force=True)
+        back = load_flexible(tmp_path / "part")
+        assert back.residual.tolist() == part.residual.tolist()
+        assert back.below(1e9).residual.sum() == 0  # residual vectors are no modes to keep
+        system = on_deck(plain, back)
+        said = missing_modes(system, PULSE)
+        warned = pytest.warns(wr.AccuracyWarning, match=r"end at 40 Hz, and the base brings up to 5\d\.\d+ Hz")
+        with warned if missing else nullcontext():
+            wr.simulate(system, PULSE, duration=0.1, timestep=1e-4)
+        assert bool(said) == missing
+        assert missing_modes(system, wr.Sine(frequency=15.0, acceleration=1.0, direction="z")) == ()
+    with pytest.warns(wr.AccuracyWarning, match="the modes of the deck"):
+        wr.simulate_batch([on_deck(plain, whole.below(50.0))], PULSE, duration=0.1, timestep=1e-4)
+    judged = judged_run(on_deck(plain, whole.below(50.0)), PULSE, wr.simulate(plain, PULSE, duration=0.1, timestep=1e-4))
+    assert any("the modes of the deck" in text for text in judged.model_warnings)
+
+
+def test_a_search_over_many_modes_ends_where_it_converged_and_says_when_its_budget_is_spent():
+    rigid = wr.load_system("cabinet")
+    system = wr.on_deck(rigid, random_part(rigid, "deck", modes=31, seed=1, participates=True))
+    settled = wr.equilibrium(system)
+    assert settled.residual < 1e-10 * G  # ten times the search's own tolerance, for another engine's rounding
+    with system.assembly.scratch.data(system.model) as data:
+        alone = Loading(system, "virgin", data)
+        found = alone.solve()
+        assert alone.tried > 3000  # where searches of any size once ended, and blamed what was at rest
+        for name, mount in settled.mounts.items():
+            np.testing.assert_allclose(found.mounts[name].force, mount.force, rtol=1e-6, atol=1e-3)
+    with system.assembly.scratch.data(system.model) as data:
+        short = Loading(system, "virgin", data)
+        short.most = 1000
+        with pytest.raises(wr.ConvergenceError, match=r"ended after \d+ trial positions, with \d+ % of the weight"):
+            short.solve()

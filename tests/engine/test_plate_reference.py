@@ -12,7 +12,8 @@ from house import mjcf
 
 import wirerope_mj as wr
 
-pytestmark = pytest.mark.slow
+# some decks have too few modes on purpose
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:the modes of the deck")]
 
 A, B, H, NX, NY = 3.6, 2.6, 0.010, 14, 12  # plate [m]; 429 degrees of freedom clamped, 477 simply supported
 NODES = {"m1": (5, 4), "m2": (9, 4), "m3": (5, 8), "m4": (9, 8)}

@@ -25,9 +25,7 @@ def flexible_content(
     With its mass [kg], perhaps along x, y, z, how much of it the modes bring along; with the `whole` part, of which modes were
     left out, how much of its static compliance is left.
     """
-    # those of the whole part; others are residual vectors
-    near = np.isclose(part.frequencies[:, np.newaxis], (whole or part).frequencies, rtol=1e-9, atol=0.0)
-    modes = np.asarray(near.any(axis=1))
+    modes = ~part.residual
     frequencies, added = part.frequencies[modes], int((~modes).sum())
     text = f"{several(frequencies.size, 'mode')} from {with_unit(float(frequencies.min()), 'Hz')} to "
     text += with_unit(float(frequencies.max()), "Hz") + (f" and {several(added, 'residual vector')}" if added else "")

@@ -19,6 +19,7 @@ from wirerope_mj.content.run_spectra import RunSpectra, spectra_of
 from wirerope_mj.content.selection import Selection, select
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.simulation.run import missing_modes
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
 from wirerope_mj.engine.statics.loading import HISTORIES
 from wirerope_mj.engine.system import System
@@ -161,7 +162,7 @@ def judged_run(system: System, motion: BaseMotion, response: Response, inputs: E
         system=system, motion=motion, response=response, statics=statics,
         verdicts=(*judge(response, statics=known), *limited), random=random,
         untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
-        model_warnings=model_warnings(system), inputs=inputs or {},
+        model_warnings=(*model_warnings(system), *missing_modes(system, motion)), inputs=inputs or {},
     )  # fmt: skip
 
 

@@ -2,8 +2,10 @@
 
 import math
 import os
+import re
 import shutil
 import tomllib
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -18,8 +20,9 @@ from wirerope_mj.content.judged_run import JudgedRun, judged_run
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
-from wirerope_mj.engine.simulation.run import aliasing
+from wirerope_mj.engine.simulation.run import aliasing, missing_modes
 from wirerope_mj.engine.simulation.simulate import checked_corners
+from wirerope_mj.engine.statics.linear import soft_equalities
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.engine.system.varied import with_changes
@@ -101,7 +104,10 @@ def write_run(
         started = perf_counter()
         model = write_model(system, temporary / "model")
         long = is_streamed(arguments)
-        response = simulate(system, scenario.motion, **arguments, out=temporary if long else None, progress=progress)
+        with warnings.catch_warnings():
+            for text in (*soft_equalities(system), *missing_modes(system, scenario.motion)):  # the run's own pages say them
+                warnings.filterwarnings("ignore", message=re.escape(text))
+            response = simulate(system, scenario.motion, **arguments, out=temporary if long else None, progress=progress)
         seconds = perf_counter() - started
         text = _scenario_text(scenario, response, temporary, model=model_table(system, model), arguments=arguments)
         judged = judged_run(system, scenario.motion, response, tomllib.loads(text))

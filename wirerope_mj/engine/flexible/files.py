@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.engine.flexible.nastran import BULK, EXTERNAL, read_grids
-from wirerope_mj.engine.flexible.part import FlexiblePart
+from wirerope_mj.engine.flexible.part import RESIDUAL, FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_folder
 from wirerope_mj.foundation.errors import RecordError, why_unread
@@ -28,11 +28,14 @@ MASSES = {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": 0.45359237}  # units of mass of 
 
 def save_flexible(part: FlexiblePart, folder: str | Path, *, force: bool = False) -> None:
     """Write a part as a folder that `load_flexible` reads."""
+    names = [f"{number}{RESIDUAL if residual else ''}" for number, residual in enumerate(part.residual, 1)]
     modes = [
-        [number, float(f), float(d), *map(float, gamma)]
-        for number, (f, d, gamma) in enumerate(zip(part.frequencies, part.damping, part.participation, strict=True), 1)
+        [name, float(f), float(d), *map(float, gamma)]
+        for name, f, d, gamma in zip(names, part.frequencies, part.damping, part.participation, strict=True)
     ]
-    shapes = [[name, n, *map(float, row)] for name, shape in part.shapes.items() for n, row in enumerate(shape, 1)]
+    shapes = [
+        [point, name, *map(float, row)] for point, shape in part.shapes.items() for name, row in zip(names, shape, strict=True)
+    ]
     points = [[name, *map(float, place)] for name, place in part.points.items()]
     with atomic_folder(Path(folder), force=force, kind=KIND, marks=(MODES, SHAPES, POINTS)) as temporary:
         for file, header, rows in ((MODES, MODE_COLUMNS, modes), (SHAPES, _SHAPES, shapes), (POINTS, _POINTS, points)):
@@ -66,7 +69,8 @@ def load_flexible(path: str | Path) -> FlexiblePart:
     """Read a flexible part from a folder with modes.csv, shapes.csv and points.csv, in SI.
 
     modes.csv has the columns mode, frequency_Hz, damping and perhaps participation_x, participation_y, participation_z
-    [sqrt(kg)]; shapes.csv point, mode, x, y, z [1/sqrt(kg)]; points.csv point, x_m, y_m, z_m.
+    [sqrt(kg)], and one whose name ends in "-residual" is a residual vector; shapes.csv has point, mode, x, y, z [1/sqrt(kg)];
+    points.csv point, x_m, y_m, z_m.
 
     Raises:
         RecordError: a file, a column or a row is missing, twice, or no number; says file and row.
@@ -106,6 +110,7 @@ def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) ->
             frequencies=figures[:, 0], damping=figures[:, 1], points=places,
             participation=np.reshape(participation, (-1, 3)) * math.sqrt(units.mass),
             shapes={point: np.array([found[point, mode] for mode in numbers]) for point in places},
+            residual=np.array([mode.endswith(RESIDUAL) for mode in numbers]),
         )  # fmt: skip
     except ValueError as error:
         raise RecordError(f"{modes}: {error}") from None

@@ -7,10 +7,11 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.errors import ModelError
 
 NEAR = 1e-3  # distance from a mount's site within which a point of the part is meant [m]
+RESIDUAL = "-residual"  # end of the name of a mode that is a residual vector
 LEFT_OUT = 1e-3  # share of the compliance by forces at the points that a residual vector must have
 
 
@@ -28,6 +29,8 @@ class FlexiblePart:
     points: Mapping[str, Array]  #: where the points are in the part's axes [m], (3,)
     #: Gamma = Phi^T M r along x, y, z [sqrt(kg)], (m, 3); zero of what is free in space
     participation: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    #: which of the modes are residual vectors, which have the static compliance of others and no resonance, (m,)
+    residual: Booleans = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
 
     def __post_init__(self) -> None:
         frequencies = np.atleast_1d(np.asarray(self.frequencies, dtype=np.float64))
@@ -37,6 +40,7 @@ class FlexiblePart:
             "frequencies": frequencies,
             "damping": np.broadcast_to(np.asarray(self.damping, dtype=np.float64), (n,)).copy(),
             "participation": own if own.size else np.zeros((n, 3)),
+            "residual": np.asarray(self.residual, dtype=np.bool_) if np.size(self.residual) else np.zeros(n, dtype=np.bool_),
             "shapes": {name: np.asarray(shape, dtype=np.float64) for name, shape in self.shapes.items()},
             "points": {name: np.asarray(place, dtype=np.float64) for name, place in self.points.items()},
         }
@@ -51,6 +55,8 @@ class FlexiblePart:
             raise ValueError(f"`damping` must be ratios from 0 to below 1, got {self.damping.tolist()}.")
         if self.participation.shape != (n, 3) or not np.isfinite(self.participation).all():
             raise ValueError(f"`participation` must be {n} rows of three numbers, one for each mode.")
+        if self.residual.shape != (n,) or self.residual.all():
+            raise ValueError(f"`residual` must say of each of the {n} modes whether it is a residual vector, and not of all.")
         if set(self.shapes) != set(self.points):
             lone = sorted(set(self.shapes) ^ set(self.points))[0]
             raise ValueError(f"point {lone!r} must have both a place and shapes.")
@@ -71,7 +77,7 @@ class FlexiblePart:
         With `residual` vectors their static compliance stays: what unit forces at the points, and a motion of the base, deflect
         them by, orthogonal to each other, as modes of their own; those by which no compliance changes by 0.1 % are left out.
         """
-        kept, omega = self.frequencies <= frequency, 2.0 * np.pi * self.frequencies
+        kept, omega = (self.frequencies <= frequency) & ~self.residual, 2.0 * np.pi * self.frequencies
         if not kept.any():
             raise ValueError(f"the modes begin at {self.frequencies.min():.4g} Hz, and none is below {frequency:.4g} Hz.")
         modes = np.eye(kept.size)[kept]
@@ -84,7 +90,8 @@ class FlexiblePart:
             modes = np.vstack([modes, np.zeros((turns.shape[1], kept.size))])
             modes[kept.sum() :, ~kept] = (vectors @ turns).T
         return replace(
-            self, frequencies=np.sqrt(modes**2 @ self.frequencies**2), damping=modes**2 @ self.damping,
+            self, residual=np.arange(len(modes)) >= kept.sum(),
+            frequencies=np.sqrt(modes**2 @ self.frequencies**2), damping=modes**2 @ self.damping,
             participation=modes @ self.participation, shapes={name: modes @ shape for name, shape in self.shapes.items()},
         )  # fmt: skip
 
@@ -104,6 +111,11 @@ class FlexiblePart:
         return name
 
 
+def mode_name(part: str, number: int, residual: bool) -> str:
+    """Name the body and the slide of a mode of a part in a model."""
+    return f"mode/{part}/{number}{RESIDUAL if residual else ''}"
+
+
 def add_part(root: ET.Element, part: FlexiblePart, *, name: str, body: str, sites: Mapping[str, str], gravity: Array) -> None:
     """Add a flexible part to a model, in place: its modes as bodies of 1 kg on slides, its shapes as numbers.
 
@@ -118,7 +130,7 @@ def add_part(root: ET.Element, part: FlexiblePart, *, name: str, body: str, site
         axis = np.cross(gravity, axis) / np.linalg.norm(np.cross(gravity, axis))
     modal = []
     for number, (frequency, damping) in enumerate(zip(part.frequencies, part.damping, strict=True), 1):
-        mode, omega = f"mode/{name}/{number}", 2.0 * np.pi * float(frequency)
+        mode, omega = mode_name(name, number, bool(part.residual[number - 1])), 2.0 * np.pi * float(frequency)
         element = ET.SubElement(world, "body", name=mode)
         ET.SubElement(
             element, "joint", name=mode, type="slide", axis=_text(axis), stiffness=repr(omega**2),

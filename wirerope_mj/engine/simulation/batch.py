@@ -22,7 +22,14 @@ from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import RunResult, require_lawful, run, warn_of_aliasing, warn_of_given_step
+from wirerope_mj.engine.simulation.run import (
+    RunResult,
+    require_lawful,
+    run,
+    warn_of_aliasing,
+    warn_of_given_step,
+    warn_of_missing_modes,
+)
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
     check_direction,
@@ -149,6 +156,7 @@ def simulate_batch(
             motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
+        warn_of_missing_modes(systems[0], {id(motion): motion for motion in motions}.values())
         for text in soft_equalities(systems[0]):
             warnings.warn(text, ModelWarning, stacklevel=2)
         if judged:

@@ -39,6 +39,10 @@ _NUMBERS = np.array(
     ]
 )
 
+# fraction of the energy of a shock's acceleration below the highest frequency that it brings: of a half-sine of 11 ms it lies
+# at 58 Hz, and thirty modes of a plate, to 120 Hz, are within 0.2 % there
+WITHIN = 0.8
+SPECTRAL, MOST_SPECTRAL = 64, 2**20  # samples of a shock in its shortest time, and at the most
 # kinds of motions whose shortest time is a period
 _OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")
 
@@ -189,6 +193,53 @@ def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
         f"{0.5 * sample_rate:.4g} Hz: histories and spectra of the samples show what is not there. Peaks are those of "
         f"every step. Give a `sample_rate` of at least {10.0 * fastest:.4g} Hz."
     )
+
+
+def missing_modes(system: System, motion: BaseMotion) -> tuple[str, ...]:
+    """Return a sentence on each deck whose modes end within twice the frequencies that the base brings."""
+    model, parts = system.model, dict[str, list[float]]()
+    for mode in system.assembly.subjects.modes:
+        if mode.owner == system.assembly.subjects.base and not mode.residual:
+            frequency = math.sqrt(model.jnt_stiffness[model.dof_jntid[mode.dof]]) / (2.0 * math.pi)
+            parts.setdefault(mode.part, []).append(frequency)
+    brought = highest_frequency(motion) if parts else 0.0
+    return tuple(
+        f"the modes of the deck {name!r} end at {max(found):.4g} Hz, and the base brings up to {brought:.4g} Hz: what lies "
+        f"between is missing from peaks and histories, by several per cent. Take modes up to twice that, "
+        f"{2.0 * brought:.4g} Hz; residual vectors do not stand for them."
+        for name, found in parts.items() if max(found) < 2.0 * brought
+    )  # fmt: skip
+
+
+def highest_frequency(motion: BaseMotion) -> float:
+    """Compute the highest frequency that a base motion brings [Hz]: of steady vibration its own, of shocks from the spectrum.
+
+    Below that of a shock lies `WITHIN` of the energy of its acceleration. A jump of the velocity alone has none: 0.
+    """
+    found = 0.0
+    for part in motion.parts:
+        if part.kind in _OF_FREQUENCIES and not part.loaded_sites:
+            found = max(found, 1.0 / part.shortest_time)
+        if part.kind in _OF_FREQUENCIES or not math.isfinite(part.end):
+            continue
+        begin = min((instant for instant, _ in part.events), default=0.0)
+        shortest = min(part.shortest_time, part.end - begin)
+        if not (0.0 < shortest < math.inf):
+            continue
+        number = min(math.ceil(SPECTRAL * (part.end - begin) / shortest), MOST_SPECTRAL)
+        times = begin + (part.end - begin) * np.arange(number) / number
+        padded = 8 * number if number < MOST_SPECTRAL else number  # a pulse alone has few lines
+        energy = np.cumsum((np.abs(np.fft.rfft(part.acceleration(times), n=padded, axis=0)) ** 2).sum(axis=1))
+        if energy[-1] > 0.0:
+            line = int(np.searchsorted(energy, WITHIN * energy[-1]))
+            found = max(found, line * number / (padded * (part.end - begin)))
+    return found
+
+
+def warn_of_missing_modes(system: System, motions: Iterable[BaseMotion]) -> None:
+    """Warn where a deck lacks modes for a motion."""
+    for text in dict.fromkeys(text for motion in motions for text in missing_modes(system, motion)):
+        warnings.warn(text, AccuracyWarning, stacklevel=3)
 
 
 def warn_of_aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> None:

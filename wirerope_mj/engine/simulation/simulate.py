@@ -15,7 +15,13 @@ from wirerope_mj.engine.simulation.engines import Engine, compute
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.progress import progress_bar
 from wirerope_mj.engine.simulation.recorder import Recorder, column_plan
-from wirerope_mj.engine.simulation.run import RunResult, require_lawful, warn_of_aliasing, warn_of_uncertainty
+from wirerope_mj.engine.simulation.run import (
+    RunResult,
+    require_lawful,
+    warn_of_aliasing,
+    warn_of_missing_modes,
+    warn_of_uncertainty,
+)
 from wirerope_mj.engine.simulation.stability import decay_over_step, slowest_period, stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, error_of_given, limit_of_given
@@ -75,7 +81,8 @@ def simulate(
         ConvergenceError: there is no equilibrium to start from.
 
     Warns:
-        AccuracyWarning: the estimated error is above `accuracy`, contacts were struck, or samples are too few for the motion.
+        AccuracyWarning: the estimated error is above `accuracy`, contacts were struck, or samples or a deck's modes are too few
+            for the motion.
         ModelWarning: an equality constraint gives way.
     """
     check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
@@ -123,6 +130,7 @@ def simulate(
         raise
     warn_of_uncertainty(response)
     warn_of_aliasing([motion], sample_rate)
+    warn_of_missing_modes(system, [motion])
     for text in soft_equalities(system):
         warnings.warn(text, ModelWarning, stacklevel=2)
     return response

@@ -22,11 +22,11 @@ from wirerope_mj.engine.statics.loading import (
     FARTHEST,
     HISTORIES,
     LOAD_STEPS,
-    MOST,
     TOLERANCE,
     Equilibrium,
     History,
     Loading,
+    most_positions,
 )
 from wirerope_mj.engine.statics.payloads import unresisted
 from wirerope_mj.engine.system import System, beyond_laws, once_per_system
@@ -76,7 +76,7 @@ class EquilibriumSolver:
         scale = max(gravity, 1.0)
         self._settings = np.array([
             TOLERANCE * scale, ACCEPTED * scale, roots.DIFFERENCE, roots.LONGEST, roots.SLOW, roots.ITERATIONS,
-            roots.HALVINGS, MOST,
+            roots.HALVINGS, most_positions(self._free.size),
         ])  # fmt: skip
         assert self._settings.size == SETTINGS
         # Without gravity all steps are one.

@@ -26,13 +26,19 @@ SMALLEST_LOAD_STEP = 1e-4  # fraction of gravity below which a load step that fa
 TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes
 # accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier
 ACCEPTED = 1e-8
-# positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
-MOST = 3_000
+# positions that are tried before a search is given up, and more for each coordinate: twenty times what the shipped models take,
+# seconds of computing; a Jacobian takes two of each coordinate, and every load step may need some
+MOST, OF_A_COORDINATE = 3_000, 300
 # step of a fall over the shortest time in which anything swings, and number of steps: the slowest sink by then, too
 FALL, FALLING = 0.5, 2000
 FARTHEST = 10.0  # deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
 # argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
 WITHOUT_SENSORS = 1
+
+
+def most_positions(coordinates: int) -> int:
+    """Return how many positions are tried before a search over so many coordinates is given up."""
+    return MOST + OF_A_COORDINATE * coordinates
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +100,7 @@ class Loading:
         self.model = system.model.__copy__() if self.gravity.any() else system.model
         self.free = np.delete(np.arange(self.model.nv), system.assembly.driven_dofs)
         self.path = SlowPath(system) if history == "virgin" else None
-        self.tried = 0
+        self.tried, self.most = 0, most_positions(self.free.size)
 
     def solve(self) -> Equilibrium:
         """Return the equilibrium under the full weight."""
@@ -113,7 +119,13 @@ class Loading:
                     roots.forget()
                     trial, residual = roots.find(self._sunk(qpos), TOLERANCE * scale)
                     carried = residual <= ACCEPTED * scale
-                if self.tried > MOST or (not carried and step < 2.0 * SMALLEST_LOAD_STEP):
+                if self.tried > self.most and not (carried and trial_load == 1.0):
+                    raise ConvergenceError(
+                        f"the search for the equilibrium was ended after {self.tried} trial positions, with {100 * load:.3g} % "
+                        "of the weight in equilibrium: it may exist. Use fewer modes of flexible parts, or laws that yield less "
+                        "suddenly under the weight."
+                    )
+                if not carried and step < 2.0 * SMALLEST_LOAD_STEP:
                     self._accelerations(qpos)  # back to the last load that was carried
                     raise ConvergenceError(self._diagnosis(trial_load, residual))
                 if not carried:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
+from wirerope_mj.engine.flexible.part import RESIDUAL
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
@@ -27,6 +28,7 @@ class DeclaredMode:
     """A mode of a flexible part: q'' + 2 zeta omega q' + omega^2 q = Phi^T f - Gamma a_base."""
 
     part: str
+    residual: bool  # whether it is a residual vector, which has no resonance
     owner: int  # body that bends
     body: int  # on the slide that has its coordinate
     dof: int
@@ -72,8 +74,8 @@ def _modes_of(model: mujoco.MjModel, t: int) -> list[DeclaredMode]:
     turned = participations @ data.xmat[owner].reshape(3, 3).T
     return [
         DeclaredMode(
-            part=name.replace(FLEXIBLE, "", 1), owner=owner, body=body, dof=_slide(model, body, name),
-            participation=along, shapes=shape,
+            part=name.replace(FLEXIBLE, "", 1), residual=model.body(body).name.endswith(RESIDUAL), owner=owner, body=body,
+            dof=_slide(model, body, name), participation=along, shapes=shape,
         )
         for body, along, shape in zip(bodies, turned, shapes, strict=True)
     ]  # fmt: skip
