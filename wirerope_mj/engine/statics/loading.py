@@ -122,8 +122,8 @@ class Loading:
                 if self.tried > self.most and not (carried and trial_load == 1.0):
                     raise ConvergenceError(
                         f"the search for the equilibrium was ended after {self.tried} trial positions, with {100 * load:.3g} % "
-                        "of the weight in equilibrium: it may exist. Use fewer modes of flexible parts, or laws that yield less "
-                        "suddenly under the weight."
+                        "of the weight in equilibrium: it may exist. Use fewer modes of flexible parts, or laws that yield "
+                        "less suddenly under the weight."
                     )
                 if not carried and step < 2.0 * SMALLEST_LOAD_STEP:
                     self._accelerations(qpos)  # back to the last load that was carried
