@@ -127,3 +127,15 @@ def test_a_record_with_decimal_commas_is_the_record(here):
     (here / "c.csv").write_text("time (s);z (g)\n0,000;1,5\n0,001;1.5\n0,002;1,5\n")
     with pytest.raises(wr.RecordError, match=r'line 3: "1\.5" has a point'):
         wr.load_record(here / "c.csv")
+
+
+@pytest.mark.parametrize("name", ["Z (500g)", "Z (500 g)", "Z [500g]", "Acc Z (+-500 g)", "Z (\u00b1500g)", "z (500 G)"])
+def test_the_range_of_a_sensor_in_place_of_a_unit_says_the_unit_and_what_it_cannot_show(here, name):
+    time = np.arange(0.0, 0.1001, 2e-4)
+    level = 120.0 * np.sin(200.0 * np.pi * time) * np.sin(10.0 * np.pi * time) ** 2
+    rows = [f"{t:.6f},{a:.6f}" for t, a in zip(time, level, strict=True)]
+    Path("a.csv").write_text("\n".join([f"Time (s),{name}", *rows]), encoding="utf-8")
+    assert np.abs(wr.load_record("a.csv").acceleration(time)).max() > 1000.0  # of 1100 m/s^2 at the largest sample
+    Path("a.csv").write_text("\n".join([f"Time (s),{name.replace('500', '50')}", *rows]), encoding="utf-8")
+    with pytest.raises(wr.RecordError, match="a sensor whose range is 50 g. In which unit are the numbers"):
+        wr.load_record("a.csv")

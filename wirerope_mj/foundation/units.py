@@ -71,6 +71,7 @@ _WORDS = {
     }.items()
     for word in words.split()
 }  # fmt: skip
+_RANGE = re.compile(r"(?:range )?[\u00b1+/ -]*(\d+(?:\.\d+)?) *([a-zA-Z][\w/^\u00b2]*)")
 _RMS = re.compile(r"(?<=g)[ _]?rms(?=\W*2)", re.IGNORECASE)  # of a density: grms^2/Hz is g^2/Hz
 _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY)}
 # Displayed units to one SI unit; the g is a divisor, so that integers of it stay integers.
@@ -97,8 +98,17 @@ def find_unit(text: str, known: Mapping[str, float]) -> str | None:
     if spelled in (spelled.upper(), spelled.lower()) or text.istitle():
         # of prefixes only M and m differ by their case alone
         alike = {unit for unit in known if _spelled(unit).lower() == spelled.lower() and not unit.startswith("M")}
-        return min(alike, default=None)
-    return None
+        if alike:
+            return min(alike)
+    # the range of an accelerometer, as loggers have it in place of a unit: "Z (100g)"
+    return find_unit(match[2], known) if "m/s^2" in known and (match := _RANGE.fullmatch(text)) else None
+
+
+def range_of(unit: str | None) -> float | None:
+    """Return the range [m/s^2] of an accelerometer that stands before its unit, as in "100g"; None where none does."""
+    match = _RANGE.fullmatch(unit or "")
+    found = find_unit(match[2], ACCELERATION_UNITS) if match else None
+    return float(match[1]) * ACCELERATION_UNITS[found] if match and found else None
 
 
 def is_unit(text: str) -> bool:

@@ -28,9 +28,10 @@ from wirerope_mj.foundation.table_files import (
     with_point,
 )
 from wirerope_mj.foundation.table_header import Header, is_missing
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, TIME_UNITS, find_unit, underscored_unit
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY, TIME_UNITS, find_unit, range_of, underscored_unit
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
+_BEYOND = 1.2  # times its range, above which no accelerometer shows anything
 _BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
 _AXIS_COLUMN = re.compile(
     r"(?:.*\.)?(?:(?:a|acc|accel|acceleration)[ _]?)?([xyz])(?:[ _-]?(?:axis|dir|direction))?", re.IGNORECASE
@@ -175,6 +176,13 @@ def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit
     factors = np.array([ACCELERATION_UNITS[name] for name in units])
     columns, axes = [time, *directions], axes_of(directions.values())
     instants, samples, messages = _in_si(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
+    ranges = [range_of(header.units[column]) for column in directions]
+    limit = max((one for one in ranges if one is not None), default=0.0)
+    if None not in ranges and (largest := float(np.abs(samples).max())) > _BEYOND * limit:
+        raise RecordError(
+            f"{header.location}: {largest / STANDARD_GRAVITY:.4g} g stands in a column of a sensor whose range is "
+            f'{limit / STANDARD_GRAVITY:.4g} g. In which unit are the numbers? Write it in the header, as in "z [m/s^2]".'
+        )
     return Reading(instants, samples, tuple(dict.fromkeys(units)), tuple(messages))
 
 
