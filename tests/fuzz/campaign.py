@@ -34,7 +34,7 @@ from wirerope_mj.foundation.errors import WireRopeError
 
 TARGETS = (
     "models", "isolators", "scenarios", "records", "cycles", "folders", "phrases", "limits", "vary", "levels", "missions",
-    "layouts", "responses", "requests", "studies", "returns", "commands", "tools",
+    "layouts", "responses", "requests", "studies", "returns", "commands", "tools", "meant",
 )  # fmt: skip
 
 LIMIT, WAIT = 20.0, 120.0

@@ -240,6 +240,10 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
                 coarse.append((damage, error, one.frequency, stage, sample_rate(response.time)))
         if any(len(row) != number + 1 for row in found.values()):
             raise RecordError(f"{stage.run}: the mounts of this run are not those of {mission.stages[0].run}.")
+    if not np.isfinite([row for rows in found.values() for row in rows]).all():
+        raise ValueError(
+            "the damage is too large for a number: check `exponent`, `constant`, and `repetitions` or `hours` of each stage."
+        )
     damages = [
         MountDamage(
             mount=mount, axis=axis, stages=tuple(row[0] for row in rows), cycles=sum(row[1] for row in rows),

@@ -1,6 +1,7 @@
 """Distributions and choices of the quantities of a study, each a function of a number between 0 and 1."""
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, get_args
@@ -208,5 +209,7 @@ def _check_group(group: object) -> None:
 
 
 def _check_bounds(low: float, high: float) -> None:
+    if not math.isfinite(high - low):
+        raise ValueError(f"`low` and `high` must be less than {sys.float_info.max:g} apart, got {low:g} and {high:g}.")
     if not low < high:
         raise ValueError(f"`low` must be less than `high`, got {low:g} and {high:g}: the bounds may be reversed.")
