@@ -348,3 +348,12 @@ def test_units_are_known_by_every_usual_spelling_and_no_other(quantity, spelled,
 )  # fmt: skip
 def test_a_heading_is_split_into_name_and_unit(cell, parts):
     assert split_unit(cell) == parts
+
+
+@pytest.mark.parametrize(
+    "rows", ["20,0.01\n24.914619,0.01\n31.036911,0.01\n38.663641,0.01\n48.164494,0.01\n60,0.01\n", "1,2\n3,4\n"]
+)
+def test_a_density_of_numbers_alone_is_refused_in_words(rows, here):
+    (here / "p.csv").write_text(rows)
+    with pytest.raises(wr.RecordError, match="no header stands above them"):
+        wr.motions.spoken.motion_from_phrase("psd", "p.csv 0.4 s z seed 1", folder=here)

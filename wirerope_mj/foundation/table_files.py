@@ -114,7 +114,10 @@ def _of_text(path: Path, wanted: str) -> Header:
     if surety < 1:  # nothing tells: the first separator that the line has
         text = next(text for number, text in lines if number == found.line)
         delimiter = next((sign for sign in (*DELIMITERS,)[:4] if sign in text), ",")
-        found = next(one for _, _, sign, one in tried if sign == delimiter)
+        found_by = [one for _, _, sign, one in tried if sign == delimiter]
+        if not found_by:  # a file of numbers alone
+            raise _without_header(f"{path}, line {lines[0][0]}", wanted)
+        found = found_by[0]
     header = Header(path, found.line, found.names, found.units, delimiter, encoding=encoding, last=found.last)
     with open_rows(header) as file:
         rows_of_cells = (header.cells(text) for _, text in zip(range(_LOOKED_AT), file, strict=False))
