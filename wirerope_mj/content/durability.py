@@ -28,17 +28,23 @@ def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows
 def equivalent_content(found: EquivalentVibration) -> Content:
     """Describe the random vibration that does the damage of a history: its rms value, and its density."""
     (least_at, least), (most_at, most) = found.extremes
+    rise, fall = found.ramps
+    played = (
+        f"in the least damaging of {found.playings} playings, each with phases of its own" if found.playings
+        else "in the mean of many playings"
+    )  # fmt: skip
     text = (
-        f"{with_unit(found.rms, 'm/s^2')} rms for {with_unit(found.duration, 's')} along {found.along} do the damage that the "
+        f"{with_unit(found.rms, 'm/s^2')} rms for {with_unit(found.duration, 's')}, with a rise of {with_unit(rise, 's')} and "
+        f"a fall of {with_unit(fall, 's')} in it, along {found.along} do the damage that the "
         f"run does at {found.subject}, to oscillators of Q = {found.q:g} with the exponent {found.exponent:g}: "
         f"at least {least:#.3g} times that of the run, at {least_at:.3g} Hz, and at most {most:#.3g} times, at {most_at:.3g} "
-        f"Hz, on {len(found.damage)} lines from {found.points[0][0]:.4g} to {found.points[-1][0]:.4g} Hz."
+        f"Hz, on {len(found.damage)} lines from {found.points[0][0]:.4g} to {found.points[-1][0]:.4g} Hz, {played}."
     )
     verdict = Statement(
         id="equivalent", text=text,
         values={
             "rms_m_s2": found.rms, "duration_s": found.duration, "least_damage": least, "least_damage_hz": least_at,
-            "most_damage": most, "most_damage_hz": most_at,
+            "most_damage": most, "most_damage_hz": most_at, "rise_s": rise, "fall_s": fall, "playings": found.playings,
         },
     )  # fmt: skip
     table = Table(

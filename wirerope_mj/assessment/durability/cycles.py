@@ -13,8 +13,10 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.directions import direction_text, unit_vector
 from wirerope_mj.foundation.summary import Brief
+from wirerope_mj.motions.envelope import Envelope
 from wirerope_mj.motions.phrases import parse_phrase, site_first
 from wirerope_mj.motions.psd_lines import Points, psd_rms
+from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.spectra.ramp import check_samples, octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, ramp_steps
 from wirerope_mj.motions.spectra.vibration import equivalent_psd
@@ -144,6 +146,8 @@ def _deflection(x: Array, step: Array) -> Array:
 EXAMPLE = "rack 3600 s 5 to 80 Hz z"
 # Points of a density to an octave, at least, lines of damage from one to the next, and ends of the narrowest and widest band
 _PER_OCTAVE, _LINES, _NARROWEST, _WIDEST = 6, 4, 2.0 ** (1 / 3), 2.0**12
+# Playings by which a density is tried, up to so many periods of its highest frequency (a second a playing), and samples in each
+_PLAYINGS, _LONGEST, _SAMPLES = 8, 4000.0, 40.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +159,11 @@ class EquivalentVibration:
     along: str
     duration: float  # of the vibration [s]
     points: Points  # frequency [Hz] and level [(m/s^2)^2/Hz]; zero outside
-    damage: Points  # frequency [Hz] and damage of the density over that of the history, on finer lines
+    # frequency [Hz] and damage of the density over that of the history, on finer lines: of the playing that does least there,
+    # or without playings the expected one
+    damage: Points
+    ramps: tuple[float, float]  # rise and fall within the duration [s]
+    playings: int  # of the vibration from its rise to its fall, by which it was tried; 0: it takes too long to play
     # exponent, q: of the damage spectrum
     exponent: float
     q: float
@@ -194,10 +202,47 @@ def equivalent_vibration(response: Response, text: str, *, exponent: float) -> E
         intervals = math.ceil(_PER_OCTAVE * math.log2(high / low) - 1e-9)
         at = np.geomspace(low, high, _LINES * intervals + 1)
         damage = fatigue_damage_spectrum(response.time, history, exponent=exponent, q=q, frequencies=at).damage
-        points, relative = equivalent_psd(at, damage, exponent=exponent, duration=duration, q=q, every=_LINES)
+        motion = RandomVibration(psd=[(low, 1.0), (high, 1.0)], duration=duration, seed=0, direction="z")
+        rising = Envelope(start=0.0, stop=math.inf, rise=1.0, fall=0.0).derivatives(np.linspace(0.0, 1.0, 1001))[0]
+        ramps = motion.rise + motion.fall
+        at_level = duration - ramps * (1.0 - float(np.mean(rising**exponent)))  # time at full level with as much damage
+        points, relative = equivalent_psd(at, damage, exponent=exponent, duration=at_level, q=q, every=_LINES)
+        if playings := _PLAYINGS if duration * high <= _LONGEST else 0:
+            step = max(float(np.median(np.diff(response.time))), 1.0 / (_SAMPLES * high))
+            points, relative = _raised_as_played(points, duration, step, (at, damage), exponent, q)
     except ValueError as error_of:
         raise ValueError(f'equivalent vibration "{text}": {error_of} It is written like "{EXAMPLE}".') from None
     return EquivalentVibration(
         subject=subject, along=direction_text(phrase.directions[0]), duration=duration, points=points,
-        damage=tuple(zip(at.tolist(), relative.tolist(), strict=True)), exponent=exponent, q=q,
+        damage=tuple(zip(at.tolist(), relative.tolist(), strict=True)), ramps=(motion.rise, motion.fall), playings=playings,
+        exponent=exponent, q=q,
     )  # fmt: skip
+
+
+def _raised_as_played(
+    points: Points, duration: float, step: float, wanted: tuple[Array, Array], exponent: float, q: float
+) -> tuple[Points, Array]:
+    """Raise levels until each playing does the damage that is wanted at the frequencies; return also the least over the wanted.
+
+    A density says what many playings do in the mean. One of seconds has few lines in the width of an oscillator, begins at
+    rest, and its largest cycles come seldom, the more so the larger the exponent is.
+    """
+    at, damage = wanted
+    time = step * np.arange(math.floor(duration / step) + 1)
+    corners, levels = np.transpose(points)
+
+    def least_played() -> Array:
+        psd = np.column_stack([corners, levels]).tolist()
+        histories = (
+            RandomVibration(psd=psd, duration=duration, seed=seed, direction="z").acceleration(time)[:, 2]
+            for seed in range(_PLAYINGS)
+        )
+        done = [fatigue_damage_spectrum(time, x, exponent=exponent, q=q, frequencies=at).damage for x in histories]
+        return np.asarray(np.min(done, axis=0) / damage)
+
+    least = scipy.ndimage.minimum_filter1d(least_played(), _LINES + 1, mode="nearest")[::_LINES]
+    levels = levels * np.minimum(least, 1.0) ** (-2.0 / exponent)
+    relative = least_played()
+    lack = min(1.0, float(relative.min()))  # damage goes with the level to the power b / 2
+    levels = levels * lack ** (-2.0 / exponent)
+    return tuple(zip(corners.tolist(), levels.tolist(), strict=True)), relative / lack
