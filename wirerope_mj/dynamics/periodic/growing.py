@@ -73,23 +73,35 @@ class GrowingBranch:
         """Return a motion a little further on, found anew from the last one, None if there is none.
 
         A stable one is left to itself first: along slow directions a branch collects what the tolerance leaves of every point.
-        Where that leads nowhere, it is left to itself at the new value, too.
+        Where that leads nowhere, it is left to itself at the new value, too; so is an unstable one that leads on. A motion that
+        is no less stable comes before one that is: where stops are grazed Newton's method finds those of other branches, which
+        lead back.
         """
-        options, x = self.options, last.shot.x
+        options, x, less_stable = self.options, last.shot.x, None
         towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
         if not last.unstable:
             x = self.search.settled(x, last.shot.track.drive, SETTLING[0])
-        for settling, leap in itertools.product((0,) if last.unstable else (0, SETTLING[1]), LEAPS):
+        settlings = (0,) if last.unstable and towards != options.sign else (0, SETTLING[1])
+        for settling, leap in itertools.product(settlings, LEAPS):
             value = last.parameter * math.exp(towards * leap * options.largest_step)
             if (value - options.stop) * options.sign > 0.0:
                 continue
             motion = self.path.closed(self.search.settled(x, self.path.drive(value), settling) if settling else x, value)
-            if motion is not None:
-                # The shortest is a step like others, but where the branch has turned back, as at a needle, and is left.
-                if leap > LEAPS[0] or any((options.followed(row) - last.parameter) * options.sign > 0.0 for row in self.rows):
-                    self.gaps.append((last.parameter, value))
-                return self.path.point(motion, value, before=None, sign=towards)
-        return None
+            if motion is None:
+                continue
+            point = self.path.point(motion, value, before=None, sign=towards)
+            # The shortest is a step like others, but where the branch has turned back, as at a needle, and is left.
+            passed = any((options.followed(row) - last.parameter) * options.sign > 0.0 for row in self.rows)
+            gap = (last.parameter, value) if leap > LEAPS[0] or passed else None
+            if leap == LEAPS[0] or point.unstable <= last.unstable:
+                break
+            less_stable = less_stable or (point, gap)
+        else:
+            if less_stable is None:
+                return None
+            point, gap = less_stable
+        self.gaps += [gap] if gap else []
+        return point
 
     def _advance(self, last: Point, length: float) -> tuple[Point, float]:
         """Take one step and note what it says; `message` is set where the branch ends."""
@@ -109,8 +121,8 @@ class GrowingBranch:
             point, length, leapt = (beyond, FIRST, True) if beyond is not None else (point, length, False)
         if point is None:
             self.message = (
-                f"stopped at {self._where(last)}: no point within {options.smallest_step:.1g} of it was found, nor up to "
-                f"{LEAPS[-1] * options.largest_step:.2g} beyond it. Start beyond it, or take another `largest_step`."
+                f"stopped at {self._where(last)}: no periodic motion was found within {options.smallest_step:.1g} of it, nor "
+                f"up to {LEAPS[-1] * options.largest_step:.2g} beyond it, also after {SETTLING[1]} periods of settling there"
             )
             return last, length
         over = travel_exceeded(self.system, point.shot.track)
