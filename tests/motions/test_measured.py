@@ -131,8 +131,8 @@ def test_what_looks_wrong_is_said_of_the_column(tmp_path):
     said = "\n".join(str(one.message) for one in caught)
     assert len(measured.warnings) == len(caught) == 5
     for text in (
-        '"A1" 40 samples in a row', '"A2" all samples are 0', '"A3" one sample of 39.2', '"A4" its energy lies about 47',
-        '"A5" it rests at 4.8',
+        '"A1" 40 samples in a row', '"A2" all samples are 0', '"A3" one sample of 4 g', '"A4" its energy lies about 47',
+        '"A5" it rests at 0.4983 g',
     ):  # fmt: skip
         assert text in said, (text, said)
     assert measured["A1"].saturated.sum() == np.count_nonzero(high == 1.5)

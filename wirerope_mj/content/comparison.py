@@ -1,5 +1,6 @@
 """What a comparison of runs says: which is better and why, what differs, and peaks side by side, by both rulers of travel."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -31,6 +32,7 @@ from wirerope_mj.content.credibility import compared_credibility_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.verdicts import acceleration_limits, headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.units import force_unit
 from wirerope_mj.mounts.isolator import AXES
 
 _MOST_MOUNTS = 8  # Mounts that are shown at once: those that use most of their rated travel in any run
@@ -86,7 +88,9 @@ def figures_table(comparison: Comparison) -> Table:
     rows += _largest(f"{SINGLE.lower()} [% used]", largest_of(travel_rows(comparison)), ratio, used=True)
     rows += _largest(f"{TOGETHER.lower()} [% used]", largest_of(combined_rows(comparison)), ratio, used=True)
     forces = [row for axis in range(3) for row in mount_rows(comparison, "force", axis)]
-    rows += _largest("largest force of a mount [kN]", largest_of(forces), Column("", "kN", "z.2f"))
+    if force := largest_of(forces):
+        unit = force_unit(max(abs(value) for value in force.values if value is not None and math.isfinite(value)))
+        rows += _largest(f"largest force of a mount [{unit}]", force, Column("", unit))
     columns = (Column(align="left"), *(Column(run.name, align="text") for run in comparison.runs))
     return Table(id="figures", title="Side by side", columns=columns, rows=rows)
 

@@ -10,7 +10,7 @@ from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.isolator import law_text
 from wirerope_mj.content.panels import BASE, LIMIT, Chart, Curve, Panel
 from wirerope_mj.foundation.tables import Cell, Column, Table
-from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.identification.choice import LawComparison
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.device import amplitudes_of, distinct_axes, largest_amplitude
@@ -22,7 +22,6 @@ FREQUENCY = 5.0  # Of the tests of an isolator [Hz], table and picture alike; wi
 _FRACTIONS = (0.25, 0.5, 1.0)  # of the rated travel
 _UNRATED = 0.002  # [m], at which an axis without rated travel is measured: small for every mount
 _MOST_NAMES = 8  # in a legend: more would hide the loops
-_WEAK = 100.0  # [N], below which forces are read in N
 _CLOSED = 1e-10  # of the force range: what cyclic tests close to
 _DAMPED = 1e-9  # damping ratio, below which loops have no width to speak of
 _COLUMNS = (
@@ -104,9 +103,9 @@ def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
     """Return a panel for each test by its title, from the smallest loop to the largest; in "axial .." tension is positive."""
     panels = []
     for title, loops in tests.items():
-        strong = max(float(np.abs(loop.force).max()) for loop in loops) >= _WEAK
+        unit = force_unit(max(float(np.abs(loop.force).max()) for loop in loops))
         ordered = sorted(loops, key=lambda loop: loop.amplitude)
-        panels.append(_panel(_curves(ordered, "kN" if strong else "N"), title, "kN" if strong else "N"))
+        panels.append(_panel(_curves(ordered, unit), title, unit))
     return _chart(panels, "Force over deflection in cyclic tests.")
 
 

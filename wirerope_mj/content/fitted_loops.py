@@ -9,13 +9,12 @@ import numpy as np
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.identification.result import FittedLoop
 
 MOST = 12  # Loops of one chart: more cannot be read
 _ACROSS = 3
 _MEASURED, _FITTED = 0, 1  # numbers of their colours
-_WEAK = 100.0  # [N], below which forces are read in N
 _ROOM = 0.05  # of the stroke, left free on either side: the turning points are what one looks at
 _BRANCH = 9  # fraction of a branch over which residuals are averaged
 _APART = 1.15  # ratio of amplitudes left free on either side
@@ -30,8 +29,7 @@ def drawn_loops(fits: Sequence[FittedLoop]) -> list[FittedLoop]:
 
 def fit_chart(fits: Sequence[FittedLoop]) -> Chart:
     """Return force over deflection of every loop: measured as dots, fitted as a line."""
-    weak = max(float(np.abs(fit.measured.force).max()) for fit in fits) < _WEAK
-    unit = "N" if weak else "kN"
+    unit = force_unit(max(float(np.abs(fit.measured.force).max()) for fit in fits))
 
     def curves(fit: FittedLoop) -> list[Curve]:
         x = in_unit(fit.measured.deflection, "mm")

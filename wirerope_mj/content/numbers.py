@@ -3,7 +3,7 @@
 import math
 import re
 
-from wirerope_mj.foundation.units import in_unit, shown_in, significant
+from wirerope_mj.foundation.units import force_unit, in_unit, shown_in, significant
 
 ABSENT = "–"  # Stands where there is no value
 MINUS = "\N{MINUS SIGN}"
@@ -23,6 +23,8 @@ def shown(value: float | None, unit: str = "", *, digits: int = 3) -> str:
 
 def with_unit(value: float | None, unit: str, *, digits: int = 3) -> str:
     """Return number and unit; the unit may also be one that is displayed: "ms", "%"."""
+    if unit == "N" and value is not None and force_unit(value) == "N":
+        return f"{number(value, digits=digits)} N"
     return f"{shown(value, unit, digits=digits)} {shown_unit(unit)}".strip()
 
 

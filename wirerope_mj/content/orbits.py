@@ -9,11 +9,10 @@ from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, with_room
 from wirerope_mj.dynamics.frequency_response.curve import along_resonance, busiest_loops
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
-from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.isolator import AXES
 
 _MOST = 4  # panels: from the lowest level to the highest
-_WEAK = 1000.0  # [N], below which forces are read in N
 _MULTIPLIERS = 5
 Motion = tuple[Branch, int, PeriodicOrbit]  # A branch, the number of one of its points, and the motion there
 
@@ -73,7 +72,7 @@ def _panel(level: Sequence[Motion], mount: str, axis: int, *, portraits: bool) -
 
 def _force_unit(motions: Sequence[Motion], mount: str, axis: int) -> str:
     largest = max(float(np.abs(orbit.response.mounts[mount].force[:, axis]).max()) for *_, orbit in motions)
-    return "N" if largest < _WEAK else "kN"
+    return force_unit(largest)
 
 
 def orbit_table(motions: Sequence[Motion], mount: str, axis: int) -> Table:

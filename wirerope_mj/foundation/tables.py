@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.units import in_unit, significant
+from wirerope_mj.foundation.units import force_unit, in_unit, significant
 
 # Tones in which a cell or a paragraph is set; the text says the same, so that nothing depends on colour alone.
 TONES = ("", "within", "near", "exceeded", "unjudged", "quiet", "strong")
@@ -55,7 +55,7 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """Rows under headings; every row has as many cells as there are columns."""
+    """Rows under headings; every row has as many cells as there are columns. Forces below 1 kN are displayed in N."""
 
     title: str  # what it shows, above it
     columns: Sequence[Column]
@@ -68,6 +68,12 @@ class Table:
         for row in self.rows:
             if len(row) != len(self.columns):
                 raise ValueError(f"`rows` must have {len(self.columns)} cells each, got {row!r}.")
+        strong = [number for number, column in enumerate(self.columns) if column.unit == "kN"]
+        values = [plain for row in self.rows for number in strong if isinstance(plain := _plain(row[number]), float)]
+        if values and force_unit(max(map(abs, values))) == "N":
+            weak = [replace(one, unit="N", form=one.form if isinstance(one.form, int) else "z.1f") for one in self.columns]
+            columns = [weak[number] if number in strong else one for number, one in enumerate(self.columns)]
+            object.__setattr__(self, "columns", columns)
 
     def to_dict(self) -> Entries:
         """Return titles, headings, units and rows as JSON takes them: values in SI, cells without one as None."""

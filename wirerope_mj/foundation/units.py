@@ -184,6 +184,17 @@ def in_unit(value: float | Array, unit: str) -> float | Array:
     return _PER_SI[unit] * value if unit in _PER_SI else value
 
 
+def force_unit(largest: float) -> str:
+    """Choose the unit in which forces are read, of which the largest is given [N]: kN, or N below one."""
+    return "N" if abs(largest) < 1e3 else "kN"
+
+
+def force_text(force: float) -> str:
+    """Write a force [N] to three digits: "4.1 kN", "6 N"."""
+    unit = force_unit(force)
+    return f"{in_unit(force, unit):.3g} {unit}"
+
+
 def significant(value: float, digits: int = 3) -> str:
     """Return a number to some significant digits without an exponent, whole digits never cut: 0.00123, 1.23, 123, 12345."""
     if value == 0.0 or abs(value) < 1e-9:  # nothing that is shown in mm, kN or g is that small and not rounding

@@ -46,19 +46,19 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
     """Yield warnings about accelerations as they were measured; `corrected`: a baseline is taken off later."""
     if reading.time.size < _FEWEST:
         return
-    rate = (reading.time.size - 1) / float(reading.time[-1] - reading.time[0])
+    rate, (unit, factor) = (reading.time.size - 1) / float(reading.time[-1] - reading.time[0]), reading.unit
     yield from _implausible(reading, rate)
     for axis, a in zip("xyz", reading.samples.T, strict=True):
         low, high = float(a.min()), float(a.max())
         if high > low:
-            yield from _wrong_unit(axis, quiet_level(a), reading.units, corrected)
+            yield from _wrong_unit(axis, quiet_level(a), reading, corrected)
             yield from _cut_off(axis, a, offset_of(a))
-            yield from (clipped_text(f"along {axis}", *top) for top in flat_tops(a))
-            yield from resolution_warnings(f"along {axis}", a, offset_of(a), rate)
+            yield from (clipped_text(f"along {axis}", reading.text(top, 5), n) for top, n in flat_tops(a))
+            yield from resolution_warnings(f"along {axis}", a / factor, offset_of(a) / factor, rate, unit=unit)
 
 
-def motion_warnings(time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:
-    """Yield warnings about the velocity and displacement of an acceleration [m/s^2], (n, 3), after its correction."""
+def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:
+    """Yield warnings about velocity and displacement of a reading's acceleration [m/s^2], (n, 3), after its correction."""
     if time.size < _FEWEST:
         return
     step, length = float(time[1] - time[0]), float(time[-1] - time[0])
@@ -78,30 +78,30 @@ def motion_warnings(time: Array, samples: Array, baseline: str = "none") -> Iter
         if rest is None:
             large = abs(gained) / length >= _OFFSET * float(np.abs(a).max())
             drifts = abs(gained) > max(_SLOW, _DRIFT * own) and not large
-            yield from _strays(course, gained / length if drifts else 0.0, speed, travel)
+            yield from _strays(course, reading.text(gained / length, 3) if drifts else "", speed, travel)
             continue
         rms = float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP  # four deviations of what white noise adds up to
         if abs(gained) > max(_SLOW, _GAIN * own, 4.0 * rms * step * float(np.sqrt(a.size))):
             if baseline in ("mean", "velocity"):
                 constant = "mean" if baseline == "mean" else "final velocity"
                 yield (
-                    f'along {axis} the quiet part stands at {rest:.4g} m/s^2 after baseline="{baseline}": the {constant} holds '
-                    f"the pulse too, and {-gained:.3g} m/s of its velocity are spread over the record. "
+                    f'along {axis} the quiet part stands at {reading.text(rest)} after baseline="{baseline}": the {constant} '
+                    f"holds the pulse too, and {-gained:.3g} m/s of its velocity are spread over the record. "
                     'baseline="rest" (--baseline rest) takes off the level at rest alone.'
                 )
             else:
                 yield (
-                    f"{course}it stands off zero by {rest:.4g} m/s^2 where it rests, which makes {gained:.3g} m/s of it. "
+                    f"{course}it stands off zero by {reading.text(rest)} where it rests, which makes {gained:.3g} m/s of it. "
                     'Correct it with baseline="rest" or "highpass" (--baseline).'
                 )
         elif speed > LARGEST_SPEED:  # it coasts after its pulse, wherever that takes it
             yield f"{course}its unit is another one, by a factor of 9.81 or 1000. Say the right one with `unit` (--unit)."
 
 
-def _strays(course: str, steady: float, speed: float, travel: float) -> Iterator[str]:
-    """Yield a warning about a motion without a quiet part that goes too far, by a steady drift [m/s^2] or otherwise."""
+def _strays(course: str, steady: str, speed: float, travel: float) -> Iterator[str]:
+    """Yield a warning about a motion without a quiet part that goes too far, by a steady acceleration or otherwise."""
     if steady:
-        reason = f"the acceleration stands off zero by {steady:.3g} m/s^2 all along"
+        reason = f"the acceleration stands off zero by {steady} all along"
     elif speed > LARGEST_SPEED:
         reason = "a small offset adds up, or its unit is another one, by a factor of 9.81 or 1000 (--unit)"
     elif abs(travel) > LARGEST_TRAVEL:
@@ -116,15 +116,15 @@ def _implausible(reading: Reading, rate: float) -> Iterator[str]:
     units = " and ".join(reading.units)
     if peak > LARGEST_PEAK:
         yield (
-            f"its peak of {peak:.3g} m/s^2 is beyond any base's: are the values in another unit than {units}, by a factor "
-            'of 1000 or 9.81? Say the right one, for instance unit="mm/s^2" (--unit).'
+            f"its peak of {reading.text(peak, 3)} is beyond any base's: are the values in another unit than {units}, by a "
+            'factor of 1000 or 9.81? Say the right one, for instance unit="mm/s^2" (--unit).'
         )
     if peak == 0.0:
         yield "all of its samples are zero: the base does not move."
     elif peak < SMALLEST_PEAK:
         yield (
-            f"its peak is {peak:.3g} m/s^2, less than most sensors' noise: are the values in another unit than {units}, by a "
-            'factor of 1000 or 9.81? Say the right one, for instance unit="g" (--unit).'
+            f"its peak is {reading.text(peak, 3)}, less than most sensors' noise: are the values in another unit than {units}, "
+            'by a factor of 1000 or 9.81? Say the right one, for instance unit="g" (--unit).'
         )
     elif (
         peak < _WEAK
@@ -132,25 +132,25 @@ def _implausible(reading: Reading, rate: float) -> Iterator[str]:
         and all(is_pulse(a, offset_of(a)) for a in reading.samples.T if a.any())
     ):
         yield (
-            f"its peak is {peak:.3g} m/s^2, little for a shock: if the values are in m/s^2 and not in {units}, say "
+            f"its peak is {reading.text(peak, 3)}, little for a shock: if the values are in m/s^2 and not in {units}, say "
             'unit="m/s^2" (--unit).'
         )
     if not SMALLEST_RATE <= rate <= LARGEST_RATE:
         yield f"it has {rate:.4g} samples a second: is its time in another unit than the header says, s for ms or ms for s?"
 
 
-def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected: bool) -> Iterator[str]:
+def _wrong_unit(axis: str, rest: float | None, reading: Reading, corrected: bool) -> Iterator[str]:
     """Yield a warning about a record that rests at gravity, in its own unit or in another one."""
-    if rest is None or len(units) != 1:
+    if rest is None or len(reading.units) != 1:
         return
-    (unit,) = units
+    (unit,) = reading.units
     g = STANDARD_GRAVITY
     guesses = [(g, ""), (g * g, "m/s^2")] if unit == "g" else [(g, ""), (1.0, "g"), (1000.0 * g, "mm/s^2")]
     if unit.startswith("mm"):
         guesses = [(g, ""), (g / 1000.0, "m/s^2"), (1e-3, "g")]
     for value, other in guesses:
         if abs(abs(rest) - value) <= _NEAR * value:
-            level = f"along {axis} it rests at {rest:.4g} m/s^2, "
+            level = f"along {axis} it rests at {reading.text(rest)}, "
             if other:
                 yield (
                     f'{level}which is gravity if the values are in {other} and not in {unit}. If so, say unit="{other}" '
@@ -201,10 +201,10 @@ def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
             yield extreme, length
 
 
-def clipped_text(where: str, extreme: float, length: int, unit: str = "m/s^2") -> str:
-    """Return the warning about a flat top."""
+def clipped_text(where: str, extreme: str, length: int) -> str:
+    """Return the warning about a flat top, whose value is given with its unit."""
     return (
-        f"{where} {length} samples in a row stand at exactly {extreme:.5g} {unit} with steep flanks beside: the "
+        f"{where} {length} samples in a row stand at exactly {extreme} with steep flanks beside: the "
         "sensor or its amplifier may have been saturated, and the true peak be higher."
     )
 

@@ -172,7 +172,7 @@ def load_measured(
         tops = list(flat_tops(values)) if np.ptp(values) else []
         rest = level_at_rest(values)
         where, rate = f'in column "{column}"', 1.0 / float(time[1] - time[0])
-        messages += _warnings(where, values, tops, rate, known, baseline, rest)
+        messages += _warnings(where, values, tops, rate, (known, unit), baseline, rest)
         saturated = np.isin(values, [extreme for extreme, _ in tops])
         level = offset_of(values) if rest is None else rest
         values -= {"none": 0.0, "rest": level, "mean": float(values.mean())}[baseline]
@@ -209,22 +209,24 @@ def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | N
 
 
 def _warnings(
-    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str, rest: float | None
-) -> Iterator[str]:
-    """Yield what looks wrong about a channel as it was measured [SI]."""
-    unit, spread = SI[known], float(np.ptp(values))
+    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: tuple[Quantity, str], baseline: str,
+    rest: float | None,
+) -> Iterator[str]:  # fmt: skip
+    """Yield what looks wrong about a channel [SI], as it was measured, in the unit of its column."""
+    (quantity, unit), spread = known, float(np.ptp(values))
+    factor = UNITS[quantity][unit]
     if spread == 0.0:
-        yield f"{where} all samples are {values[0]:.4g} {unit}: the channel is dead, or was not connected."
+        yield f"{where} all samples are {values[0] / factor:.4g} {unit}: the channel is dead, or was not connected."
         return
-    yield from (clipped_text(where, *top, unit) for top in tops)
+    yield from (clipped_text(where, f"{extreme / factor:.5g} {unit}", length) for extreme, length in tops)
     if rest is None and baseline == "rest":
-        yield f"{where} it is at rest nowhere; {offset_of(values):.4g} {unit} was taken off as its level."
+        yield f"{where} it is at rest nowhere; {offset_of(values) / factor:.4g} {unit} was taken off as its level."
     if rest is not None and abs(rest) > _OFFSET * spread and baseline == "none":
         yield (
-            f"{where} it rests at {rest:.4g} {unit} and not at zero. If that is an offset, "
+            f"{where} it rests at {rest / factor:.4g} {unit} and not at zero. If that is an offset, "
             'baseline="rest" takes it off (--baseline rest).'
         )
-    yield from resolution_warnings(where, values, offset_of(values), rate, unit=unit, played=False)
+    yield from resolution_warnings(where, values / factor, offset_of(values) / factor, rate, unit=unit, played=False)
 
 
 def _require_distinct(channels: list[MeasuredChannel]) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, unit_vector
+from wirerope_mj.foundation.units import ACCELERATION_UNITS
 
 # a record rests at its median if so many of its samples lie near it, within a fraction of its range or of the median
 _RESTS, _BAND, _NEAR = 0.3, 0.02, 0.1
@@ -27,6 +28,17 @@ class Reading:
     samples: Array  # acceleration along x, y, z [m/s^2], (n, 3)
     units: tuple[str, ...]  # in which the file gives them, each once
     warnings: tuple[str, ...] = ()  # what had to be done to the samples, and what looks wrong about them
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """Unit in which messages give accelerations, and its factor to m/s^2: the file's, or m/s^2 where it has several."""
+        unit = self.units[0] if len(self.units) == 1 and self.units[0] in ACCELERATION_UNITS else "m/s^2"
+        return unit, ACCELERATION_UNITS[unit]
+
+    def text(self, value: float, digits: int = 4) -> str:
+        """Write an acceleration [m/s^2] as messages do."""
+        unit, factor = self.unit
+        return f"{value / factor:.{digits}g} {unit}"
 
     def warned(self, *messages: str) -> "Reading":
         """Return the same reading with more warnings."""

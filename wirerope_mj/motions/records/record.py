@@ -194,7 +194,7 @@ def load_record(
         raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
-    messages = (*reading.warnings, *motion_warnings(time, samples, baseline))
+    messages = (*reading.warnings, *motion_warnings(reading, time, samples, baseline))
     for message in messages:
         warnings.warn(f"{file}: {message}", RecordWarning, stacklevel=2)
     for array in (time, samples):

@@ -21,9 +21,7 @@ _WIDE = 1.0 - 2.0 * math.asin(_FOOT) / math.pi  # part of a half-sine's length i
 _FAST, _ERRORS = 2.4, 4.0
 
 
-def resolution_warnings(
-    where: str, a: Array, rest: float, rate: float, *, unit: str = "m/s^2", played: bool = True
-) -> Iterator[str]:
+def resolution_warnings(where: str, a: Array, rest: float, rate: float, *, unit: str, played: bool = True) -> Iterator[str]:
     """Yield warnings about a signal (n,) at a rate [Hz] that rests at a value and, if `played`, drives a base.
 
     `where` is how a sentence about it begins, "along x"; a base is driven in straight lines between the samples.
