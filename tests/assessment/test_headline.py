@@ -9,6 +9,8 @@ from commands import wirerope
 from recordings import column, entities
 
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Criterion, Verdict, headline
+from wirerope_mj.assessment.criteria.verdict import Amplification, by_use
+from wirerope_mj.content.job import job_headline
 from wirerope_mj.content.verdicts import headline as verdicts_headline
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.summary import read_summary
@@ -88,6 +90,67 @@ def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
 )
 def test_the_sentence_counts_what_is_exceeded_struck_and_not_judged(rows, said):
     assert headline(rows) == said
+
+
+def payload(value=9.0, limit=None, kind="acceleration", note="no limit is stated", base=None):
+    found = None if base is None else Amplification(measure="peak", value=value, base=base)
+    note = note if limit is None else ""
+    return Verdict(
+        criterion=Criterion(kind), subject="rack", value=value, limit=limit, unit="m/s^2", note=note, amplification=found
+    )
+
+
+UNLIMITED = "payload not judged: no limit stated; 1 value has no limit"
+GROWING = "the motion still grows when the run ends at 1 s: run longer"
+OF_RATTLE = payload(limit=20.0, kind="rattle space")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("rows", "begin", "end", "tone"),
+    [
+        ([row(), payload()], "PASS of the mounts: ", UNLIMITED, "unjudged"),
+        ([row(), payload(base=10.0)], "PASS of the mounts: ", UNLIMITED, "unjudged"),
+        ([row(3.0), payload()], "FAIL: ", UNLIMITED, "exceeded"),
+        ([row(), payload(limit=10.0)], "PASS: ", "most critical rack, 90 % of the limit of acceleration", "within"),
+        (
+            [row(limit=None), payload(limit=10.0)], "PASS of the payload: ",
+            "mounts not judged: nothing is rated; 1 value has no limit", "unjudged",
+        ),
+        (
+            [row(), payload(), OF_RATTLE], "PASS of the mounts and rattle space: ",
+            f"acceleration of the {UNLIMITED}", "unjudged",
+        ),
+        (
+            [row(), payload(note=GROWING)], "PASS of the mounts: ",
+            "payload not judged; 1 value is not judged; 1 of them still grows when the run ends: run longer", "unjudged",
+        ),
+        ([row(), payload(limit=10.0, base=6.0)], "PASS: ", "amplification 1.5 at rack (peak 0.918 g, base 0.612 g)", "within"),
+    ],
+)  # fmt: skip
+def test_a_pass_is_of_what_was_judged_and_amplification_is_said(rows, begin, end, tone):
+    said = verdicts_headline(rows)
+    assert said.text.startswith(begin)
+    assert said.text.endswith(f"; {end}.")
+    assert said.tone == tone
+    assert ("amplification" in said.values) is ("amplification" in said.text)
+    answers = {"first": tuple(rows), "second": tuple(rows)}
+    of_job = job_headline(answers)
+    assert of_job.tone == tone
+    for words in ("payload not judged", "mounts not judged", "amplification 1.5 at rack"):
+        assert (words in of_job.text) is (words in said.text), words
+    if begin.startswith("PASS"):
+        assert of_job.text.startswith(begin)
+
+
+@pytest.mark.quick
+def test_the_most_critical_of_every_subject_is_in_one_order():
+    other = Verdict(
+        criterion=Criterion("static load in compression", sense="virgin"), subject="m2", value=3.0, limit=4.0, unit="N"
+    )
+    assert [(name, one.utilisation) for name, one in by_use([row(0.2), other, row(), payload(), row(limit=None)]).items()] == [
+        ("m2", 0.75), ("m1", 0.5),
+    ]  # fmt: skip
 
 
 @pytest.mark.quick

@@ -44,7 +44,7 @@ def test_both_accelerations_and_both_travels_are_named(study, tmp_path):
     result = study.run(tmp_path / "study", workers=1)
     table = measures_table(summary_of(result))
     named = [row[0] for row in table.rows]
-    assert {"travel [%]", "combined_travel [%]", "acceleration [g]", "acceleration/* [g]"} <= set(named)
+    assert {"travel [%]", "combined travel [%]", "acceleration [g]", "acceleration, all [g]"} <= set(named)
     assert "largest acceleration of a body;" in table.note
     assert "largest acceleration of bodies and points" in table.note
     assert (np.asarray(values_of(result.table, ALL)) >= values_of(result.table, "acceleration")).all()

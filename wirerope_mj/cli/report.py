@@ -41,7 +41,7 @@ def study_report(
 
     Args:
         folder: folder of a study.
-        by: measure that is looked at most; travel if anything is rated.
+        by: measure that is looked at most; by default the most critical one.
         out: the page, .html; report.html in the study's folder by default, where it is made anew.
         pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
         force: replace files that `--out` names.

@@ -49,7 +49,7 @@ _RUN = (
     own_option("resume", bool, False, "go on with the study that stands in --out", negative=()),
     own_option("out", Path | None, None, "folder of the study; runs/NAME-DATE-TIME if it is not given"),
     own_option("force", bool, False, "replace a study that is there", negative=()),
-    own_option("by", str | None, None, "measure by which variants are worst; travel if anything is rated"),
+    own_option("by", str | None, None, "measure by which variants are worst; by default the most critical one"),
     own_option(
         "limit", list[str] | None, None,
         '"deflection/*/roll = 35 mm": how often it is exceeded is said here and in the report', negative=(),

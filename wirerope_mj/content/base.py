@@ -1,11 +1,14 @@
 """The base's motion: its histories, extremes, events and spectrum, and the measured records in it, their baselines."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from wirerope_mj.assessment.criteria.foundation import foundation_force
+from wirerope_mj.assessment.criteria.sampled import STEADY, elements
+from wirerope_mj.assessment.criteria.verdict import AMPLIFIED
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, listed
@@ -17,13 +20,14 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.motions import BaseMotion, Record
+from wirerope_mj.motions import BaseMotion, RandomVibration, Record
 from wirerope_mj.motions.records.record import records_in
 
 _KEPT = 1e-3  # [m/s] at the end, from which it is said that the base keeps a velocity
 _FAINT = 1e-6  # of the largest component of a force, what is not drawn
 _MOST_EVENTS = 12  # in the table of what the base does: a record may have any number
 _MOST_CORNERS = 100  # a record has a corner at every sample: its samples are enough
+_INSTANTS = 4001  # of a motion, beside its corners, of which the largest is its peak: that of a half-sine within 1e-6
 _BETWEEN = 64  # instants between two corners: the peak of a half-sine is then met to 0.03 %
 _MOST_SAMPLES = 200_000  # of a response whose corners are joined to its samples
 _TEXTS = {
@@ -226,3 +230,20 @@ def record_chart(played: Record) -> Chart:
 def ends(record: Record) -> tuple[np.ndarray, np.ndarray]:
     """Return velocity [m/s] and displacement [m] at the last sample, (3,) each; what rounding leaves of nothing is zero."""
     return record.velocity(record.end)[0].round(9) + 0.0, record.displacement(record.end)[0].round(9) + 0.0
+
+
+def shock_peak(motion: BaseMotion) -> float:
+    """Compute the largest acceleration of a shock [m/s^2]; NaN of steady and random motions, which have none of their own."""
+    kinds = {str(part.get("kind")) for part in elements(motion.to_dict())}
+    if kinds & {*STEADY, RandomVibration.kind} or not math.isfinite(motion.end):
+        return math.nan
+    times = np.union1d(motion.corners, np.linspace(0.0, motion.end, _INSTANTS))
+    return float(np.linalg.norm(motion.acceleration(times), axis=1).max())
+
+
+def amplified(value: float, motion: BaseMotion) -> str:
+    """Say that a peak of the payload [m/s^2] is larger than that of a shock of the base, as a clause; "" where it is not."""
+    peak = shock_peak(motion)
+    if not (peak > 0.0 and value > AMPLIFIED * peak):
+        return ""
+    return f"amplification {value / peak:.3g} (peak {in_unit(value, 'g'):.3g} g, base {in_unit(peak, 'g'):.3g} g)"

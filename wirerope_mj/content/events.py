@@ -15,7 +15,7 @@ from wirerope_mj.content.selection import NAMED, Selection
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
-from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.foundation.units import force_text, in_unit
 from wirerope_mj.mounts.isolator import AXES
 
 NEAR = 0.8  # Utilisation from which a limit is reported
@@ -134,7 +134,7 @@ def _contact_events(response: Response) -> Iterator[Event]:
     contacts = response.peaks.contacts or {}
     for number, name in enumerate(response.peaks.struck):
         contact = contacts[name]
-        force = f"{in_unit(contact.force, 'kN'):.3g} kN"
+        force = force_text(contact.force)
         text = closing_text(name, contact) if contact.mount else f"{name}: struck, at most {force}"
         yield Event(time=contact.first_touch or 0.0, level="WARN", text=text, main=number == 0)
         if contact.force_time is not None:

@@ -108,7 +108,7 @@ def used_panel(response: Response, selection: Selection) -> Panel:
     return Panel(
         curves=curves, ylabel="used of the limit [%]",
         title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}", limits=[("limit", 100.0)],
-        xlim=selection.window, ylim=(0.0, 108.0 * max(1.0, worst.largest)), unit="%",
+        xlim=selection.window, ylim=(0.0, 108.0 * max(1.0, *(one.largest for one in selection.used))), unit="%",
     )  # fmt: skip
 
 

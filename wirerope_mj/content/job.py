@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, STRUCK, Verdict
-from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, limit_of
+from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, amplified_text, limit_of, scope
 from wirerope_mj.assessment.criteria.summary import OWN_RULE
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, most_used
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, most_amplified, most_used
 from wirerope_mj.content.blocks import Block, Content, Document, Section, Statement
 from wirerope_mj.content.job_envelope import envelope_blocks
 from wirerope_mj.content.judged_run import JudgedRun
@@ -108,7 +108,7 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
     used = "" if worst is None else (
         f"{worst.subject}, {100.0 * (worst.utilisation or 0.0):.0f} % of {limit_of(worst.criterion)}, in {where}"
     )  # fmt: skip
-    count = several(len(verdicts), "load case")
+    count, (of, missing) = several(len(verdicts), "load case"), scope(every)
     if over:
         text, tone = (
             f"{FAIL}: {len(over)} of {count} {'exceeds' if len(over) == 1 else 'exceed'} a limit; worst {used}",
@@ -118,9 +118,15 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
         text, tone = f"{UNKNOWN}: of {count} {listed(open_cases) or 'none'} cannot be judged", "unjudged"
         text += f"; most critical {used}" if used else ""
     else:
-        text, tone = (f"{PASS}: all {several(judged, 'check')} in {count} are within limits; most critical {used}", "within")
+        text = f"{PASS}{of}: all {several(judged, 'check')} in {count} are within limits; most critical {used}"
+        tone = "unjudged" if of else "within"
     struck = [name for name, rows in verdicts.items() if any(row.contact == STRUCK for row in rows)]
     text += f"; stops or contacts are struck in {listed(struck)}" if struck else ""
+    text += f"; {missing}" if missing and judged and not open_cases else ""
+    amplified = most_amplified(every)
+    if amplified is not None:
+        case = next(name for name, rows in verdicts.items() if amplified in ((row.subject, row.amplification) for row in rows))
+        text += f"; {amplified_text(every)}, in {case}"
     left = len({(row.criterion, row.subject) for row in every if row.verdict == NOT_JUDGED and not row.contact})
     text += f"; {several(left, 'value')} {'is' if left == 1 else 'are'} not judged" if left else ""
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0], "cases": float(len(verdicts))}
@@ -128,6 +134,8 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
         values |= {
             "most_critical": worst.subject, "criterion": str(worst.criterion), "utilisation": worst.utilisation, "case": where,
         }  # fmt: skip
+    if amplified is not None:
+        values |= {"amplified": amplified[0], "amplification": amplified[1].ratio}
     return Statement(id="headline", text=f"{text}.", tone=tone, values=values)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.foundation import area_forces
 from wirerope_mj.assessment.criteria.peaks import BodyPeak
+from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.mounts import EXTREMES
@@ -111,7 +112,8 @@ def _mounts(runs: Mapping[str, JudgedRun]) -> Table | None:
     if not found:
         return None
     rows: list[Row] = []
-    for name, figures_of in found.items():
+    order = [*by_use(row for run in runs.values() for row in run.verdicts), *found]
+    for name, figures_of in sorted(found.items(), key=lambda pair: order.index(pair[0])):
         cells: list[Cell] = [name]
         for number in range(8):
             cells.append(max(figures[number] for _, figures in figures_of))

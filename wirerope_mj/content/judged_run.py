@@ -1,8 +1,8 @@
 """A run that was judged, and what else outputs say of it, computed when one of them first asks for it."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property, partial
 from pathlib import Path
@@ -13,7 +13,7 @@ import numpy as np
 from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
 from wirerope_mj.assessment.criteria.sampled import SAMPLED, steady_interval
 from wirerope_mj.assessment.criteria.travel import falling_line, untested_line
-from wirerope_mj.assessment.criteria.verdict import LARGEST
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, LARGEST, RMS, Amplification
 from wirerope_mj.content.numbers import title_of
 from wirerope_mj.content.run_spectra import RunSpectra, spectra_of
 from wirerope_mj.content.selection import Selection, select
@@ -31,6 +31,7 @@ from wirerope_mj.mounts.isolator import Validity
 
 Result = TypeVar("Result")
 
+STILL = 1e-6  # [m/s^2]: an rms that is rounding
 # kinds of motions whose description does not say all that their phrase says
 _MORE_IN_PHRASES = ("double-pulse", "psd", "amplitude-table", "spectrum", "required-spectrum")
 
@@ -70,9 +71,7 @@ class RunResult:
     @cached_property
     def base_rms(self) -> Array:
         """Root mean squares of the base's acceleration while all random vibration is stationary [m/s^2], (3,)."""
-        _, first, last = steady_interval(self.response.motion)
-        rows = slice(*np.searchsorted(self.response.time, [first, last]))
-        return self.response.base.acceleration[rows].std(axis=0)
+        return _base_rms(self.response)
 
     @property
     def validity(self) -> Mapping[str, Validity]:
@@ -157,13 +156,37 @@ def judged_run(system: System, motion: BaseMotion, response: Response, inputs: E
     random = result_or_absent(partial(_random, response))
     rows = () if isinstance(random, Absent) else random
     limited = tuple(row for row in rows if row.limit is not None or row.note.startswith(SAMPLED))
+    verdicts = (*judge(response, statics=known), *limited)
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     return JudgedRun(
         system=system, motion=motion, response=response, statics=statics,
-        verdicts=(*judge(response, statics=known), *limited), random=random,
+        verdicts=_beside_the_base(verdicts, rows, response), random=random,
         untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
         model_warnings=(*model_warnings(system), *missing_modes(system, motion)), inputs=inputs or {},
     )  # fmt: skip
+
+
+def _beside_the_base(verdicts: Sequence[Verdict], random: Sequence[Verdict], response: Response) -> tuple[Verdict, ...]:
+    """Return verdicts; where the base vibrates at random, the amplification of accelerations is that of their rms values."""
+    rms, found = _base_rms(response) if random else np.zeros(3), dict[str, Amplification]()
+    for row in random:
+        axis = row.criterion.axis
+        if row.criterion.kind == RMS and (base := float(rms["xyz".index(axis)])) > STILL:
+            one = Amplification(measure=f"rms along {axis}", value=row.value, base=base)
+            found[row.subject] = max(one, found.get(row.subject, one), key=lambda each: each.ratio)
+    if not random:
+        return tuple(verdicts)
+    accelerations = ACCELERATION, LARGEST
+    return tuple(
+        replace(row, amplification=found.get(row.subject)) if row.criterion.kind in accelerations else row for row in verdicts
+    )
+
+
+def _base_rms(response: Response) -> Array:
+    """Compute rms accelerations of the base while all random vibration is stationary [m/s^2], (3,)."""
+    _, first, last = steady_interval(response.motion)
+    rows = slice(*np.searchsorted(response.time, [first, last]))
+    return response.base.acceleration[rows].std(axis=0)
 
 
 def _random(response: Response) -> tuple[Verdict, ...]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED, NOT_JUDGED, WITHIN, MountPeak, Verdict, mount_peaks
+from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.blocks import Block
 from wirerope_mj.content.events import events_of
 from wirerope_mj.content.histories import Line, history_panel, used_panel
@@ -16,6 +17,7 @@ from wirerope_mj.content.selection import MOST, Selection, kind_of
 from wirerope_mj.content.verdicts import TONE, used_mark
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.isolator import AXES
 
 _LONG = 10_000  # samples from which loops are drawn around the largest deflection only
@@ -32,8 +34,8 @@ EXTREMES = (
 
 def mount_blocks(run: RunResult) -> Iterator[Block | None]:
     """Yield the peaks of the mounts, travel and force by sense, and what they use of their ratings."""
-    rows = mount_peaks(run.response)
-    if rows:
+    order = [*by_use(run.verdicts), *(mount.name for mount in run.response.scene.mounts)]
+    if rows := sorted(mount_peaks(run.response), key=lambda row: order.index(row.name)):
         yield _peaks(run, rows)
 
 
@@ -81,7 +83,7 @@ def _peaks(run: RunResult, peaks: Sequence[MountPeak]) -> Table:
     if rated:
         columns += [Column("travel used", "%", "z.0f"), Column("in", align="left")]
         columns += [Column("combined", "%", "z.0f")] if combined else []
-    note = "Compression negative, tension positive; shear and roll by size."
+    note = "Compression negative, tension positive; shear and roll by size. The most critical mount stands first."
     if marked:
         note += " *: outside the cycles that the isolator was identified from, so that its forces are extrapolated."
     return Table(
@@ -131,18 +133,19 @@ def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
     """Return force over deflection of a mount, a panel for each axis that carries a force; see `_loop_rows`."""
     rows = _loop_rows(response, name)
     deflection, force = (
-        np.stack([factor * response.column(f"mounts/{name}/{part}/{axis}")[rows] for axis in AXES], axis=1)
-        for part, factor in (("deflection", 1e3), ("force", 1e-3))
+        np.stack([response.column(f"mounts/{name}/{part}/{axis}")[rows] for axis in AXES], axis=1)
+        for part in ("deflection", "force")
     )
+    unit = force_unit(float(np.abs(force).max()))
     largest = np.abs(force).max(axis=0)
     axes = np.flatnonzero(largest > _ROUNDING * largest.max()).tolist() or [AXES.index("axial")]
     row = []
     for axis in axes:
-        x, y = deflection[:, axis], force[:, axis]
+        x, y = in_unit(deflection[:, axis], "mm"), in_unit(force[:, axis], unit)
         row.append(Panel(
             curves=[Curve(x=x, y=y, name=short(name), kind=kind_of(selection, name, 0))],
-            ylabel="force [kN]" if axis == axes[0] else "", xlabel="deflection [mm]", title=AXES[axis],
-            dots=[(float(x[0]), float(y[0]))], xlim=with_room(x), unit="kN", xunit="mm",
+            ylabel=f"force [{unit}]" if axis == axes[0] else "", xlabel="deflection [mm]", title=AXES[axis],
+            dots=[(float(x[0]), float(y[0]))], xlim=with_room(x), unit=unit, xunit="mm",
         ))  # fmt: skip
     isolator = next(mount.isolator for mount in response.scene.mounts if mount.name == name)
     time = response.time[rows]

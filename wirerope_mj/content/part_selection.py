@@ -7,6 +7,7 @@ from functools import partial
 from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, most_used
 from wirerope_mj.assessment.selection import PartSelection, Worksheet, mode_text
 from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY
+from wirerope_mj.content.base import amplified
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.verdicts import used_mark
@@ -26,7 +27,13 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
     if meeting:
         first = meeting[0]
         by = selection.by if selection.by != "margin" else "largest margin"
-        text = f"{len(meeting)} of {counted} keep every limit; first by {by}: {_called(first)}, {_critical(first)}."
+        text = f"{len(meeting)} of {counted} keep every limit; first by {by}: {_called(first)}, {_critical(first)}"
+        judged = any(not math.isnan(first.used(measure)[0]) for measure in ("fragility", "clearance"))
+        text += "" if judged else "; payload not judged: no limit stated"
+        for case, motion in selection.cases.items():
+            if said := amplified(first.largest("acceleration*", case), motion):
+                text += f"; {said}, under {case}"
+        text += "."
     else:
         nearest = next((one for one in tried), None)
         beyond = "" if nearest is None else f"; nearest {_called(nearest)}, {_critical(nearest)}"
@@ -75,7 +82,7 @@ def _table(
     return Table(
         id=name, title=title, columns=columns, rows=rows, shown=most,
         note="Used: of the limit that is the most critical over all load cases. Peak: largest of any body or point. Moves: "
-        "largest displacement of a point from its modelled place.",
+        "largest displacement of a point from its modelled place along x, y or z, as --travel limits it.",
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from wirerope_mj.content.contacts import contact_blocks, contact_history_blocks
 from wirerope_mj.content.credibility import credibility_blocks
 from wirerope_mj.content.decks import deck_blocks, decks_blocks
 from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel, subject_called
-from wirerope_mj.content.judged_run import JudgedRun, RunResult
+from wirerope_mj.content.judged_run import STILL, JudgedRun, RunResult
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import mount_blocks, mount_history_blocks
@@ -26,7 +26,7 @@ from wirerope_mj.content.numbers import fixed, listed, number, paragraphs, sever
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
-from wirerope_mj.content.spectrum_charts import STILL, densities_chart, rms_along, shock_chart, spectra_blocks
+from wirerope_mj.content.spectrum_charts import densities_chart, rms_along, shock_chart, spectra_blocks
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import acceleration_limits, answer_blocks, full_table, grounds_blocks, headline, used_mark
 from wirerope_mj.content.worst import worst_instant

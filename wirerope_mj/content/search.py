@@ -199,6 +199,6 @@ def _title(result: SearchResult, variant: int) -> str:
     row = row_of(result.table, variant)
     measures = [measure_of(name) for name in result.minimise if name != "mounts"]
     parts = [f"{row['mounts']:.0f} mounts"]
-    parts += [f"{one.name} {one.factor * row[one.name]:.3g} {one.unit}" for one in measures]
+    parts += [f"{one.heading} {one.factor * row[one.name]:.3g} {one.unit}" for one in measures]
     remark = result.remark(variant)
     return f"Design {variant}{f' ({remark})' if remark else ''}: {', '.join(parts)}"

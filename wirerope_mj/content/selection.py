@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body_peaks, judge, mount_peaks
 from wirerope_mj.assessment.criteria.ended import Used, used_limits
+from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.panels import OTHERS
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
@@ -38,7 +39,7 @@ class Selection:
     bodies: tuple[str, ...]
     points: tuple[str, ...]
     verdicts: tuple[Verdict, ...]  # on the run
-    used: tuple[Used, ...]  # what has limits that it uses more or less of over time, largest utilisation first
+    used: tuple[Used, ...]  # what has limits that it uses more or less of over time, in the order of `by_use`
     numbers: dict[str, int]  # in the table of colours, of mounts, bodies and points by name
     run_color: tuple[int, int, int] | None = None  # of all mounts, among several runs
 
@@ -49,8 +50,8 @@ class Selection:
 
     @property
     def governing(self) -> str | None:
-        """Mount that uses most of its limits, or else of its rated travel in the governing axis; None without mounts."""
-        used = [one.subject for one in self.used if one.subject in self.mounts]
+        """The most critical mount, or else that with the most travel in the governing axis; None without mounts."""
+        used = [name for name in by_use(self.verdicts) if name in self.mounts]
         return used[0] if used else self.ranked[self.axes[0]][0] if self.axes else None
 
     def shown(self, axis: str) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from wirerope_mj.assessment.criteria import Criterion
 from wirerope_mj.assessment.criteria.random import SIGMAS
 from wirerope_mj.assessment.criteria.verdict import RMS
 from wirerope_mj.content.blocks import Block
-from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.judged_run import STILL, JudgedRun
 from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.panels import BASE, LEFT, OTHERS, RIGHT, WIDTH, Chart, Curve, Note, Panel, short
 from wirerope_mj.content.run_spectra import BASE as THE_BASE
@@ -27,7 +27,6 @@ _DECADES, POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is 
 _ABOVE = 1.15  # of the largest, where the axis ends
 _NEAR_DECADE = 0.05  # of a frequency, within which an axis goes on to a power of ten
 _ALIKE = 1e-6  # fraction by which two spectra differ that are one line
-STILL = 1e-6  # [m/s^2]: an rms that is rounding
 
 
 def spectra_blocks(run: JudgedRun) -> Iterator[Block]:

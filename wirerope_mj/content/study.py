@@ -4,6 +4,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
+from wirerope_mj.content.base import amplified
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.credibility import study_credibility_blocks
 from wirerope_mj.content.numbers import paragraphs, several, with_unit
@@ -21,10 +24,23 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, SobolIndices
-from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, input_names, measure_of
+from wirerope_mj.studies.results.measure import (
+    ALL,
+    COMBINED,
+    CONFIDENCE,
+    input_names,
+    known_measures,
+    measure_of,
+    most_critical,
+    values_of,
+    worst,
+)
+from wirerope_mj.studies.results.stated_limits import limits_of
 from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary, any_exceeded
 from wirerope_mj.studies.results.varied import varied_of
 
+# Measures that judge the payload: its accelerations and displacements
+_OF_PAYLOAD, _LOAD = ("fragility", "clearance", "acceleration", "displacement"), "static_load"
 _FAILED = 20  # messages that are read
 _METHODS = {
     "sobol": "scrambled Sobol sequence", "latin-hypercube": "Latin hypercube", "random": "random samples",
@@ -83,7 +99,22 @@ def _verdict(summary: StudySummary) -> Statement:
     rest = not_counted(most)
     if not most.judged:
         return Statement(id="headline", text=f"Not judged{rest}", tone="unjudged")
-    values = {"beyond": float(most.count), "of": float(most.n), "ratio": ratio}
+    values: dict[str, float | None] = {"beyond": float(most.count), "of": float(most.n), "ratio": ratio}
+    limits, table = limits_of(summary.stated), summary.result.independent
+    name, used = most_critical(table, limits) or ("", math.nan)
+    if name:
+        values["used"] = used
+        rest += f"; worst {100.0 * used:.3g} % of {measure_of(name, limits).heading}, in variant {worst(table, name, 1)[0]}"
+    measures = {one.measure.name for one in summary.statistics} | set(limits)
+    judged = {name for name in measures if name.partition("/")[0] in _OF_PAYLOAD and measure_of(name, limits).limit is not None}
+    of_mounts = "" if judged or not measures & {"travel", COMBINED, _LOAD} else " of the mounts"
+    rest += "; payload not judged: no limit stated" if of_mounts else ""
+    if len(summary.result.study.motions) == 1 and "motion/level" not in input_names(table):
+        largest = max(
+            float(np.nanmax(values_of(table, one), initial=0.0)) for one in known_measures(table, ("acceleration", ALL))
+        )
+        said = amplified(largest, summary.result.study.motions[0])
+        rest += f"; {said}" if said else ""
     if most.count:
         of = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
         text = f"A limit is exceeded in {most.count} of {most.n} variants{of}{rest}"
@@ -92,7 +123,8 @@ def _verdict(summary: StudySummary) -> Statement:
         kept = f"{most.judged} {'is' if most.judged == 1 else 'are'} within the limits{not_counted(replace(most, failed=0))}"
         text = f"{most.failed} of {most.n + most.failed} variants could not be simulated, {kept}"
         return Statement(id="headline", text=text, tone="unjudged", values=values)
-    text, tone = f"Within the limits in all {most.judged} variants{rest}", "unjudged" if rest else "within"
+    tone = "unjudged" if not_counted(most) or of_mounts else "within"
+    text = f"Within the limits{of_mounts} in all {most.judged} variants{rest}"
     return Statement(id="headline", text=text, tone=tone, values=values)
 
 
@@ -156,7 +188,7 @@ def measures_table(summary: StudySummary) -> Table:
     """Tabulate the statistics of each measure: percentiles of sampled variants, smallest and median of listed ones."""
     sampled = summary.result.is_sampled
     heads = [f"{100.0 * q:.0f} %" for q in QUANTILES] if sampled else ["smallest", "median"]
-    meanings = "; ".join(f"{one.name.replace('_', ' ')}: {one.text}" for one in summary.measures)
+    meanings = "; ".join(f"{one.heading}: {one.text}" for one in summary.measures)
     percentiles = " A percentile is given if at least five variants lie beyond it." if sampled else ""
     return Table(
         id="measures", title="Measures and their percentiles" if sampled else "Measures",
@@ -233,10 +265,10 @@ def worst_table(summary: StudySummary) -> Table:
     measures = [one for one in summary.measures if one.name != "acceleration" or ALL not in names]
     names = list(summary.ranked_inputs[: max(_COLUMNS - len(measures), 2)])
     return Table(
-        id="worst-variants", title=f"Worst variants by {summary.by}, with the inputs that matter most",
+        id="worst-variants", title=f"Worst variants by {measure_of(summary.by).heading}, with the inputs that matter most",
         columns=[
             Column("variant", align="left"),
-            *(replace(measure.column, heading=two_lines(measure.name)) for measure in measures),
+            *(replace(measure.column, heading=two_lines(measure.heading)) for measure in measures),
             *(Column(two_lines(summary.labels[name]), form=4) for name in names),
         ],
         rows=[
@@ -251,12 +283,10 @@ def worst_table(summary: StudySummary) -> Table:
 
 
 def two_lines(name: str) -> str:
-    """Return a heading on lines if it is long: "mount/m16/", "axial/k1", "[factor]"; "combined_", "travel"."""
+    """Break a heading that is long: "mount m16", "axial k1", "[factor]"; "combined", "travel"."""
     name, bracket, unit = name.partition(" [")
-    parts = name.split("/")
-    if len(name) > _LONG and len(parts) > 1:
-        half = len(parts) // 2
-        name = "/".join(parts[:half]) + "/\n" + "/".join(parts[half:])
-    elif len(name) > _LONG:
-        name = name.replace("_", "_\n", 1)
+    words = name.split(" ")
+    if len(name) > _LONG and len(words) > 1:
+        half = len(words) // 2
+        name = " ".join(words[:half]) + "\n" + " ".join(words[half:])
     return f"{name}\n[{unit}" if bracket else name

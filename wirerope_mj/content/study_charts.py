@@ -18,11 +18,10 @@ from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect, SobolIndices
 from wirerope_mj.studies.results.measure import (
-    DRAWN,
     Measure,
+    drawn_measures,
     exceedance_of,
     finite,
-    headlines,
     input_names,
     measure_of,
     quantiles,
@@ -45,7 +44,7 @@ def study_charts(summary: StudySummary) -> Iterator[Chart]:
     result, by = summary.result, summary.by
     table = result.independent
     inputs = [name for name in input_names(table) if len(set(table[name].to_pylist())) > 1]
-    names = list(dict.fromkeys([by, *(name for name in headlines(table) if name in DRAWN)]))[:2]
+    names = list(dict.fromkeys([by, *drawn_measures(table)]))[:2]
     several = [name for name in names if finite(values_of(table, name)).size > 1]
     if result.is_sampled and several:
         yield distribution_chart(summary, table, several)
@@ -190,7 +189,9 @@ def curve_chart(summary: StudySummary, table: pa.Table, name: str, names: Sequen
         marks = Curve(x=line.x, y=line.y, name="variants", kind=0, marks=True)
         top = max(float(line.y.max(initial=0.0)), 0.0 if shown.limit is None else shown.factor * shown.limit)
         panels.append(_over_input([marks, line], shown, summary.labels.get(name, name), ylim=(0.0, 1.05 * top or 1.0)))
-    caption = f"{capital(' and '.join(measure_of(one).text for one in names))} over {name}; dashed: the limit."
+    caption = (
+        f"{capital(' and '.join(measure_of(one).text for one in names))} over {name.replace('/', ' ')}; dashed: the limit."
+    )
     return Chart(id="curve", rows=[panels], height=190.0, caption=caption, alt=caption)
 
 
@@ -216,7 +217,9 @@ def choices_chart(table: pa.Table, name: str, names: Sequence[str]) -> Chart:
             )
         )  # fmt: skip
     text = " and ".join(measure_of(one).text for one in names)
-    return _bar_chart("choices", panels, f"{capital(text)} for each choice of {name}, sorted; dashed: the limit.")
+    return _bar_chart(
+        "choices", panels, f"{capital(text)} for each choice of {name.replace('/', ' ')}, sorted; dashed: the limit."
+    )
 
 
 def indices_chart(indices: Sequence[SobolIndices]) -> Chart:
@@ -237,7 +240,7 @@ def indices_chart(indices: Sequence[SobolIndices]) -> Chart:
         ends = np.concatenate([curve.ends for curve in curves if curve.ends is not None])
         xlim = (min(0.0, 1.1 * float(ends.min())), max(10.0, 1.05 * float(ends.max())))
         names = order if not panels else [""] * len(order)
-        text = f"variance of {one.measure} [%]"
+        text = f"variance of {measure_of(one.measure).heading} [%]"
         panels.append(_bar_panel(names, curves, xlabel=text, xlim=xlim))
     few = f" {indices[0].rows} base rows are too few." if any(one.too_few for one in indices) else ""
     caption = (

@@ -18,9 +18,9 @@ from wirerope_mj.studies.results.effects import SobolIndices, directions_text, f
 from wirerope_mj.studies.results.measure import (
     COMBINED,
     CONFIDENCE,
-    DRAWN,
     Exceedance,
     Measure,
+    drawn_measures,
     exceedance_of,
     headlines,
     input_names,
@@ -53,7 +53,7 @@ def statements(result: StudyResult) -> list[str]:
         texts += travel_statements(result.study.base)
     texts += specimen_messages(result.study.quantities)
     if result.study.sampling == OF_INDICES:
-        every = (sobol_indices(result, name) for name in headlines(result.table) if name in DRAWN)
+        every = (sobol_indices(result, name) for name in drawn_measures(result.table))
         texts += [of_indices(one) for one in every if one.factors]
     return texts
 
@@ -132,9 +132,9 @@ def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
     beyond, top = exceedance_of(independent, measure.name, limit), worst(independent, measure.name, 1)[0]
     values = values_of(independent, measure.name)
     largest = f"the largest is {measure.factor * np.nanmax(values):.3g} % in variant {top}"
-    start = f"{capital(measure.name)} ({measure.text}): beyond 100 % in {beyond.count} of {beyond.n}"
+    start = f"{capital(measure.heading)} ({measure.text}): beyond 100 % in {beyond.count} of {beyond.n}"
     if not beyond.judged:
-        return f"{capital(measure.name)} ({measure.text}): not judged, since every run ends before its peaks are over."
+        return f"{capital(measure.heading)} ({measure.text}): not judged, since every run ends before its peaks are over."
     if not result.is_sampled:
         fraction = fraction_of_directions(table, inputs, values, limit)
         which = exceeding_inputs(table, inputs, values, limit)
@@ -170,7 +170,7 @@ def early_statements(table: pa.Table) -> list[str]:
 def of_indices(indices: SobolIndices) -> str:
     """Return what the factors explain of a measure."""
     measure = measure_of(indices.measure)
-    begin = capital(measure.text if measure.limit is None else measure.name)
+    begin = capital(measure.text if measure.limit is None else measure.heading)
     dropped = f" {indices.dropped} of {indices.rows + indices.dropped} base rows were dropped: variants of them failed."
     end = dropped if indices.dropped else ""
     if indices.too_few:

@@ -8,7 +8,7 @@ from wirerope_mj.assessment.criteria import CLEAR, COMBINED, EXCEEDED, NOT_JUDGE
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
 from wirerope_mj.assessment.criteria.judge import PASS
 from wirerope_mj.assessment.criteria.summary import against_limit, rule_lines, verdict_lines
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_used
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_amplified, most_used
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed, shown, shown_unit
@@ -32,10 +32,12 @@ def headline(verdicts: Sequence[Verdict]) -> Statement:
     # A stop that was struck is a warning: what fails alone has the colour of failure.
     said = ((EXCEEDED, "exceeded"), (STRUCK, "near"), (WITHIN, "within"))
     tone = next((tone for verdict, tone in said if verdict in present), "unjudged")
-    tone = "unjudged" if tone == "within" and not text.startswith(PASS) else tone
+    tone = "unjudged" if tone == "within" and not text.startswith(f"{PASS}:") else tone  # of a part alone it is no green
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0]}
     if worst is not None:
         values |= {"most_critical": worst.subject, "criterion": str(worst.criterion), "utilisation": worst.utilisation}
+    if (amplified := most_amplified(verdicts)) is not None:
+        values |= {"amplified": amplified[0], "amplification": amplified[1].ratio}
     return Statement(id="headline", text=text, tone=tone, values=values)
 
 

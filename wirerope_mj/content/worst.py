@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
+from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import with_unit
@@ -23,8 +24,13 @@ _STILL = 1e-6  # [m]: what moves less is not worth a picture
 
 
 def worst_instant(run: JudgedRun) -> SceneView | None:
-    """Return the scene at the instant of the most critical verdict, displacements enlarged; None without one."""
+    """Return the scene at the worst instant of what is most critical, displacements enlarged; None where nothing moves.
+
+    What is most critical at rest, by its static load, is shown when it uses most of its other limits.
+    """
+    critical = most_used(run.verdicts)
     rows = [(row, row.time) for row in ordered(run.verdicts) if row.time is not None and math.isfinite(row.value)]
+    rows = [pair for pair in rows if critical is not None and pair[0].subject == critical.subject] or rows
     if not rows:
         return None
     worst, instant = rows[0]

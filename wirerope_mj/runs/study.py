@@ -62,7 +62,7 @@ def write_study_report(
 ) -> list[Path]:
     """Write the report of a study, from its folder alone, and return the files, the page first; arguments as `page_files`.
 
-    `by` is the measure that is looked at most; travel if anything is rated. RecordError if the folder is not a study that
+    `by` is the measure that is looked at most; by default the most critical one. RecordError if the folder is not a study that
     is complete, or a file is there and must not be replaced; ValueError for another measure; WireRopeError if a PDF cannot
     be made.
     """

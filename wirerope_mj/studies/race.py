@@ -5,6 +5,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 
 import numpy as np
 
@@ -69,15 +70,17 @@ class TriedPart:
     @property
     def acceleration(self) -> float:
         """Largest acceleration of the payload's bodies and points over the load cases [m/s^2]."""
-        return self._largest("acceleration")
+        return self.largest("acceleration*")
 
     @property
     def displacement(self) -> float:
-        """Largest displacement of a point relative to the base over the load cases [m]; NaN without points."""
-        return self._largest("displacement/")
+        """Largest displacement of a point along x, y or z relative to the base over the load cases [m]; NaN without points."""
+        return self.largest("displacement/*/*")
 
-    def _largest(self, start: str) -> float:
-        found = [value for own in self.measures.values() for name, value in own.items() if name.startswith(start)]
+    def largest(self, pattern: str, case: str | None = None) -> float:
+        """Find the largest of the measures of a pattern, under all load cases or one; NaN if there is none."""
+        cases = self.measures if case is None else {case: self.measures.get(case, {})}
+        found = [value for own in cases.values() for name, value in own.items() if fnmatchcase(name, pattern)]
         return max((one for one in found if not math.isnan(one)), default=math.nan)
 
 

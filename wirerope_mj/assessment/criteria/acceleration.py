@@ -2,12 +2,21 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy
 
-from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, Criterion, Verdict, limits_by_name, one_each, payload_bodies
+from wirerope_mj.assessment.criteria.sampled import STEADY, elements, read_columns, sampled_peak
+from wirerope_mj.assessment.criteria.verdict import (
+    ACCELERATION,
+    Amplification,
+    Criterion,
+    Verdict,
+    limits_by_name,
+    one_each,
+    payload_bodies,
+)
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -35,12 +44,17 @@ def acceleration_verdicts(
         ValueError: a limit names neither a body nor a point, or the cutoff is not below half the sampling rate.
     """
     bodies, points = payload_bodies(response), list(response.points)
+    steady = any(part.get("kind") in STEADY for part in elements(response.motion))
+    driven = response.peaks.bodies.get(response.scene.base)
+    base = 0.0 if steady or cutoff is not None or driven is None else driven.acceleration.value
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *points])
     verdicts: list[Verdict] = []
     for kind, names, peaks in (("bodies", bodies, response.peaks.bodies), ("points", points, response.peaks.points)):
         for name in names:
             if cutoff is None:
-                verdicts += _judge(name, peaks[name].acceleration, stated.get(name), "")
+                peak = peaks[name].acceleration
+                amplified = Amplification(measure="peak", value=peak.value, base=base) if base > 0.0 else None
+                verdicts += [replace(row, amplification=amplified) for row in _judge(name, peak, stated.get(name), "")]
             else:
                 history = read_columns(response, f"{kind}/{name}/acceleration/x", 3)
                 peak = _filtered(response.time, history, cutoff)

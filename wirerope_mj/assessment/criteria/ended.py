@@ -26,6 +26,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     WITHIN,
     Criterion,
     Verdict,
+    by_use,
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
@@ -55,7 +56,7 @@ class Used:
 
 
 def used_limits(response: Response, verdicts: Sequence[Verdict]) -> list[Used]:
-    """Return what has limits that it uses more or less of over time, the largest utilisation first."""
+    """Return what has limits that it uses more or less of over time, in the order of `by_use`."""
     by_subject: dict[str, list[tuple[Verdict, Array]]] = {}
     for verdict in verdicts:
         course = utilisation_over_time(response, verdict)
@@ -66,7 +67,8 @@ def used_limits(response: Response, verdicts: Sequence[Verdict]) -> list[Used]:
         pairs.sort(key=lambda pair: pair[0].utilisation or 0.0, reverse=True)
         rows, courses = zip(*pairs, strict=True)
         used.append(Used(subject=subject, verdicts=rows, course=np.max(courses, axis=0)))
-    return sorted(used, key=lambda one: one.largest, reverse=True)
+    order = list(by_use(verdicts))
+    return sorted(used, key=lambda one: order.index(one.subject))
 
 
 def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
+from wirerope_mj.assessment.criteria.acceleration import UNLIMITED, acceleration_verdicts
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, require_over
 from wirerope_mj.assessment.criteria.loads import (
     contact_verdicts,
@@ -10,12 +10,15 @@ from wirerope_mj.assessment.criteria.loads import (
     starting_load_verdicts,
     static_load_verdicts,
 )
+from wirerope_mj.assessment.criteria.rattle import UNLIMITED as RATTLE_UNLIMITED
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (
+    BOTTOMING,
     COMBINED,
     EXCEEDED,
+    RATTLE_SPACE,
     STATIC_LOAD,
     STOP,
     STRUCK,
@@ -23,11 +26,13 @@ from wirerope_mj.assessment.criteria.verdict import (
     WITHIN,
     Criterion,
     Verdict,
+    most_amplified,
     most_used,
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 FAIL, PASS, UNKNOWN = "FAIL", "PASS", "NOT JUDGED"  # Answers with which a headline begins
 _SHOWN = 5
@@ -44,7 +49,7 @@ def headline(verdicts: Sequence[Verdict]) -> str:
         answer = f"{UNKNOWN}: {early}"
     elif judged:
         checks = "the only check is" if judged == 1 else f"all {judged} checks are"
-        answer = f"{PASS}: {checks} within limits; most critical {_used(verdicts)}"
+        answer = f"{PASS}{scope(verdicts)[0]}: {checks} within limits; most critical {_used(verdicts)}"
     else:
         answer = f"{UNKNOWN}: no limit is stated for anything in this run"
     return "; ".join([answer, *_clauses(verdicts, early, over, within)]) + "."
@@ -52,6 +57,10 @@ def headline(verdicts: Sequence[Verdict]) -> str:
 
 def _clauses(verdicts: Sequence[Verdict], early: str, over: int, within: int) -> Iterator[str]:
     """Yield what else must be known to read the answer."""
+    if within + over and not early and (missing := scope(verdicts)[1]):
+        yield missing
+    if amplified := amplified_text(verdicts):
+        yield amplified
     contacts = sum(bool(row.contact) for row in verdicts)
     for thing, of_mounts in (("contact pair", False), ("stop", True)):
         outcomes = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
@@ -71,6 +80,35 @@ def _clauses(verdicts: Sequence[Verdict], early: str, over: int, within: int) ->
         yield early
 
 
+def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
+    """Say what the checks are of, where that is not the whole, " of the mounts", and what is not judged; "" of the whole."""
+    rows = [row for row in verdicts if not row.contact]
+    parts = {
+        "mounts": [row for row in rows if row.criterion.kind in _OF_MOUNTS],
+        "rattle space": [row for row in rows if row.criterion.kind == RATTLE_SPACE],
+        "payload": [row for row in rows if row.criterion.kind not in (*_OF_MOUNTS, RATTLE_SPACE)],
+    }
+    judged = {part: any(row.utilisation is not None for row in own) for part, own in parts.items()}
+    missing = [part for part in ("mounts", "payload") if parts[part] and not judged[part]]
+    if not missing:
+        return "", ""
+    (part,) = missing if len(missing) == 1 else ("payload",)
+    stated = all(row.note.endswith((UNLIMITED, RATTLE_UNLIMITED)) for row in parts[part]) if part == "payload" else True
+    of = " and ".join(one for one in ("mounts", "payload", "rattle space") if judged[one])
+    what = "acceleration of the payload" if part == "payload" and judged["rattle space"] else part
+    why = "" if not stated else ": no limit stated" if part == "payload" else ": nothing is rated"
+    return f" of the {of}", f"{what} not judged{why}"
+
+
+def amplified_text(verdicts: Sequence[Verdict]) -> str:
+    """Say whose acceleration is largest beside the base's; "" where none is more than that."""
+    if (worst := most_amplified(verdicts)) is None:
+        return ""
+    subject, found = worst
+    value, base = (f"{number / STANDARD_GRAVITY:.3g}" for number in (found.value, found.base))
+    return f"amplification {found.ratio:.3g} at {subject} ({found.measure} {value} g, base {base} g)"
+
+
 def _used(verdicts: Sequence[Verdict]) -> str:
     """Name the most critical check, "h4, 124 % of combined travel"."""
     worst = most_used(verdicts)
@@ -86,6 +124,7 @@ def limit_of(criterion: Criterion) -> str:
 
 
 _RATED = (TRAVEL, STATIC_LOAD)
+_OF_MOUNTS = (*_RATED, COMBINED.kind, BOTTOMING.kind)
 
 
 class Verdicts(tuple[Verdict, ...]):

@@ -20,7 +20,7 @@ from wirerope_mj.assessment.criteria.verdict import (
 from wirerope_mj.engine.response import ContactPeak, Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text, instant_text
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text, force_text, instant_text
 from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
 # Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g.
@@ -108,4 +108,4 @@ def contact_text(contact: ContactPeak) -> str:
 def closing_text(name: str, contact: ContactPeak) -> str:
     """Return when a stop of a mount closed first and its largest force, "stop s3 closed at 61.2 ms, up to 4.1 kN"."""
     when = instant_text(contact.first_touch or 0.0)
-    return f"{contact.called(name)} closed at {when}, up to {1e-3 * contact.force:.3g} kN"
+    return f"{contact.called(name)} closed at {when}, up to {force_text(contact.force)}"

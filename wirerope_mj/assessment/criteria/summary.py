@@ -24,7 +24,7 @@ from wirerope_mj.assessment.criteria.verdict import (
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.units import in_unit, instant_text, shown_in
+from wirerope_mj.foundation.units import force_text, in_unit, instant_text, shown_in
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
@@ -34,6 +34,7 @@ OWN_RULE = (
     "--no-combined-travel`, or 0 for limit/combined_travel in the model, leaves it out."
 )
 _NAMED = 4  # contact pairs that a sentence names
+_LIMITS = 8  # limits of the payload that have lines of their own
 
 
 def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
@@ -67,7 +68,7 @@ def contact_lines(response: Response, early: str = "") -> list[str]:
         first, hardest = contacts[struck[0]], max(struck, key=lambda name: contacts[name].force)
         lines.append(
             f"Struck: {_listed(struck)}; first {struck[0]} at {first.first_touch:.4f} s, hardest {hardest} with "
-            f"{1e-3 * contacts[hardest].force:.3g} kN. Accelerations are uncertain from the first touch on."
+            f"{force_text(contacts[hardest].force)}. Accelerations are uncertain from the first touch on."
         )
     elif contacts and not any(contact.touches for contact in contacts.values()):
         lines.append(_untouched(len(contacts), "contact pair", early))
@@ -103,14 +104,15 @@ def _listed(names: list[str], between: str = ", ") -> str:
 
 
 def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
-    """Return what exceeds the payload's limits, or comes nearest to them, and what has no limit."""
+    """Give every limit of the payload a line, the most critical first, and say what has no limit."""
     kinds = (ACCELERATION, RATTLE_SPACE)
     rows = [row for row in verdicts if row.criterion.kind in kinds]
     judged = sorted((row for row in rows if row.verdict != NOT_JUDGED), key=lambda row: -(row.utilisation or 0.0))
-    over = [row for row in judged if row.verdict == EXCEEDED]
-    lines = [f"Exceeded: {against_limit(row)}." for row in over]
-    if judged and not over:
-        lines.append(f"Payload within its limits; most critical {against_limit(judged[0])}.")
+    lines = [f"{row.verdict.capitalize()}: {against_limit(row)}{_at(row)}." for row in judged[:_LIMITS]]
+    if more := judged[_LIMITS:]:
+        over = sum(row.verdict == EXCEEDED for row in more)
+        which = f"{over} of {len(more)}" if over else f"none of {len(more)}"
+        lines.append(f"Of the payload's other limits {which} is exceeded.")
     unjudged = [kind for kind in kinds if not any(row.criterion.kind == kind for row in judged)]
     if unjudged and rows and not early:
         lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")

@@ -16,6 +16,7 @@ TRAVEL: Final = "travel"
 RMS: Final = "rms acceleration"
 SIGMA: Final = "3-sigma acceleration"
 LARGEST: Final = "largest acceleration"
+AMPLIFIED = 1.005  # Ratio to the base from which an amplification is said: less is 1.00
 STATIC_LOAD: Final = "static load in compression"
 
 
@@ -55,6 +56,20 @@ STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
 
 
 @dataclass(frozen=True, kw_only=True)
+class Amplification:
+    """An acceleration of the payload beside that of the base by the same measure."""
+
+    measure: str  #: "peak", or "rms along z"
+    value: float  #: of the payload [m/s^2]
+    base: float  #: of the base [m/s^2], > 0
+
+    @property
+    def ratio(self) -> float:
+        """Value over the base's: above 1 the mounts amplify."""
+        return self.value / self.base
+
+
+@dataclass(frozen=True, kw_only=True)
 class Verdict:
     """A value against its limit by one criterion; without a limit, or without a value, nothing is judged."""
 
@@ -66,6 +81,8 @@ class Verdict:
     time: float | None = None  #: instant at which the value was reached [s]; None if it has none
     note: str = ""  #: why nothing is judged, or what the value rests on
     contact: str = ""  #: STRUCK, TOUCHING, CLEAR or NOT_JUDGED for a contact pair; "" for everything else
+    #: of an acceleration under a shock or random vibration, beside the base's; None for everything else
+    amplification: Amplification | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.criterion, Criterion):  # a criterion of a caller's own, as text
@@ -117,8 +134,26 @@ def one_each(verdicts: Iterable[Verdict]) -> list[Verdict]:
 
 def most_used(verdicts: Iterable[Verdict]) -> Verdict | None:
     """Return the verdict with the largest utilisation; None if nothing is judged."""
+    return next(iter(by_use(verdicts).values()), None)
+
+
+def by_use(verdicts: Iterable[Verdict]) -> dict[str, Verdict]:
+    """Find the most used verdict of every subject of which anything is judged, the largest utilisation first.
+
+    That is the one order in which the most critical mounts, bodies and points are named and drawn.
+    """
     judged = [row for row in verdicts if row.utilisation is not None]
-    return max(judged, key=lambda row: row.utilisation or 0.0, default=None)
+    first: dict[str, Verdict] = {}
+    for row in sorted(judged, key=lambda row: row.utilisation or 0.0, reverse=True):
+        first.setdefault(row.subject, row)
+    return first
+
+
+def most_amplified(verdicts: Iterable[Verdict]) -> tuple[str, Amplification] | None:
+    """Find the subject whose acceleration is largest beside the base's, if it is more than that; None otherwise."""
+    found = [(row.subject, row.amplification) for row in verdicts if row.amplification is not None]
+    worst = max(found, key=lambda pair: pair[1].ratio, default=None)
+    return worst if worst is not None and worst[1].ratio > AMPLIFIED else None
 
 
 def smallest_margin(verdicts: Iterable[Verdict]) -> float:

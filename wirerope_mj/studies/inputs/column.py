@@ -131,9 +131,9 @@ class InputColumn:
 
     @property
     def label(self) -> str:
-        """Name with the unit of the numbers, as an axis or a heading says it."""
-        unit = "factor" if self.nature_of_numbers == "factor" else self.unit
-        return self.name if unit in ("", "SI") else f"{self.name} [{unit}]"
+        """Words for the name with the unit of the numbers, as an axis or a heading says it: "motion level [factor]"."""
+        unit, words = "factor" if self.nature_of_numbers == "factor" else self.unit, self.name.replace("/", " ")
+        return words if unit in ("", "SI") else f"{words} [{unit}]"
 
     def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
         """Return what the model says of the quantity, one value for each target; empty where it says nothing.

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from operator import itemgetter
 from types import MappingProxyType
 
 import numpy as np
@@ -21,8 +22,9 @@ COMBINED = "combined_travel"
 ALL = "acceleration/*"
 # Measures that are looked at first, in this order.
 HEADLINES = ("travel", COMBINED, "acceleration", ALL, "fragility", "clearance")
-# Those of them that are drawn, and whose variance is explained.
-DRAWN = ("travel", "acceleration", "fragility", "clearance")
+# Those of them that are drawn, and whose variance is explained: of both travels the one that is nearer to its limit or farther
+# beyond, since it decides.
+DRAWN = ("travel", COMBINED, "acceleration", "fragility", "clearance")
 STRUCK = "struck"  # Column of the number of stops that were struck
 _OTHER = ("variant", "status", "message", "generation")
 _QUANTITIES = {
@@ -57,9 +59,15 @@ class Measure:
         return f"{self.text} [{self.unit}]"
 
     @property
+    def heading(self) -> str:
+        """Words for its name: "combined travel", "deflection, m1, axial"."""
+        quantity, *rest = self.name.split("/")
+        return ", ".join([quantity.replace("_", " "), *("all" if one == "*" else one for one in rest)])
+
+    @property
     def column(self) -> Column:
         """Column of its values in a table."""
-        return Column(self.name, form=".4g") if self.unit == "-" else Column(self.name, self.unit)
+        return Column(self.heading, form=".4g") if self.unit == "-" else Column(self.heading, self.unit)
 
 
 def measure_of(name: str, limits: Mapping[str, float] = MappingProxyType({})) -> Measure:
@@ -103,6 +111,26 @@ def checked_measure(table: pa.Table, name: str) -> str:
 def headlines(table: pa.Table) -> list[str]:
     """Return the measures of `HEADLINES` that have values."""
     return known_measures(table, HEADLINES)
+
+
+def drawn_measures(table: pa.Table) -> list[str]:
+    """Return the measures of `DRAWN` that have values."""
+    names = [name for name in headlines(table) if name in DRAWN]
+    if "travel" not in names or COMBINED not in names:
+        return names
+    combined, single = (np.nanmax(values_of(table, name)) for name in (COMBINED, "travel"))
+    names.remove("travel" if combined > single else COMBINED)
+    return names
+
+
+def most_critical(table: pa.Table, limits: Mapping[str, float] = MappingProxyType({})) -> tuple[str, float] | None:
+    """Find the measure that is nearest to its limit in any variant, or farthest beyond, and its utilisation; None without any.
+
+    Limits are those of the quantities, and `limits` by name, SI.
+    """
+    measures = [measure_of(name, limits) for name in [*headlines(table), *known_measures(table, [*limits])]]
+    used = [(one.name, float(np.nanmax(values_of(table, one.name)) / one.limit)) for one in measures if one.limit]
+    return max(used, key=itemgetter(1), default=None)
 
 
 def known_measures(table: pa.Table, names: Sequence[str]) -> list[str]:

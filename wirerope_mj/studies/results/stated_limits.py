@@ -71,6 +71,12 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         raise ValueError(f"limit {short(text)!r}: {error}") from None
 
 
+def limits_of(stated: Sequence[StatedLimit]) -> dict[str, float]:
+    """Return the smallest limit that was stated on each measure, SI by its name."""
+    every = sorted(((one.limit, name) for one in stated for name in one.measures), reverse=True)
+    return {name: limit for limit, name in every}
+
+
 def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
     """Write how often limits are exceeded into the summary of a study, in place of those that were stated before.
 

@@ -20,22 +20,23 @@ from wirerope_mj.studies.results.effects import (
     sobol_indices,
 )
 from wirerope_mj.studies.results.measure import (
-    DRAWN,
     HEADLINES,
     Exceedance,
     Measure,
     checked_measure,
+    drawn_measures,
     exceedance,
     exceedance_of,
     headlines,
     input_names,
     measure_of,
+    most_critical,
     quantiles,
     row_of,
     values_of,
     worst,
 )
-from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
+from wirerope_mj.studies.results.stated_limits import StatedLimit, limits_of, read_stated
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
@@ -73,13 +74,13 @@ class StudySummary:
         """Sobol's indices of the measures that are displayed; of a study that was not sampled for them, none."""
         if self.result.study.sampling != OF_INDICES:
             return ()
-        names = [measure.name for measure in self.measures if measure.name in (self.by, *DRAWN, *self.limits)]
+        names = dict.fromkeys([self.by, *drawn_measures(self.result.table), *self.limits])
         every = (sobol_indices(self.result, name) for name in names)
         return tuple(indices for indices in every if indices.factors)
 
     @cached_property
     def labels(self) -> dict[str, str]:
-        """Names of the inputs with the units of their numbers, by name: "body/floor/mass [kg]", "motion/level [factor]"."""
+        """Names of the inputs with the units of their numbers, by name: "body floor mass [kg]", "motion level [factor]"."""
         return {column.name: column.label for one in self.result.study.quantities for column in one.columns}
 
     @cached_property
@@ -90,8 +91,9 @@ class StudySummary:
 
     @cached_property
     def limits(self) -> dict[str, float]:
-        """Limits that were stated on one measure alone, SI, by its name."""
-        return {one.measures[0]: one.limit for one in reversed(self.stated) if len(one.measures) == 1}
+        """Limits that were stated on one measure alone, and on the one that is looked at most, SI, by its name."""
+        alone = {one.measures[0]: one.limit for one in reversed(self.stated) if len(one.measures) == 1}
+        return {name: limit for name, limit in limits_of(self.stated).items() if name == self.by} | alone
 
     @cached_property
     def beyond(self) -> dict[str, Booleans]:
@@ -197,16 +199,17 @@ def _of_one_mount(name: str) -> bool:
 
 
 def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
-    """Return the summary of a study, by a measure; by travel if none is said and anything is rated, else by acceleration.
+    """Summarise a study by a measure; by default by the one that is most critical, without any limit by acceleration.
 
     ValueError if there is no such measure, or it has no value in any variant; RecordError if the limits that were stated
     cannot be read.
     """
-    table = result.table
-    by = checked_measure(table, by or (headlines(table) or HEADLINES)[0])
+    table, stated = result.table, read_stated(result)
+    critical = most_critical(result.independent, limits_of(stated))
+    by = checked_measure(table, by or (critical or (headlines(table) or HEADLINES))[0])
     # Listed inputs go hand in hand: what one of them explains alone means nothing.
     listed = result.study.sampling == "list"
     return StudySummary(
         result=result, by=by, effects=() if listed else effects(result.independent, input_names(table), by),
-        stated=read_stated(result),
+        stated=stated,
     )  # fmt: skip

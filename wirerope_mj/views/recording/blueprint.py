@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import rerun.blueprint as rrb
 
+from wirerope_mj.assessment.criteria.judge import limit_of
+from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
@@ -97,8 +99,8 @@ def _near(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = True
     """Return a mount from near, without what belongs to others; its name says what is used of the limit if `figures`."""
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
-    worst = next((used for used in run.selection.used if used.subject == mount and figures), None)
-    used = f", {in_unit(worst.largest, '%'):.0f} % of its limit of {worst.governing.criterion}" if worst else ""
+    worst = by_use(run.selection.verdicts).get(mount) if figures else None
+    used = f", {in_unit(worst.utilisation or 0.0, '%'):.0f} % of {limit_of(worst.criterion)}" if worst else ""
     name = ": ".join(filter(None, (run.name, f"Mount {mount}{used}")))
     return _scene(run, name, close_up_of(run.response, mount, wide=wide), hidden)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pyarrow as pa
 import rerun as rr
 
+from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Scene, SceneBody, SceneMount
@@ -158,8 +159,9 @@ def _log_labels(rec: Stream, path: str, selection: Selection, devices: list[Devi
 def _log_worst(rec: Stream, path: str, response: Response, selection: Selection, device: Device) -> None:
     """Log a ring about the worst mount as it is seen when the recording opens, and its name with its use, red beyond 100 %."""
     mount = device.mount
-    used = next((one for one in selection.used if one.subject == mount.name), None)
-    color = DARK.limit if used is not None and used.largest > 1.0 else _NEAR
+    worst = by_use(selection.verdicts).get(mount.name)
+    used = None if worst is None else worst.utilisation
+    color = DARK.limit if used is not None and used > 1.0 else _NEAR
     camera, extent = whole_scene(response, mount=mount.name), scene_extent(response.scene)[1]
     toward = camera.eye - mount.base_point
     across = np.cross([0.0, 0.0, 1.0], toward / np.linalg.norm(toward))
@@ -170,7 +172,7 @@ def _log_worst(rec: Stream, path: str, response: Response, selection: Selection,
     circle = mount.base_point + radius * (np.cos(angle) * across + np.sin(angle) * up)
     ring = rr.LineStrips3D([circle], colors=color, radii=rr.Radius.ui_points(1.8))
     rec.log(child(path, "ring"), ring, static=True)
-    name = mount.name if used is None else f"{mount.name} {in_unit(used.largest, '%'):.0f} %"
+    name = mount.name if used is None else f"{mount.name} {in_unit(used, '%'):.0f} %"
     spot = {"labels": [name], "colors": color, "radii": rr.Radius.ui_points(0.0), "show_labels": True}
     rec.log(child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.8 * device.height]], **spot), static=True)
 
