@@ -41,7 +41,7 @@ def test_every_kind_of_isolator_has_a_picture(tmp_path, name, panels):
 
 
 def test_cyclic_tests_are_drawn_as_they_were_run_in_units_of_their_size(tmp_path):
-    strong, weak = (BoucWen(alpha=alpha, beta=800.0, gamma=200.0, n=1) for alpha in (1e6, 1e4))
+    strong, weak = (BoucWen(alpha=alpha, beta=800.0, gamma=200.0, n=1) for alpha in (1e7, 1e4))
     tests = {"axial, 2 Hz": cyclic_test(strong, [2e-3, 1e-3]), "shear": cyclic_test(weak, [1e-3], operating_point=5e-3)}
     chart = loops_chart(tests)
     ((axial, shear),) = chart.rows

@@ -3,11 +3,14 @@
 import html
 import json
 
+import numpy as np
 import pytest
 from finished_runs import finished_of, tables_of
+from recordings import column, entities
 from rerun.chunk import RrdReader
 from shown import cells_of, cells_to_show, missing_rows, printed_by
 
+from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.numbers import number
 from wirerope_mj.content.panels import short
@@ -96,6 +99,30 @@ def test_what_a_recording_draws_over_frequency_says_the_numbers_of_the_tables(ru
             assert curve.peak == (frequency, pytest.approx(peak.content / STANDARD_GRAVITY, rel=1e-12))
     else:
         assert panel is None or "SRS" in panel.ylabel
+
+
+def test_all_name_the_same_worst(run):
+    folder, printed, content = run
+    judged = finished_of(folder)
+    order = list(by_use(judged.verdicts))
+    if not order:
+        pytest.skip("nothing is judged")
+    assert content.verdict.values["most_critical"] == order[0]
+    worst = [block for block in content.blocks() if block.id == "worst-instant"]
+    assert all(view.ring is None or view.ring[0] == order[0] for view in worst)
+    critical = next((name for name in order if name in judged.selection.mounts), None)
+    if critical is None:
+        return
+    assert judged.selection.governing == critical
+    assert tables_of(content)["mounts"].rows[0][0].removesuffix(" *") == critical
+    used = by_use(judged.verdicts)[critical].utilisation
+    labels = [
+        label
+        for path, batches in entities(folder / "run.rrd").items()
+        if path.endswith("/worst")
+        for label in np.concatenate(column(batches, "Points3D:labels").to_pylist())
+    ]
+    assert labels == [f"{critical} {100.0 * used:.0f} %"]
 
 
 def texts_in(folder):

@@ -113,7 +113,7 @@ def test_arguments_out_of_range_are_refused(change, message):
 
 def test_descriptions_and_events_are_for_people():
     motion = VibrationLines(velocity=[(5.0, 0.01), (9.0, 0.02)], direction="z", duration=6.0)
-    assert motion.description == "2 lines from 5 to 9 Hz, each up to 0.02 m/s, peak acceleration 1.43 m/s^2, 6 s along z"
+    assert motion.description == "2 lines from 5 to 9 Hz, each up to 0.02 m/s, peak acceleration 1.45 m/s^2, 6 s along z"
     assert VibrationLines(acceleration=[(5.0, 1.0)], direction="x").description == (
         "1 line of 5 Hz, acceleration 1 m/s^2 along x"
     )

@@ -85,7 +85,7 @@ def reset(page):
 def test_the_level_slider_changes_the_verdict(browser, floor):
     with shown(browser, floor) as page:
         reset(page)
-        for position, words in ((200, "PASS: all 132 checks"), (400, "FAIL"), (200, "PASS: all 132 checks")):
+        for position, words in ((200, "PASS of the mounts: all 132 checks"), (400, "FAIL"), (200, "PASS: all 132 checks")):
             move(page, LEVEL, position)
             rested(page)
             assert words in headline(page)
@@ -126,7 +126,7 @@ def test_a_slider_that_is_dragged_asks_for_one_run_at_a_time_and_ends_where_it_r
         held[0].continue_()
         rested(page)
         assert len(asked) == 2
-        assert "PASS: all 132 checks" in headline(page)
+        assert "PASS of the mounts: all 132 checks" in headline(page)
         value = page.get_by_label(f"{LEVEL}, as a number [times]").input_value()
         assert f"{LEVEL} ×\N{NO-BREAK SPACE}{float(value):.4g}" in page.locator("#state").text_content()
         assert page.locator("#before-name").text_content() == f"before: {name}"

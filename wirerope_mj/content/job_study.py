@@ -5,7 +5,7 @@ from functools import partial
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import several
-from wirerope_mj.content.study import failed_blocks, measures_table, varied_table
+from wirerope_mj.content.study import failed_blocks, measures_table, payload_scope, varied_table
 from wirerope_mj.content.study_statements import exceedance_text, not_counted, percent
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 from wirerope_mj.studies.results.measure import CONFIDENCE
@@ -39,7 +39,8 @@ def _case(summary: StudySummary) -> list[Block]:
 
 def _headline(cases: Mapping[str, StudySummary]) -> Statement:
     most = any_exceeded(list(cases.values()))
-    rest, sampled = not_counted(most), next(iter(cases.values())).result.is_sampled
+    (limits, missing), sampled = payload_scope(list(cases.values())), next(iter(cases.values())).result.is_sampled
+    rest = not_counted(most)
     if not most.judged:
         return Statement(id="headline", text=f"Not judged{rest}", tone="unjudged")
     values = {"beyond": float(most.count), "of": float(most.n)}
@@ -50,10 +51,12 @@ def _headline(cases: Mapping[str, StudySummary]) -> Statement:
     if most.count:
         counts = {name: any_exceeded([own]).count for name, own in cases.items()}
         worst = max(counts, key=lambda name: counts[name])
-        text = f"A limit of a load case is exceeded in {most.count} of {most.n} variants{of}, most often in {worst}{rest}"
+        text = (
+            f"A limit of a load case is exceeded in {most.count} of {most.n} variants{of}, most often in {worst}{rest}{missing}"
+        )
         return Statement(id="headline", text=text, tone="exceeded", values=values)
-    text = f"Within the limits of {several(len(cases), 'load case')} in all {most.judged} variants{of}{rest}"
-    return Statement(id="headline", text=text, tone="unjudged" if rest else "within", values=values)
+    text = f"Within the limits{limits} in {several(len(cases), 'load case')} and all {most.judged} variants{of}{rest}{missing}"
+    return Statement(id="headline", text=text, tone="unjudged" if rest or missing else "within", values=values)
 
 
 def _cases_table(cases: Mapping[str, StudySummary]) -> Table:

@@ -28,8 +28,9 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
         first = meeting[0]
         by = selection.by if selection.by != "margin" else "largest margin"
         text = f"{len(meeting)} of {counted} keep every limit; first by {by}: {_called(first)}, {_critical(first)}"
-        judged = any(not math.isnan(first.used(measure)[0]) for measure in ("fragility", "clearance"))
-        text += "" if judged else "; payload not judged: no limit stated"
+        limited = {measure for measure in CRITERIA if not math.isnan(first.used(measure)[0])}
+        what = "acceleration of the payload" if "clearance" in limited else "payload"
+        text += "" if "fragility" in limited else f"; {what} not judged: no limit stated"
         for case, motion in selection.cases.items():
             if said := amplified(first.largest("acceleration*", case), motion):
                 text += f"; {said}, under {case}"
@@ -153,7 +154,8 @@ def _verdict(selection: PartSelection) -> Statement:
         shown.append(f"{rest - undecided} do not" if met else f"{several(rest - undecided, 'part')} do not meet it")
     if undecided:
         shown.append(f"{undecided} are not judged")
-    text = f"{', '.join(shown)}." if met or undecided else "No part of the tables meets it."
+    unlimited = "; acceleration of the payload not judged: no limit stated" if selection.worksheet.fragility is None else ""
+    text = f"{', '.join(shown)}{unlimited}." if met or undecided else "No part of the tables meets it."
     tone = "within" if met else "unjudged" if undecided else "exceeded"
     return Statement(id="headline", text=text, tone=tone, values=values)
 

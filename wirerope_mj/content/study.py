@@ -1,7 +1,7 @@
 """What a study says: how often limits are exceeded, the inputs that matter, the worst variants."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +26,6 @@ from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, SobolIndices
 from wirerope_mj.studies.results.measure import (
     ALL,
-    COMBINED,
     CONFIDENCE,
     input_names,
     known_measures,
@@ -39,8 +38,6 @@ from wirerope_mj.studies.results.stated_limits import limits_of
 from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary, any_exceeded
 from wirerope_mj.studies.results.varied import varied_of
 
-# Measures that judge the payload: its accelerations and displacements
-_OF_PAYLOAD, _LOAD = ("fragility", "clearance", "acceleration", "displacement"), "static_load"
 _FAILED = 20  # messages that are read
 _METHODS = {
     "sobol": "scrambled Sobol sequence", "latin-hypercube": "Latin hypercube", "random": "random samples",
@@ -105,10 +102,8 @@ def _verdict(summary: StudySummary) -> Statement:
     if name:
         values["used"] = used
         rest += f"; worst {100.0 * used:.3g} % of {measure_of(name, limits).heading}, in variant {worst(table, name, 1)[0]}"
-    measures = {one.measure.name for one in summary.statistics} | set(limits)
-    judged = {name for name in measures if name.partition("/")[0] in _OF_PAYLOAD and measure_of(name, limits).limit is not None}
-    of_mounts = "" if judged or not measures & {"travel", COMBINED, _LOAD} else " of the mounts"
-    rest += "; payload not judged: no limit stated" if of_mounts else ""
+    of, missing = payload_scope([summary])
+    rest += missing
     if len(summary.result.study.motions) == 1 and "motion/level" not in input_names(table):
         largest = max(
             float(np.nanmax(values_of(table, one), initial=0.0)) for one in known_measures(table, ("acceleration", ALL))
@@ -116,16 +111,30 @@ def _verdict(summary: StudySummary) -> Statement:
         said = amplified(largest, summary.result.study.motions[0])
         rest += f"; {said}" if said else ""
     if most.count:
-        of = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
-        text = f"A limit is exceeded in {most.count} of {most.n} variants{of}{rest}"
+        share = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
+        text = f"A limit is exceeded in {most.count} of {most.n} variants{share}{rest}"
         return Statement(id="headline", text=text, tone="exceeded", values=values)
     if most.failed:
         kept = f"{most.judged} {'is' if most.judged == 1 else 'are'} within the limits{not_counted(replace(most, failed=0))}"
         text = f"{most.failed} of {most.n + most.failed} variants could not be simulated, {kept}"
         return Statement(id="headline", text=text, tone="unjudged", values=values)
-    tone = "unjudged" if not_counted(most) or of_mounts else "within"
-    text = f"Within the limits{of_mounts} in all {most.judged} variants{rest}"
+    tone = "unjudged" if not_counted(most) or missing else "within"
+    text = f"Within the limits{of} in all {most.judged} variants{rest}"
     return Statement(id="headline", text=text, tone=tone, values=values)
+
+
+def payload_scope(summaries: Sequence[StudySummary]) -> tuple[str, str]:
+    """Say what limits are of, " of the mounts", and as a clause what is not judged; "" where the payload's acceleration is."""
+    limited: set[str] = set()
+    for summary in summaries:
+        limits = limits_of(summary.stated)
+        names = {one.measure.name for one in summary.statistics} | set(limits)
+        limited |= {name.partition("/")[0] for name in names if measure_of(name, limits).limit is not None}
+    if limited & {"fragility", "acceleration"}:
+        return "", ""
+    moves = bool(limited & {"clearance", "displacement"})
+    clause = f"; {'acceleration of the ' if moves else ''}payload not judged: no limit stated"
+    return f" of the mounts{' and displacements' if moves else ''}", clause
 
 
 def _answer(summary: StudySummary) -> Iterator[Block]:
