@@ -395,3 +395,27 @@ def test_a_correction_that_leads_beyond_all_parameters_is_given_up():
     flat, row = np.array([[0.0, 1e-5]]), np.array([1.0, 0.0])
     assert corrected(at, lambda *_: flat, flat, np.zeros(2), row, 0.0, 1e-6) is None
     assert len(asked) == 1  # the next would be 100 000 steps away
+
+
+@pytest.mark.slow
+def test_a_branch_goes_on_past_stops_that_are_grazed():
+    """At 49.6 Hz the resonance of the rig reaches its stops, 15 mm below, where the map of a period has a kink."""
+    branch = wr.follow_branch(wr.load_system("sdof_shaker"), start=30.0, stop=60.0, acceleration=20.0, **ALONG)
+    assert branch.complete
+    assert branch.gaps, branch.message
+    assert "not followed" in branch.message
+    before, after = branch.frequency < 49.5, branch.frequency > 52.0
+    assert branch.amplitude[before].max() > 1900.0  # m/s^2: large enough for the stops
+    assert branch.amplitude[after].max() < 40.0  # the other stable motion, to which a table falls as well
+    assert branch.stable[before | after].all()
+
+
+def test_a_branch_that_ends_gives_no_advice_that_was_not_tried(monkeypatch):
+    monkeypatch.setattr(GrowingBranch, "_leap", lambda self, last: None)
+    monkeypatch.setattr(Continuation, "step", lambda *a, **k: None)
+    branch = wr.follow_branch(sdof(HARDENING, mass=1.0), start=0.15, stop=0.5, acceleration=1.0, **ALONG)
+    assert not branch.complete
+    assert branch.message == (
+        "stopped at 0.15 Hz: no periodic motion was found within 1e-05 of it, nor up to 0.08 beyond it, also after 60 periods "
+        "of settling there"
+    )

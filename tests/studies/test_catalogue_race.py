@@ -16,7 +16,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY as G
 from wirerope_mj.motions.spoken import motion_from_words
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.selection import equipment, write_selected
-from wirerope_mj.studies.catalogue import CRITERIA, catalogue, select_parts, try_parts
+from wirerope_mj.studies.catalogue import CRITERIA, TriedPart, catalogue, select_parts, try_parts
 from wirerope_mj.studies.measures import measures
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
@@ -185,3 +185,12 @@ def test_the_file_of_a_job_says_model_load_cases_and_limits(tmp_path):
     assert list(cases) == ["a", "b"]
     (limit,) = [one for one in systems[""].limits if one.kind == "acceleration" and one.name == "rack"]
     assert limit.values == pytest.approx((7.0 * G,))  # that of the job goes before the fragility of every body
+
+
+@pytest.mark.quick
+def test_a_part_moves_as_far_as_its_room_is_judged_along_an_axis():
+    """60 mm along x, y and z: a corner that moves 61.1 mm obliquely keeps it, and 52.0 mm is what the table says."""
+    measures = {"displacement/top": 0.0611, "displacement/top/x": 0.0520, "displacement/top/-z": 0.0321, "acceleration": 9.0}
+    one = TriedPart(name="part", measures={"a": measures, "b": {"acceleration/rack": 11.0}})
+    assert (one.displacement, one.acceleration) == (0.0520, 11.0)
+    assert one.largest("acceleration*", "a") == 9.0

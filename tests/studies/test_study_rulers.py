@@ -6,10 +6,11 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria.travel import travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import COMBINED
-from wirerope_mj.content.study import measures_table
+from wirerope_mj.content.study import measures_table, study_content, worst_table
+from wirerope_mj.content.study_charts import study_charts
 from wirerope_mj.studies.engines import compute
 from wirerope_mj.studies.engines.together import NONE
-from wirerope_mj.studies.results.measure import ALL, values_of
+from wirerope_mj.studies.results.measure import ALL, measure_of, values_of
 from wirerope_mj.studies.results.study_summary import summary_of
 
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
@@ -48,3 +49,23 @@ def test_both_accelerations_and_both_travels_are_named(study, tmp_path):
     assert "largest acceleration of a body;" in table.note
     assert "largest acceleration of bodies and points" in table.note
     assert (np.asarray(values_of(result.table, ALL)) >= values_of(result.table, "acceleration")).all()
+
+
+def test_pictures_and_tables_show_the_travel_that_the_headline_says(tmp_path):
+    both = PULSE + wr.HalfSine(peak=80.0, duration=0.011, direction="x", start=0.01)
+    vary = {"motion/level": wr.Uniform(0.7, 1.3)}
+    long = wr.Study(model="floating_floor.xml", motion=both, duration=1.0, timestep=1e-4, variants=2, vary=vary)
+    result = long.run(tmp_path / "study", workers=1)
+    combined, single = (float(np.nanmax(values_of(result.table, name))) for name in ("combined_travel", "travel"))
+    assert combined > single  # or the case is none
+    summary = summary_of(result)
+    said = study_content(summary).verdict
+    assert f"; worst {100.0 * combined:.3g} % of combined travel, in variant " in said.text
+    assert "payload not judged: no limit stated" in said.text
+    assert said.values["used"] == combined
+    assert summary.by == "combined_travel"
+    assert worst_table(summary).title.startswith("Worst variants by combined travel")
+    captions = [chart.caption for chart in study_charts(summary)]
+    drawn = " ".join([*captions, *(f"{p.xlabel} {p.ylabel}" for c in study_charts(summary) for row in c.rows for p in row)])
+    assert measure_of("combined_travel").text.lower() in drawn.lower()
+    assert measure_of("travel").text.lower() not in drawn.lower()

@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
+from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.judged_run import JudgedRun
@@ -34,10 +35,8 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
     if not rows:
         return None
     worst, instant = rows[0]
-    limit = f" of {with_unit(worst.limit, worst.unit)}" if worst.limit is not None else ""
-    title = (
-        f"The worst instant, {instant:.4f} s: {worst.criterion} of {worst.subject}, {with_unit(worst.value, worst.unit)}{limit}"
-    )
+    unlimited = f"{worst.criterion} of {worst.subject}, {with_unit(worst.value, worst.unit)}"
+    title = f"The worst instant, {instant:.4f} s: {unlimited if worst.limit is None else against_limit(worst)}"
     view = scene_at(run.response, instant, title=title)
     if view is None or view.moved is None:
         return None

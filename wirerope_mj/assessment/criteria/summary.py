@@ -13,8 +13,11 @@ from wirerope_mj.assessment.criteria.verdict import (
     COMBINED,
     CONTACT,
     EXCEEDED,
+    LARGEST,
     NOT_JUDGED,
     RATTLE_SPACE,
+    RMS,
+    SIGMA,
     STATIC_LOAD,
     STOP,
     TRAVEL,
@@ -106,8 +109,8 @@ def _listed(names: list[str], between: str = ", ") -> str:
 def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
     """Give every limit of the payload a line, the most critical first, and say what has no limit."""
     kinds = (ACCELERATION, RATTLE_SPACE)
-    rows = [row for row in verdicts if row.criterion.kind in kinds]
-    judged = sorted((row for row in rows if row.verdict != NOT_JUDGED), key=lambda row: -(row.utilisation or 0.0))
+    rows = [row for row in verdicts if row.criterion.kind in (*kinds, RMS, SIGMA, LARGEST)]
+    judged = sorted((row for row in rows if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
     lines = [f"{row.verdict.capitalize()}: {against_limit(row)}{_at(row)}." for row in judged[:_LIMITS]]
     if more := judged[_LIMITS:]:
         over = sum(row.verdict == EXCEEDED for row in more)
