@@ -21,6 +21,7 @@ from wirerope_mj.foundation.resources import models_folder
 import wirerope_mj as wr
 
 size, what, folder = int(sys.argv[1]), sys.argv[2], sys.argv[3]
+sys.dont_write_bytecode = True  # Python itself cuts short what it compiles of modules, and reads that the next time
 resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
 if what == "recording":
     motion = wr.HalfSine(peak=100.0, duration=0.011, direction="z")

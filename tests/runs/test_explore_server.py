@@ -209,7 +209,7 @@ def test_the_command_prints_its_address_and_ends_on_an_interrupt(tmp_path):
         assert lines[1].startswith("Open http://127.0.0.1:")
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
-    assert (process.returncode, out.strip(), err) == (0, "Ended.", "")
+    assert (process.returncode, out.strip(), err) == (130, "Ended.", "")
 
 
 def test_what_the_command_refuses(capsys, server):

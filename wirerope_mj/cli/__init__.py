@@ -1,3 +1,26 @@
 """The command `wirerope`."""
 
-from wirerope_mj.cli.app import main
+import sys
+from collections.abc import Sequence
+
+from wirerope_mj.foundation import interrupts
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; an error is one message on standard error.
+
+    Without `arguments` they are those of this process, which ends soon after an interrupt, as one that the signal ended.
+    """
+    if arguments is None:
+        interrupts.end_soon_after_interrupts()
+    try:
+        from wirerope_mj.cli import app  # here, since an interrupt may come while it is imported
+
+        code = app.main(arguments)
+    except KeyboardInterrupt:
+        print(f"wirerope: {interrupts.MESSAGE}", file=sys.stderr)
+        code = interrupts.INTERRUPTED
+    if number := interrupts.interrupted_by():
+        interrupts.end(number)
+    interrupts.end_at_once_after_interrupts()
+    return code

@@ -12,14 +12,12 @@ from contextlib import contextmanager
 from importlib.metadata import version
 from inspect import getdoc
 from pathlib import Path
-from signal import SIGTERM, default_int_handler, signal
-from threading import current_thread, main_thread
 from typing import Any
 
 from cyclopts import App
 from cyclopts.exceptions import CycloptsError
 
-from wirerope_mj.cli.options import BAD_INPUT, INTERRUPTED
+from wirerope_mj.cli.options import BAD_INPUT
 from wirerope_mj.foundation.errors import (
     AccuracyWarning,
     ClusterWarning,
@@ -28,6 +26,7 @@ from wirerope_mj.foundation.errors import (
     StudyWarning,
     WireRopeError,
 )
+from wirerope_mj.foundation.interrupts import INTERRUPTED, MESSAGE
 from wirerope_mj.foundation.plain_text import plain_lines, short
 from wirerope_mj.foundation.processes import allow_one_beside
 
@@ -129,8 +128,6 @@ def _open_closed_streams() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
-    if current_thread() is main_thread():  # a batch system ends a job as Ctrl-C does: nothing may be left behind
-        signal(SIGTERM, default_int_handler)
     if arguments is None:  # no Python that the command starts, libraries included, imports modules of the current folder
         os.environ["PYTHONSAFEPATH"] = "1"
         allow_one_beside()
@@ -153,7 +150,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         without_reader()
         return 0
     except KeyboardInterrupt as error:
-        _say("interrupted; no half-written result was left behind.")
+        _say(MESSAGE)
         for remedy in error.args:  # how it is resumed
             _say(remedy)
         _say_notes(error)

@@ -9,8 +9,8 @@ from typing import Annotated, Any, get_args, get_origin
 from cyclopts import Parameter, Token
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
-# Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers.
-BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
+# Exit codes: an input is wrong; a replay gives other numbers.
+BAD_INPUT, DIFFERENT = 2, 1
 _NUMBERS = {int: "an integer", float: "a number without a unit, with a decimal point"}
 
 

@@ -18,6 +18,7 @@ from wirerope_mj.foundation.half_written import (
     refusal,
     set_aside,
 )
+from wirerope_mj.foundation.interrupts import interrupts_held
 
 # A command that removes what was left of a folder is done with it in a few milliseconds; one that writes it is not [s].
 _PATIENCE = 1.0
@@ -149,10 +150,11 @@ def _replace(temporary: Path, folder: Path) -> None:
     if not folder.exists():
         os.rename(temporary, folder)
         return
-    aside = set_aside(folder)
-    try:
-        os.rename(temporary, folder)
-    except BaseException:
-        os.rename(aside, folder)
-        raise
-    shutil.rmtree(aside, ignore_errors=True)  # another process may do the same
+    with interrupts_held():
+        aside = set_aside(folder)
+        try:
+            os.rename(temporary, folder)
+        except BaseException:
+            os.rename(aside, folder)
+            raise
+        shutil.rmtree(aside, ignore_errors=True)  # another process may do the same

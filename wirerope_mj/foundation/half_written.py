@@ -17,6 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
+from wirerope_mj.foundation.interrupts import at_end, interrupts_held
 
 try:
     import fcntl
@@ -47,6 +48,32 @@ def locked(path: Path) -> Iterator[str]:
             os.close(handle)
 
 
+# Folders in which this process has hidden files or folders, and the handles that hold their locks.
+_written: list[tuple[Path, int | None]] = []
+
+
+def _let_go(folder: Path, handle: int | None) -> None:
+    """Forget what stood in `folder`, and give its lock back."""
+    with suppress(ValueError):
+        _written.remove((folder, handle))
+    if handle is not None:
+        os.close(handle)
+
+
+def _clear_unfinished() -> None:
+    """Remove what this process has not finished, as the next one would."""
+    unfinished = list(_written)
+    for _, handle in unfinished:
+        if handle is not None and fcntl is not None:
+            with suppress(OSError):
+                fcntl.flock(handle, fcntl.LOCK_UN)
+    for folder in {folder for folder, _ in unfinished}:
+        clear_half_written(folder)
+
+
+at_end(_clear_unfinished)
+
+
 @contextmanager
 def hidden_file(path: Path) -> Iterator[Path]:
     """Yield a new hidden file in the folder of `path`, with its ending, locked; it is removed if it is still there.
@@ -54,23 +81,24 @@ def hidden_file(path: Path) -> Iterator[Path]:
     Raises:
         RecordError: no file can be made there.
     """
-    while True:
-        try:
-            handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=f".{_MARK}.part{path.suffix}")
-        except OSError as error:
-            raise refusal(path, error) from error
-        lock = _lock_handle(handle, Path(name))
-        if lock in (HELD, UNKNOWN):
-            break
-        os.close(handle)  # between its making and its locking another process took it for one that was left
-    if fcntl is None:
-        os.close(handle)  # Windows renames no file that is open
+    name, handle = "", None
     try:
+        with interrupts_held(), _refused(path):
+            while True:
+                handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=f".{_MARK}.part{path.suffix}")
+                if _lock_handle(handle, Path(name)) in (HELD, UNKNOWN):
+                    break
+                os.close(handle)  # between its making and its locking another process took it for one that was left
+            if fcntl is None:
+                os.close(handle)  # Windows renames no file that is open
+                handle = None
+            _written.append((path.parent, handle))
         yield Path(name)
     finally:
-        Path(name).unlink(missing_ok=True)
-        if fcntl is not None:
-            os.close(handle)
+        with interrupts_held():
+            if name:
+                Path(name).unlink(missing_ok=True)
+            _let_go(path.parent, handle)
 
 
 @contextmanager
@@ -83,32 +111,31 @@ def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | Non
     Raises:
         RecordError: no folder can be made there.
     """
+    hidden, lock, handle, end = folder, "", None, time.monotonic() + patience
     try:
-        hidden, lock, handle = _made(folder, patience)
-    except OSError as error:
-        raise refusal(folder, error) from error
-    if lock == TAKEN:
-        yield None
-        return
-    try:
+        while not lock or (lock == TAKEN and time.monotonic() < end):
+            if lock == TAKEN:
+                time.sleep(0.05)
+            with interrupts_held(), _refused(folder):
+                hidden, lock, handle = _made(folder)
+                if lock != TAKEN:
+                    _written.append((folder.parent, handle))
         if lock == HELD:
             _put_right(folder, hidden)
-        yield hidden
+        yield None if lock == TAKEN else hidden
     finally:
-        # Else it has become `folder`, and another process may hold a new one.
-        if handle is None or _names(hidden, handle):
-            shutil.rmtree(hidden, ignore_errors=True)
-        if handle is not None:
-            os.close(handle)
+        with interrupts_held():
+            # Else it has become `folder`, and another process may hold a new one.
+            if lock not in ("", TAKEN) and (handle is None or _names(hidden, handle)):
+                shutil.rmtree(hidden, ignore_errors=True)
+            _let_go(folder.parent, handle)
 
 
-def _made(folder: Path, patience: float) -> tuple[Path, str, int | None]:
+def _made(folder: Path) -> tuple[Path, str, int | None]:
     """Make the hidden folder of `folder`, and return it, the outcome of locking it, and the handle that holds the lock."""
     hidden = folder.parent / f".{folder.name}.{_MARK}.part"
-    lock, handle, end = GONE, None, time.monotonic() + patience
-    while (lock == GONE and not hidden.is_symlink()) or (lock == TAKEN and time.monotonic() < end):
-        if lock == TAKEN:
-            time.sleep(0.05)
+    lock, handle = GONE, None
+    while lock == GONE and not hidden.is_symlink():
         with suppress(FileExistsError):
             hidden.mkdir(parents=True)
         if not hidden.is_dir() and hidden.exists():  # a pipe, say: another name is taken
@@ -138,6 +165,15 @@ def refusal(path: Path, error: OSError) -> RecordError:
         f"{path}: there is no space left for it ({os.strerror(error.errno or errno.ENOSPC)}); nothing half-written was left "
         "behind. Free some space, or choose another place."
     )
+
+
+@contextmanager
+def _refused(path: Path) -> Iterator[None]:
+    """Raise the errors of the operating system that the block meets as refusals about `path`."""
+    try:
+        yield
+    except OSError as error:
+        raise refusal(path, error) from error
 
 
 def is_full(error: OSError) -> bool:

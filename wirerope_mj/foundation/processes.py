@@ -1,6 +1,6 @@
 """Other processes that this one starts: how many, which modules they find, and those that compile or write files beside it."""
 
-import atexit
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -10,6 +10,9 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any, NoReturn
+
+from wirerope_mj.foundation.interrupts import at_end, interrupts_held
 
 # What the process beside a command runs, and whether this one may start it: commands may; a library starts none unasked.
 BESIDE = [sys.executable, "-m", "wirerope_mj.runs.kernels"]
@@ -46,7 +49,7 @@ def compile_beside() -> None:
         nothing = subprocess.DEVNULL
         with suppress(OSError):  # without it the command compiles alone
             process = subprocess.Popen(BESIDE, env=environment_of_children(), stdin=nothing, stdout=nothing, stderr=nothing)
-            atexit.register(process.terminate)
+            at_end(process.terminate, early=True)
     _allowed = False
 
 
@@ -56,29 +59,66 @@ def run_beside(work: Callable[[], object]) -> Iterator[None]:
 
     Where the copy does not come to its end, `work` runs here again, and raises what is wrong.
     """
-    copy = _copy_that_runs(work)
+    copy, code = 0, 1
     try:
+        with interrupts_held(), warnings.catch_warnings(action="ignore", category=DeprecationWarning):  # of libraries' threads
+            if _may_be_copied():
+                copy = os.fork() or _end_after(work)
+                _children.add(copy)
         yield
-    except BaseException:
         if copy:
-            os.kill(copy, signal.SIGKILL)
-            os.waitpid(copy, 0)
-        raise
-    if not copy or os.waitpid(copy, 0)[1] != 0:
+            os.waitid(os.P_PID, copy, os.WEXITED | os.WNOWAIT)
+    finally:
+        with interrupts_held():
+            if copy:
+                os.kill(copy, signal.SIGKILL)
+                code = os.waitpid(copy, 0)[1]
+                _children.discard(copy)
+    if code:
         work()
 
 
-def _copy_that_runs(work: Callable[[], object]) -> int:
-    """Fork a process that runs `work`, and return its number; 0 if there is no second processor, or a copy might not live.
+@contextmanager
+def process_beside(command: list[str], **how: Any) -> Iterator["subprocess.Popen[str]"]:
+    """Start another process, and end it with the block, if it has not ended by then, and with this process."""
+    process = None
+    try:
+        with interrupts_held():
+            process = subprocess.Popen(command, text=True, **how)
+            _children.add(process.pid)
+        yield process
+    finally:
+        with interrupts_held():
+            if process is not None:
+                process.kill()
+                process.wait()
+                _children.discard(process.pid)
+
+
+_children: set[int] = set()
+
+
+def _end_children() -> None:
+    for child in multiprocessing.active_children():
+        child.kill()
+    for number in _children:
+        with suppress(ProcessLookupError):
+            os.kill(number, signal.SIGKILL)
+
+
+at_end(_end_children, early=True)
+
+
+def _may_be_copied() -> bool:
+    """Return whether there is a second processor, and a copy of this process can live.
 
     Of several threads a copy has one, and waits forever for what the others hold; macOS's own libraries are not made for it.
     """
-    if sys.platform != "linux" or processors() == 1 or threading.active_count() > 1:
-        return 0
-    with warnings.catch_warnings(action="ignore", category=DeprecationWarning):  # of threads of libraries
-        copy = os.fork()
-    if copy:
-        return copy
+    return sys.platform == "linux" and processors() > 1 and threading.active_count() == 1
+
+
+def _end_after(work: Callable[[], object]) -> NoReturn:
+    """Run `work` in a copy of a process, and end it."""
     code = 1
     try:
         work()

@@ -46,7 +46,8 @@ class Recorder:
 
     def recording(self, runs: Sequence[ShownRun], title: str) -> bytes:
         """Return the recording of one run, or of two over each other, the first being what the other is compared with."""
-        return self._pool.submit(_recording, tuple(runs), title).result()
+        with TemporaryDirectory(prefix="wirerope-explore-") as folder:  # here: it goes with this process, if not before
+            return self._pool.submit(_recording, tuple(runs), title, Path(folder) / "run.rrd").result()
 
     def close(self) -> None:
         """End the process as soon as it has done what it is at."""
@@ -61,18 +62,16 @@ def _prepare() -> None:
     import wirerope_mj.views.recording.record  # noqa: F401
 
 
-def _recording(runs: tuple[ShownRun, ...], title: str) -> bytes:
+def _recording(runs: tuple[ShownRun, ...], title: str, target: Path) -> bytes:
     from wirerope_mj.views.recording.drawn_runs import several_runs
     from wirerope_mj.views.recording.record import record_run, record_runs
 
-    with TemporaryDirectory(prefix="wirerope-explore-") as folder:
-        target = Path(folder) / "run.rrd"
-        if len(runs) == 1:
-            record_run(runs[0], target, title=title)
-        else:
-            responses = {run.name: run.response for run in runs}
-            names = dict.fromkeys(name for run in runs for name in run.changes)
-            inputs = {run.name: {name: run.changes.get(name, "as in the scenario") for name in names} for run in runs}
-            verdicts = {run.name: run.verdicts for run in runs}
-            record_runs(several_runs(responses, "start", verdicts), target, inputs=inputs)
-        return target.read_bytes()
+    if len(runs) == 1:
+        record_run(runs[0], target, title=title)
+    else:
+        responses = {run.name: run.response for run in runs}
+        names = dict.fromkeys(name for run in runs for name in run.changes)
+        inputs = {run.name: {name: run.changes.get(name, "as in the scenario") for name in names} for run in runs}
+        verdicts = {run.name: run.verdicts for run in runs}
+        record_runs(several_runs(responses, "start", verdicts), target, inputs=inputs)
+    return target.read_bytes()

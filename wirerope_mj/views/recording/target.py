@@ -6,13 +6,16 @@ import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import rerun as rr
+import rerun_bindings
 from rerun.error_utils import strict_mode
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.views.recording.paths import APPLICATION, KnownLetters
+from wirerope_mj.foundation.interrupts import interrupts_held
+from wirerope_mj.views.recording.paths import APPLICATION, KnownLetters, Stream
 from wirerope_mj.views.recording.viewer import FILE
 
 _BLOCK = 2**20  # Of a recording, written at once [bytes]
@@ -43,13 +46,8 @@ def atomic_recording(target: Path, *, application: str = APPLICATION) -> Iterato
     rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
     try:
         with atomic_file(target) as temporary:
-            with (
-                _ourselves_written(temporary) as pipe,
-                rr.RecordingStream(application, recording_id=uuid.uuid4()) as rec,
-            ):
-                rec.set_log_time_enabled(False)
-                rec.save(pipe)
-                yield KnownLetters(rec)
+            with _ended(_Recording(application, temporary)) as recording:
+                yield KnownLetters(recording)
             if not temporary.stat().st_size:
                 raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
     finally:
@@ -57,24 +55,64 @@ def atomic_recording(target: Path, *, application: str = APPLICATION) -> Iterato
 
 
 @contextmanager
-def _ourselves_written(path: Path) -> Iterator[Path]:
-    """Lend a path to which rerun may write what becomes the file `path`: a pipe, at whose other end we write it."""
-    # On a full disk rerun's own writing ends with a line on standard error, and whoever waits for it, as the end of a recording
-    # and that of the process do, waits for ever. From the pipe everything is taken, whether or not there is space for it.
-    if not _OPEN_FILES.is_dir():
-        yield path
-        return
-    reading, writing = os.pipe()
-    errors: list[OSError] = []
-    thread = threading.Thread(target=_write, args=(reading, path, errors), daemon=True)
-    thread.start()
+def _ended(recording: "_Recording") -> Iterator["_Recording"]:
+    """Lend a recording, end it, and raise what went wrong while its file was written."""
     try:
-        yield _OPEN_FILES / str(writing)
+        recording.begin()
+        yield recording
     finally:
-        os.close(writing)  # rerun has opened it once more, and closed it by now
-        thread.join()
-    if errors:
-        raise errors[0]
+        with interrupts_held():
+            recording.end()
+    if recording.errors:
+        raise recording.errors[0]
+
+
+class _Recording(Stream):
+    """A recording of rerun's that is written into a file by a thread of this process.
+
+    Where rerun writes itself, a full disk ends its writing with a line on standard error, and whoever waits for it, as the end
+    of a recording and that of the process do, waits for ever. From a pipe everything is taken, whether or not there is space.
+    """
+
+    def __init__(self, application: str, path: Path) -> None:
+        super().__init__(rr.RecordingStream(application, recording_id=uuid.uuid4()))
+        self._application, self._path, self.errors = application, path, list[OSError]()
+        self._writer: threading.Thread | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._rec, name)
+
+    def begin(self) -> None:
+        """Have everything that is logged from now on written."""
+        self._rec.set_log_time_enabled(False)
+        if not _OPEN_FILES.is_dir():
+            self._rec.save(self._path)
+            return
+        with interrupts_held():
+            reading, writing = os.pipe()
+            self._writer = threading.Thread(target=_write, args=(reading, self._path, self.errors), daemon=True)
+            self._writer.start()
+            self._rec.save(_OPEN_FILES / str(writing))
+            os.close(writing)  # rerun has opened it once more
+
+    def send_blueprint(self, blueprint: rr.blueprint.Blueprint, **how: bool) -> None:
+        """Send a layout as rerun does, which would keep the layout's stream and its threads."""
+        native = rerun_bindings.new_blueprint(self._application, make_default=False, make_thread_default=False)
+        stream = rr.RecordingStream._from_native(native)
+        try:
+            stream.set_time("blueprint", sequence=0)
+            blueprint._log_to_stream(stream)
+            rerun_bindings.send_blueprint(stream.memory_recording().storage, recording=self._rec.to_native(), **how)
+        finally:
+            stream.disconnect()  # it holds the layout in memory, which holds it
+
+    def end(self) -> None:
+        """Write what is left, and give back rerun's threads and memory; nothing waits for what does not come."""
+        self._rec.disconnect()  # closes the pipe, whose end ends the writer
+        del self._rec
+        rerun_bindings.flush_and_cleanup_orphaned_recordings()
+        if self._writer is not None:
+            self._writer.join()
 
 
 def _write(reading: int, path: Path, errors: list[OSError]) -> None:

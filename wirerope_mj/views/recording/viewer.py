@@ -14,6 +14,7 @@ from urllib.parse import quote
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
+from wirerope_mj.foundation.processes import process_beside
 
 FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
 # In the folder of a study: what it is known by, its worst variants, and their recording.
@@ -114,13 +115,11 @@ def free_port(preferred: int) -> int:
 
 def _run(command: list[str], recording: BinaryIO) -> None:
     # From where `CI` is set it sends no usage data.
-    process = subprocess.Popen(command, stdin=recording, env={**os.environ, "CI": "1"})
-    try:
-        code = process.wait()
-    except KeyboardInterrupt:
-        process.terminate()
-        process.wait()
-        return
+    with process_beside(command, stdin=recording, env={**os.environ, "CI": "1"}) as process:
+        try:
+            code = process.wait()
+        except KeyboardInterrupt:
+            return
     if code != 0:
         raise WireRopeError(f"the viewer ended with code {code}. On a machine without graphics drivers --web works.")
 
@@ -132,9 +131,11 @@ def join_recordings(recordings: Sequence[Path], target: Path) -> None:
     """
     with atomic_file(target) as temporary:
         command = [str(viewer_binary()), "rrd", "merge", "-o", str(temporary), *map(str, recordings)]
-        done = subprocess.run(command, env={**os.environ, "CI": "1"}, capture_output=True, text=True, check=False)
-        if done.returncode != 0 or not temporary.stat().st_size:
-            said = " ".join(done.stderr.split()[-40:])
+        streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+        with process_beside(command, env={**os.environ, "CI": "1"}, **streams) as process:
+            _, said = process.communicate()
+        if process.returncode != 0 or not temporary.stat().st_size:
+            said = " ".join(said.split()[-40:])
             raise RecordError(f"{target}: the recordings could not be joined: {said}")
 
 
@@ -153,16 +154,12 @@ def viewer_files() -> dict[str, bytes]:
     command = [str(viewer_binary()), "--bind", "127.0.0.1", "--serve-web"]
     command += ["--port", str(server), "--web-viewer-port", str(page)]
     # It sends no usage data from where `CI` is set.
-    with subprocess.Popen(
-        command, env={**os.environ, "CI": "1"}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as process:
-        try:
-            return {name: _fetched(f"http://127.0.0.1:{page}/{name}", process) for name in FILES}
-        finally:
-            process.terminate()
+    streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with process_beside(command, env={**os.environ, "CI": "1"}, **streams) as process:
+        return {name: _fetched(f"http://127.0.0.1:{page}/{name}", process) for name in FILES}
 
 
-def _fetched(address: str, process: "subprocess.Popen[bytes]") -> bytes:
+def _fetched(address: str, process: "subprocess.Popen[str]") -> bytes:
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # never by way of a proxy
     end = monotonic() + _START
     while True:

@@ -1,0 +1,103 @@
+"""Interrupts, by Ctrl-C or SIGTERM: put off for moments, and followed by the end of a command whatever it waits for."""
+
+import _thread
+import atexit
+import os
+import signal
+import sys
+import time
+import weakref
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from threading import current_thread, main_thread
+from types import FrameType
+from typing import NoReturn
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+INTERRUPTED = 130  # Exit code of a command that Ctrl-C ended
+MESSAGE = "interrupted; no half-written result was left behind."
+# Time in which an interrupted command ends by itself [s]; then it is ended, since people and batch systems wait no longer.
+_PATIENCE = 1.0
+
+_last: list[Callable[[], object]] = []
+_arrived: list[int] = []
+
+
+def at_end(work: Callable[[], object], *, early: bool = False) -> None:
+    """Have something done at the end of this process, also where that comes in the middle of whatever it does."""
+    _last.insert(0 if early else len(_last), work)
+    atexit.register(work)
+
+
+@contextmanager
+def interrupts_held() -> Iterator[None]:
+    """Put an interrupt off until the block has ended, which must not take long; a thread meets none."""
+    handlers, arrived = {}, list[tuple[int, FrameType | None]]()
+    try:
+        if current_thread() is main_thread():
+            for number in SIGNALS:
+                if callable(handler := signal.getsignal(number)):
+                    handlers[number] = handler
+                    signal.signal(number, lambda *what: arrived.append(what))
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for what in arrived[:1]:
+            handlers[signal.Signals(what[0])](*what)
+
+
+def end_soon_after_interrupts() -> None:
+    """Have an interrupt raise KeyboardInterrupt once, and end this process where that has not ended it in time.
+
+    It may be lost in a library, or meet a thread that waits for what never comes, or a computation of many seconds.
+    """
+    for number in SIGNALS:
+        if signal.getsignal(number) != signal.SIG_IGN:  # as in the background of a script
+            signal.signal(number, _interrupt)
+    if sys.platform == "win32":  # has no such pipes for signals
+        return
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+    os.register_at_fork(after_in_child=lambda: signal.set_wakeup_fd(-1))
+    _thread.start_new_thread(_watch, (reading,))  # not counted among the threads that forbid a copy of this process
+
+
+def end_at_once_after_interrupts() -> None:
+    """Have the next interrupt end this process, which has nothing left to do, without another word."""
+    for number in SIGNALS:
+        if signal.getsignal(number) == _interrupt:
+            signal.signal(number, lambda number, _: end(number))
+
+
+def interrupted_by() -> int:
+    """Return the number of the signal that interrupted this process; 0 if none has."""
+    return _arrived[0] if _arrived else 0
+
+
+def end(number: int) -> NoReturn:
+    """End this process as one that a signal of that number ended, after what must be done at its end."""
+    for work in (*_last, weakref.finalize._exitfunc):  # type: ignore[attr-defined]  # temporary folders
+        with suppress(Exception):
+            work()
+    with suppress(Exception):
+        sys.stdout.flush()
+    os._exit(128 + number)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    for each in SIGNALS:  # one is enough: a second would disturb what the first has begun
+        signal.signal(each, signal.SIG_IGN)
+    _arrived.append(number)
+    raise KeyboardInterrupt
+
+
+def _watch(reading: int) -> None:
+    while (number := os.read(reading, 1)[0]) not in SIGNALS:
+        pass
+    time.sleep(_PATIENCE)
+    with suppress(OSError):
+        shown = "\x1b[?25h" if os.isatty(2) else ""  # a bar of progress hides the cursor
+        os.write(2, f"{shown}wirerope: {MESSAGE}\n".encode())
+    end(number)
