@@ -105,7 +105,7 @@ def test_a_study_killed_at_any_operation_of_its_beginning_starts_as_if_nothing_h
     for operation in itertools.count(1):
         folder = tmp_path / str(operation) / "study"
         folder.parent.mkdir()
-        start = functools.partial(study_folder.prepare, study, folder, keep="peaks", resume=True, force=False)
+        start = functools.partial(study_folder.prepare, study, folder, keep="peaks", resume=True)
         killed = killed_before(operation, start)
         assert folder.exists() <= (folder / "study.toml").exists()
         start()
@@ -120,7 +120,7 @@ def test_a_study_killed_at_any_operation_of_its_beginning_starts_as_if_nothing_h
 @pytest.mark.slow
 def test_a_study_killed_at_any_operation_of_its_writing_ends_with_the_same_bytes(alone, tmp_path, monkeypatch):
     study, before = table_study(), tmp_path / "before"
-    study_folder.prepare(study, before, keep="peaks", resume=False, force=False)
+    study_folder.prepare(study, before, keep="peaks", resume=False)
     *most, rest = (compute(study.work, chunk) for chunk in chunks(study, range(14)))
     for part in most:
         study_folder.write_part(before, part)

@@ -252,19 +252,31 @@ def compute_and_print(
     print_warnings(model_warnings(study.base))
     print_block(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or dated(name)
-    result = _computed(study, folder, resume=resume, **how)
-    if limits:
-        write_stated(result, limits)
-    _show(result, by, open_worst)
+    worst: list[Path] = []
+
+    def show(result: StudyResult) -> None:
+        if limits:
+            write_stated(result, limits)
+        if len(result.failed) < result.table.num_rows:
+            worst.extend(_show(result, by, open_worst))
+
+    _computed(study, folder, resume=resume, when_done=show, **how)
+    print()
+    # What begins with a dot another process is writing just now.
+    say_where(f"{folder}/", sorted(path.name for path in folder.glob("[!.]*") if path.is_file()))
+    _open([folder / path for path in worst])
     if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
         raise WireRopeError(f"{folder}: {NOT_COMPUTED}")
 
 
 def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     """Return the result of a study of which at least one variant could be simulated."""
+    replaces = how.get("force") and not how["resume"] and (folder / STUDY).is_file()
     try:
         result = study.run(folder, progress=True, **how)
     except KeyboardInterrupt:
+        if replaces:
+            raise KeyboardInterrupt(f"the study in {folder} is as it was before.") from None
         if not (folder / STUDY).is_file():
             raise
         raise KeyboardInterrupt(f"what is done is kept; go on with the same options and --resume --out {folder}") from None
@@ -274,8 +286,8 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     return result
 
 
-def _show(result: StudyResult, by: str | None, open_worst: int) -> None:
-    """Print a study or a search, write its pictures and worst variants, and open these."""
+def _show(result: StudyResult, by: str | None, open_worst: int) -> list[Path]:
+    """Print a study or a search, write its pictures and worst variants, and return these by their paths in its folder."""
     from wirerope_mj.runs.study import result_content, write_content, write_worst
 
     content = result_content(result, by)
@@ -283,10 +295,7 @@ def _show(result: StudyResult, by: str | None, open_worst: int) -> None:
     show_answer(content, "results", "inputs", "worst")
     write_content(content, result.folder)
     worst = write_worst(result, by, open_worst) if open_worst else []
-    print()
-    # What begins with a dot another process is writing just now.
-    say_where(f"{result.folder}/", sorted(path.name for path in result.folder.glob("[!.]*") if path.is_file()))
-    _open(worst)
+    return [path.relative_to(result.folder) for path in worst]
 
 
 def _open(paths: Sequence[Path]) -> None:

@@ -1,6 +1,7 @@
 """Studies of a scenario, whose system and motion they take and of which something varies, and of every load case of a job."""
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 from wirerope_mj.content.blocks import Content
@@ -136,8 +137,7 @@ def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution],
     for case in job.cases:
         study = study_of(case.scenario, vary=vary, name=case.name, **drawn)
         limits = [limit_of_text(text, measure_names(study.base)) for text in limits_of(case.scenario)[0]]
-        result = study.run(folder / case.folder, **how)
-        write_stated(result, limits)
+        result = study.run(folder / case.folder, when_done=partial(write_stated, limits=limits), **how)
         cases[case.name] = summary_of(result)
     content = job_study_content(job.name, job.question, cases)
     write_json(folder / CONTENT, content.to_dict("answer", "cases"))

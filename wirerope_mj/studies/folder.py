@@ -15,7 +15,6 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import (
     atomic_file,
     atomic_folder,
-    check_folder,
     full_disk_named,
     worked_on_alone,
     write_json,
@@ -35,21 +34,40 @@ _DIED = ".died"
 ROW_GROUP = 2048  # Rows, at least, that are joined in one row group of the table: a few MB
 
 
-def prepare(
+@contextmanager
+def study_folder(
     study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, search: Entries | None = None
-) -> str:
+) -> Iterator[Path]:
+    """Lend the folder in which `study` is computed while the block does: `folder`, where what is done is kept whatever happens.
+
+    A study that `force` replaces stays as it is until the block ends well; the new one stands in a hidden folder until then.
+    `search` is what a search adds to `study.toml`. Raises what `prepare` and `computed_alone` do.
+    """
+    if resume or not force or not (folder / STUDY).is_file():
+        with computed_alone(folder, prepare(study, folder, keep=keep, resume=resume, search=search)):
+            yield folder
+        return
+    with (
+        worked_on_alone(folder, kind="study"),
+        atomic_folder(folder, force=True, kind="study", marks=MARKS) as temporary_path,
+    ):
+        _begin(study, temporary_path, keep, search)
+        yield temporary_path
+
+
+def prepare(study: StudyDefinition, folder: Path, *, keep: str, resume: bool, search: Entries | None = None) -> str:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
 
     Without a part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
-    process died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`. RecordError
-    if something else stands there, or a study that is not resumed nor replaced, or that another process works on.
+    process died is taken away again, but none of its parts. RecordError if something else stands there, or a study that is
+    not resumed, or that another process works on.
     """
     clear_half_written(folder.resolve().parent)
     if not (folder / STUDY).is_file():
-        check_folder(folder, force=force, kind="study", marks=MARKS)
-        return _begin(study, folder, keep, search, force=force)
+        with atomic_folder(folder, force=False, kind="study", marks=MARKS) as temporary_path:
+            return _begin(study, temporary_path, keep, search)
     with worked_on_alone(folder, kind="study"):  # nobody else, before anything is taken away
-        if resume or not (_begun(folder) or force):
+        if resume or not _begun(folder):
             with tempfile.TemporaryDirectory() as temporary:
                 computed = (folder / TABLE).is_file() and not dead(folder)
                 check_same(folder, write_inputs(study, Path(temporary), keep, search), computed=computed)
@@ -57,20 +75,17 @@ def prepare(
                 for name in (SUMMARY, TABLE):
                     (folder / name).unlink(missing_ok=True)
             return str(read_inputs(folder)["id"])
-        if force:
-            return _begin(study, folder, keep, search, force=force)
         raise RecordError(
             f"{folder}: there is a study already. Go on with it with --resume (`resume=True`), replace it with --force "
             "(`force=True`), or choose another folder."
         )
 
 
-def _begin(study: StudyDefinition, folder: Path, keep: str, search: Entries | None, *, force: bool) -> str:
-    """Make a new folder of a study, in which nothing is done yet, and return its id."""
-    with atomic_folder(folder, force=force, kind="study", marks=MARKS) as temporary_path:
-        content = write_inputs(study, temporary_path, keep, search)
-        (temporary_path / STUDY).write_text(tomli_w.dumps(content), encoding="utf-8")
-        (temporary_path / PARTS).mkdir()
+def _begin(study: StudyDefinition, folder: Path, keep: str, search: Entries | None) -> str:
+    """Make an empty folder that of a study in which nothing is done yet, and return its id."""
+    content = write_inputs(study, folder, keep, search)
+    (folder / STUDY).write_text(tomli_w.dumps(content), encoding="utf-8")
+    (folder / PARTS).mkdir()
     return str(content["id"])
 
 

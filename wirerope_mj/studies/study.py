@@ -1,7 +1,7 @@
 """A study: its variants computed on all cores or on a cluster, into one table in a folder."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -13,7 +13,7 @@ from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
 from wirerope_mj.studies.engines.local import run_local
-from wirerope_mj.studies.folder import TABLE, computed_alone, done, finish, prepare, write_part
+from wirerope_mj.studies.folder import TABLE, done, finish, study_folder, write_part
 from wirerope_mj.studies.measures import needs_samples
 from wirerope_mj.studies.responses import KEPT, PEAKS, RESPONSES, most_together
 from wirerope_mj.studies.result import StudyResult
@@ -67,6 +67,7 @@ class Study(StudyDefinition):
     def run(
         self, folder: str | Path, *, keep: str = "peaks", engine: str = "local", workers: int | None = None,
         address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
+        when_done: Callable[[StudyResult], object] = lambda result: None,
     ) -> StudyResult:  # fmt: skip
         """Compute all variants and return the result, which stands in `folder`.
 
@@ -81,8 +82,9 @@ class Study(StudyDefinition):
             workers: number of processes; None for one per processor, 1 for this process itself.
             address: of a Dask scheduler that exists; None for a cluster of this machine's own.
             resume: whether the study that stands there goes on; it starts if there is none.
-            force: whether a study that stands there is replaced.
+            force: whether a study that stands there is replaced, once this one is done.
             progress: whether a progress bar is shown on standard error.
+            when_done: called with the result before that takes the place of another, to write more into its folder.
 
         Raises:
             ValueError: an argument is out of range.
@@ -94,15 +96,15 @@ class Study(StudyDefinition):
         run = checked_engine(engine, workers=workers, address=address)
         one_of("keep", keep, KEPT)
         self.table()  # every variant is checked before anything is written
-        identity = prepare(self, folder, keep=keep, resume=resume, force=force)
-        if keep == RESPONSES:
-            warn_of_aliasing(self.motions, self.sample_rate)
-        with computed_alone(folder, identity):
-            if not (folder / TABLE).is_file():
+        with study_folder(self, folder, keep=keep, resume=resume, force=force) as place:
+            if keep == RESPONSES:
+                warn_of_aliasing(self.motions, self.sample_rate)
+            if not (place / TABLE).is_file():
                 self.warn_of_given_step()
-                _compute_missing(self, folder, keep, partial(run, workers=workers, address=address), progress)
+                _compute_missing(self, place, keep, partial(run, workers=workers, address=address), progress)
             parts = math.ceil(self.size / chunk_size(self, keep))
-            finish(folder, parts, lambda: summary(read_result(folder, type(self))))
+            finish(place, parts, lambda: summary(read_result(place, type(self))))
+            when_done(read_result(place, type(self)))
         return read_result(folder, type(self))
 
 

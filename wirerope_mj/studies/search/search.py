@@ -1,7 +1,7 @@
 """A search for designs: what it chooses among and what makes one better, asked, run, and resumed where it was interrupted."""
 
 import queue
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +17,7 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
-from wirerope_mj.studies.folder import TABLE, computed_alone, finish, part_path, prepare, read_part, write_part
+from wirerope_mj.studies.folder import TABLE, finish, part_path, read_part, study_folder, write_part
 from wirerope_mj.studies.inputs.distributions import Choice, Uniform
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.responses import KEPT, RESPONSES
@@ -282,6 +282,7 @@ class Search(SearchDefinition):
     def run(
         self, folder: str | Path, *, keep: str = "peaks", engine: str = "local", workers: int | None = None,
         address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
+        when_done: Callable[[SearchResult], object] = lambda result: None,
     ) -> SearchResult:  # fmt: skip
         """Evolve all generations and return the result, which stands in `folder`; arguments are those of `Study.run`.
 
@@ -298,16 +299,16 @@ class Search(SearchDefinition):
         run = checked_engine(engine, workers=workers, address=address)
         one_of("keep", keep, KEPT)
         added = {"optimiser": check_installed(), **self.to_dict()}
-        identity = prepare(study, folder, keep=keep, resume=resume, force=force, search=added)
-        with computed_alone(folder, identity):
+        with study_folder(study, folder, keep=keep, resume=resume, force=force, search=added) as place:
             parts = 0
-            if not (folder / TABLE).is_file():
+            if not (place / TABLE).is_file():
                 with share_bar("search", "designs/s", total=self.generations, parts="generations", enabled=progress) as update:
-                    evolving = Evolving(self, folder, keep, run, {"workers": workers, "address": address}, update)
+                    evolving = Evolving(self, place, keep, run, {"workers": workers, "address": address}, update)
                     with closing(evolving):  # so that no process goes on if this one is interrupted
                         evolving.evolve()
                 parts = evolving.parts
-            finish(folder, parts, lambda: _summary(_loaded(folder, study)))
+            finish(place, parts, lambda: _summary(_loaded(place, study)))
+            when_done(_loaded(place, study))
         return _loaded(folder, study)
 
 
