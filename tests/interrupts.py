@@ -8,6 +8,7 @@ of the commands write over what is there. One that ends late is given once more 
 import argparse
 import os
 import random
+import shlex
 import shutil
 import signal
 import subprocess
@@ -50,12 +51,11 @@ class Command:
 
 _RUN = ("out/response.parquet", "out/loops.png")
 _TABLE = ("out/variants.parquet", "out/summary.json", "out/study.toml")
+_OTHER = "run shock_table --duration 0.11 --out out"
 _STUDY = "study floor_levels --levels 24 --workers 2 --out out --duration"
 COMMANDS = {
-    "run": Command("run shock_table --duration 0.1 --out out", "out", _RUN, "run shock_table --duration 0.11 --out out"),
-    "shock": Command(
-        "shock shock_table --half-sine=5 --duration 0.1 --out out", "out", _RUN, "run shock_table --duration 0.11 --out out"
-    ),
+    "run": Command("run shock_table --duration 0.1 --out out", "out", _RUN, _OTHER),
+    "shock": Command("shock shock_table --half-sine '5 g 11 ms z' --duration 0.1 --out out", "out", _RUN, _OTHER),
     "cases": Command("cases job.toml --workers 2 --out out", "", ("out/cases/down/response.parquet",)),
     "study": Command(f"{_STUDY} 0.12", "out", _TABLE, f"{_STUDY} 0.13"),
     "search": Command("study search.py --workers 2 --out out", "out", _TABLE, f"{_STUDY} 0.13"),
@@ -107,7 +107,7 @@ def interrupt(command: Command, folder: Path, words: str, delay: float, number: 
     scratch.mkdir()
     environment = {**os.environ, _MARK: str(folder), "TMPDIR": str(scratch)}
     process = subprocess.Popen(
-        [*WIREROPE, *words.split()], cwd=folder, env=environment, start_new_session=True,
+        [*WIREROPE, *shlex.split(words)], cwd=folder, env=environment, start_new_session=True,
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
@@ -128,9 +128,7 @@ def interrupt(command: Command, folder: Path, words: str, delay: float, number: 
     return seconds, code, told, left
 
 
-def faults(
-    name: str, folder: Path, reference: Path, delay: float, number: int, *, over: bool
-) -> tuple[list[str], float, str]:
+def faults(name: str, folder: Path, reference: Path, delay: float, number: int, *, over: bool) -> tuple[list[str], float, str]:
     """Interrupt a command in `folder`; return what is wrong, the time to its end [s], and how it ended."""
     command, before = COMMANDS[name], contents(folder)
     words = f"{command.words} {command.force if over else ''}"
@@ -166,9 +164,8 @@ def campaign(name: str, times: int, *, seed: int, place: Path) -> Counter[str]:
     command, chance = COMMANDS[name], random.Random(f"{seed} {name}")
     prepare(inputs := place / "inputs")
     shutil.copytree(inputs, old := place / "old")
-    if command.before or command.whole == "":
-        if not command.seconds:
-            finish(old, command.before or command.words)
+    if not command.seconds:
+        finish(old, command.before or command.words)
     shutil.copytree(inputs, reference := place / "reference")
     seconds = command.seconds
     if not seconds:

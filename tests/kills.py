@@ -8,6 +8,7 @@ nobody disturbed.
 import argparse
 import os
 import random
+import shlex
 import shutil
 import signal
 import subprocess
@@ -73,7 +74,7 @@ def start(folder: Path, words: str) -> subprocess.Popen[bytes]:
     """Start a command in `folder`, in a process group of its own."""
     code = "import sys; from wirerope_mj.cli import main; sys.exit(main())"
     return subprocess.Popen(
-        [sys.executable, "-c", code, *words.split()], cwd=folder, start_new_session=True,
+        [sys.executable, "-c", code, *shlex.split(words)], cwd=folder, start_new_session=True,
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
     )  # fmt: skip
 

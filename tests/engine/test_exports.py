@@ -108,7 +108,7 @@ def test_the_command_writes_what_the_ending_says_and_replaces_only_with_force(re
 
 def test_a_missing_package_is_named_and_nothing_is_written(response, tmp_path, monkeypatch):
     def missing(name):
-        raise ImportError(name)
+        raise ModuleNotFoundError(name)
 
     monkeypatch.setattr(exports, "import_module", missing)
     with pytest.raises(RecordError, match="needs h5py"):

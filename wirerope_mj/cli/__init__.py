@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Sequence
 
+from wirerope_mj.cli import process
 from wirerope_mj.foundation import interrupts
 
 
@@ -13,10 +14,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     if arguments is None:
         interrupts.end_soon_after_interrupts()
+        process.open_streams()
     try:
+        if arguments is None:
+            process.check_address_space()
         from wirerope_mj.cli import app  # here, since an interrupt may come while it is imported
 
         code = app.main(arguments)
+    except MemoryError as error:
+        print(f"wirerope: {error}", file=sys.stderr)
+        code = 2
     except KeyboardInterrupt:
         print(f"wirerope: {interrupts.MESSAGE}", file=sys.stderr)
         code = interrupts.INTERRUPTED

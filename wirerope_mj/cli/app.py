@@ -18,6 +18,7 @@ from cyclopts import App
 from cyclopts.exceptions import CycloptsError
 
 from wirerope_mj.cli.options import BAD_INPUT
+from wirerope_mj.cli.process import unprinted
 from wirerope_mj.foundation.errors import (
     AccuracyWarning,
     ClusterWarning,
@@ -113,26 +114,12 @@ def _say_notes(error: BaseException) -> None:
         _say(note)
 
 
-def _open_closed_streams() -> None:
-    """Send to nowhere what goes to a standard stream that is closed; else the next file that is opened would take its place."""
-    for number in range(3):
-        try:
-            os.fstat(number)
-        except OSError:
-            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
-    if sys.stdout is None:
-        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115 - for the life of the process
-    if sys.stderr is None:
-        sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
     if arguments is None:  # no Python that the command starts, libraries included, imports modules of the current folder
         os.environ["PYTHONSAFEPATH"] = "1"
         allow_one_beside()
         gc.set_threshold(_NEW_OBJECTS)
-    _open_closed_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with _warnings_shown():
@@ -142,13 +129,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 for name in COMMANDS:
                     _add(name)
             code = app(given, exit_on_error=False, print_error=False, result_action="return_value")
-        sys.stdout.flush()
+        if failure := unprinted():
+            _say(f"standard output: {failure.strerror}; what was printed is not complete.")
+            return BAD_INPUT
         return code if isinstance(code, int) else 0
-    except BrokenPipeError:  # the interpreter must not flush into it again
-        from wirerope_mj.views.terminal import without_reader
-
-        without_reader()
-        return 0
     except KeyboardInterrupt as error:
         _say(MESSAGE)
         for remedy in error.args:  # how it is resumed
@@ -160,7 +144,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         _say(option_message(error, given))
         return BAD_INPUT
-    except (WireRopeError, ValueError, OSError) as error:
+    except MemoryError as error:
+        _say(str(error) or "there is not enough memory for this. Ask for less: a shorter duration, fewer variants or workers.")
+        return BAD_INPUT
+    except (WireRopeError, ValueError, OSError, ImportError) as error:
         from wirerope_mj.foundation.errors import error_text
 
         _say(error_text(error))

@@ -11,7 +11,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.run import numerics_statement, run_content
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.runs.scenario import Scenario
-from wirerope_mj.views.terminal import console, print_table, show_answer, without_reader
+from wirerope_mj.views.terminal import console, print_table, show_answer
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
@@ -31,11 +31,8 @@ def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool 
 
     def show(judged: JudgedRun) -> None:
         nonlocal printed
-        try:
-            print_verdict(scenario, judged, seconds=perf_counter() - began)
-            sys.stdout.flush()  # into a file or a pipe it would come with the last line
-        except BrokenPipeError:  # the folder is still wanted
-            without_reader()
+        print_verdict(scenario, judged, seconds=perf_counter() - began)
+        sys.stdout.flush()  # into a file or a pipe it would come with the last line
         printed = True
 
     try:

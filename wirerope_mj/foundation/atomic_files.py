@@ -13,7 +13,8 @@ from wirerope_mj.foundation.half_written import (
     clear_half_written,
     hidden_file,
     hidden_folder,
-    is_full,
+    is_hidden,
+    is_of_place,
     locked,
     refusal,
     set_aside,
@@ -37,7 +38,7 @@ def atomic_file(path: Path, *, clear: bool = True) -> Iterator[Path]:
     """
     if clear:
         clear_half_written(path.parent)
-    with full_disk_named(path), hidden_file(path) as temporary:
+    with place_named(path), hidden_file(path) as temporary:
         yield temporary
         temporary.chmod(0o644)  # mkstemp makes files that nobody else may read
         os.replace(temporary, path)
@@ -104,7 +105,7 @@ def atomic_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str])
     check_folder(folder, force=force, kind=kind, marks=marks)
     missing = [parent for parent in target.parents if not parent.exists()]
     try:
-        with full_disk_named(folder), hidden_folder(target, patience=_PATIENCE) as temporary:
+        with place_named(folder), hidden_folder(target, patience=_PATIENCE) as temporary:
             if temporary is None:
                 raise RecordError(
                     f"{folder}: another process is writing this {kind}. Nothing in it was touched; wait for that one, or "
@@ -134,13 +135,18 @@ def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
 
 
 @contextmanager
-def full_disk_named(path: Path) -> Iterator[None]:
-    """Raise DiskFullError about `path`, which people know, if the block meets a full disk, at whatever file."""
+def place_named(path: Path) -> Iterator[None]:
+    """Raise errors about the place where the block writes as those about `path`, which people know, at whatever file it is.
+
+    DiskFullError if there is no space left, RecordError if nothing can be written there.
+    """
     try:
         yield
-    except (DiskFullError, OSError) as error:
-        reason = error.__cause__ if isinstance(error, DiskFullError) else error
-        if not isinstance(reason, OSError) or not is_full(reason):
+    except (RecordError, OSError) as error:
+        reason = error.__cause__ if isinstance(error, RecordError) else error
+        if not isinstance(reason, OSError) or not is_of_place(reason):
+            raise
+        if isinstance(error, RecordError) and not (isinstance(error, DiskFullError) or is_hidden(error)):
             raise
         raise refusal(path, reason) from reason
 

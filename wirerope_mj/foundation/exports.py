@@ -2,15 +2,14 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from importlib import import_module
-from io import FileIO
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -18,6 +17,8 @@ import scipy
 from wirerope_mj.foundation.arrays import AnyArray
 from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.interrupts import interrupts_held
+from wirerope_mj.foundation.unfailing_files import UnfailingFile
 
 if TYPE_CHECKING:
     import pandas
@@ -139,44 +140,25 @@ def _write_csv(table: Exported, path: Path) -> None:
         writer.close()
 
 
-class _Unfailing(FileIO):
-    """A file that keeps the error of a write for later: HDF5 ends the process if it meets one, as on a full disk."""
-
-    failure: OSError | None = None
-
-    def write(self, content: Any) -> int:
-        """Write all of `content`, or nothing more once a write has failed."""
-        rest = memoryview(content).cast("B")
-        while len(rest) and self.failure is None:
-            try:
-                rest = rest[super().write(rest) :]
-            except OSError as error:
-                self.failure = error
-        return len(memoryview(content).cast("B"))
-
-    @contextmanager
-    def failures_raised(self) -> Iterator[None]:
-        """Raise the error of a write that failed during the block, whatever came of it there."""
-        try:
-            yield
-        finally:
-            if self.failure is not None:
-                raise self.failure
-
-
 def _write_hdf5(table: Exported, path: Path) -> None:
     """Write a dataset for every column, called as it is, its unit an attribute."""
     h5py = _needed("h5py")
-    with _Unfailing(path, "w+b") as target, target.failures_raised(), h5py.File(target, "w") as file:
-        file.attrs.update(table.about)
+    # HDF5 ends the process if a write fails, as on a full disk, and loses an interrupt that meets it while it writes.
+    with UnfailingFile(path, "w+b") as target, target.failures_raised(), ExitStack() as stack:
+        with interrupts_held():
+            file = h5py.File(target, "w")
+            file.attrs.update(table.about)
+        stack.callback(interrupts_held()(file.close))
         for number, (name, unit) in enumerate(zip(table.names, table.units, strict=True)):
             values = table.column(number)
             name = name if table.grouped else name.replace("/", ".")
             if values.dtype.kind in "OUT":
                 values = np.array([str(value) for value in values], dtype=object)
-                file.create_dataset(name, data=values, dtype=h5py.string_dtype())
+                with interrupts_held():
+                    file.create_dataset(name, data=values, dtype=h5py.string_dtype())
             else:
-                file.create_dataset(name, data=values).attrs["unit"] = unit
+                with interrupts_held():
+                    file.create_dataset(name, data=values).attrs["unit"] = unit
 
 
 def _write_mat(table: Exported, path: Path) -> None:
@@ -208,7 +190,7 @@ def _matlab_names(names: Sequence[str]) -> list[str]:
 def _needed(package: str) -> ModuleType:
     try:
         return import_module(package)
-    except ImportError:
+    except ModuleNotFoundError:
         raise RecordError(
             f"this needs {package}, which is not installed: pip install 'wirerope-mj[export]', or write CSV or MAT."
         ) from None

@@ -33,6 +33,8 @@ _ASIDE = re.compile(rf"\.(?P<name>.+)\.[0-9a-f]{{8}}\.{_MARK}\.old")
 
 # Errors of the operating system that say that there is no room: on the disk, in the quota, or for so large a file.
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+# Errors that say that the place of a file is out of order: its disk, or the way to it.
+_BROKEN = (errno.EIO, errno.EROFS, errno.ENODEV, errno.ENXIO, errno.ESTALE, errno.ETIMEDOUT)
 # Outcomes of locking: it is ours, another process has it, nothing is there to lock, or there are no locks here.
 HELD, TAKEN, GONE, UNKNOWN = "held", "taken", "gone", "unknown"
 
@@ -160,7 +162,8 @@ def set_aside(folder: Path) -> Path:
 def refusal(path: Path, error: OSError) -> RecordError:
     """Return the error that says why nothing can be written at `path`."""
     if not is_full(error):
-        return RecordError(f"{path}: cannot write here ({error.strerror}). Choose another place.")
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        return RecordError(f"{path}: cannot write here ({reason}). Choose another place.")
     return DiskFullError(
         f"{path}: there is no space left for it ({os.strerror(error.errno or errno.ENOSPC)}); nothing half-written was left "
         "behind. Free some space, or choose another place."
@@ -174,6 +177,16 @@ def _refused(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise refusal(path, error) from error
+
+
+def is_of_place(error: OSError) -> bool:
+    """Return whether an error of the operating system is about where something is written, and not about another file."""
+    return is_full(error) or is_hidden(error.filename or "") or (error.filename is None and error.errno in _BROKEN)
+
+
+def is_hidden(text: object) -> bool:
+    """Return whether a text names one of the hidden files or folders."""
+    return f".{_MARK}.part" in str(text) or f".{_MARK}.old" in str(text)
 
 
 def is_full(error: OSError) -> bool:

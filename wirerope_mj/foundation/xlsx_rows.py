@@ -50,7 +50,7 @@ def sheet_names(path: Path) -> list[str]:
 def _workbook(path: Path) -> Iterator[Any]:
     try:
         import openpyxl
-    except ImportError:
+    except ModuleNotFoundError:
         raise RecordError(
             f"{path}: XLSX files are read by openpyxl, which is not installed: pip install 'wirerope-mj[xlsx]', "
             "or save the sheet as CSV."

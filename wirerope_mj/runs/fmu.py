@@ -11,7 +11,7 @@ from wirerope_mj.engine.simulation.simulate import checked_step
 from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import write_model
-from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, full_disk_named
+from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, place_named
 from wirerope_mj.foundation.errors import RecordError
 
 # Quantities that a unit gives out unless it is asked for all.
@@ -40,11 +40,11 @@ def write_fmu(
     check_writable(target, force=force)
     try:
         from pythonfmu3.builder import FmuBuilder
-    except ImportError:
+    except ModuleNotFoundError:
         raise RecordError("The package pythonfmu3 is missing: install wirerope-mj with its extra `fmu`.") from None
     step = SAFE * stable_step(system) if timestep is None else checked_step(system, timestep, 1.0)
     identifier = re.sub(r"\W", "_", system.path.stem if system.path else "system", flags=re.ASCII)
-    with full_disk_named(target), TemporaryDirectory() as scratch:
+    with place_named(target), TemporaryDirectory() as scratch:
         here = Path(scratch)
         model = write_model(system, here / "model")
         about = {

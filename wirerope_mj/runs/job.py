@@ -28,7 +28,7 @@ from wirerope_mj.content.job import JudgedCase, JudgedJob, job_content, job_head
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, full_disk_named, worked_on_alone, write_json
+from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, place_named, worked_on_alone, write_json
 from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRopeError
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.summary import Summarised
@@ -95,12 +95,13 @@ def run_job(
     folder = Path(folder)
     pdf, docx = pdf or (folder / "report.pdf").exists(), docx or (folder / "report.docx").exists()
     page_files(folder, None, pdf=pdf, docx=docx, force=True)  # what cannot be written is known before anything is computed
-    if (folder / JOB).is_file():
-        job_table(folder)  # perhaps it is the user's own file of that name, which must not be replaced
-    else:
-        check_folder(folder, force=False, kind="job", marks=(JOB,))
-    folder.mkdir(parents=True, exist_ok=True)
-    with worked_on_alone(folder, kind="job"), full_disk_named(folder):
+    if folder.is_dir() or not folder.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+    with worked_on_alone(folder, kind="job"), place_named(folder):  # nobody else, who may just have begun in a new folder
+        if (folder / JOB).is_file():
+            job_table(folder)  # perhaps it is the user's own file of that name, which must not be replaced
+        else:
+            check_folder(folder, force=False, kind="job", marks=(JOB,))
         _write_job(job, folder)
         model, computed, questions = _model_digest(job), {}, []
         for case in job.cases:

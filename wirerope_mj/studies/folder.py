@@ -15,7 +15,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import (
     atomic_file,
     atomic_folder,
-    full_disk_named,
+    place_named,
     worked_on_alone,
     write_json,
 )
@@ -100,7 +100,7 @@ def computed_alone(folder: Path, identity: str) -> Iterator[None]:
         if read_inputs(folder)["id"] != identity:
             raise RecordError(f"{folder}: another process has put another study here just now. Choose another folder.")
         try:
-            with full_disk_named(folder):
+            with place_named(folder):
                 yield
         except DiskFullError as error:
             if not _begun(folder):

@@ -1,7 +1,5 @@
 """The terminal: statements and tables on a console on which control characters and emoji codes in texts are harmless."""
 
-import os
-import sys
 from collections.abc import Iterable, Sequence
 from functools import singledispatch
 from typing import Any
@@ -41,11 +39,6 @@ def console() -> Console:
     """Return the console for tables: as wide as the terminal, or as `WIDTH`."""
     screen = _Screen(highlight=False, emoji=False)
     return screen if screen.is_terminal else _Screen(highlight=False, emoji=False, width=WIDTH)
-
-
-def without_reader() -> None:
-    """Send to nowhere what is still printed: the reader, such as `head`, has seen enough."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def show(content: Content, *sections: str) -> None:

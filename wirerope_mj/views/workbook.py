@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wirerope_mj.content.blocks import Content, Statement
-from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, full_disk_named
+from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, place_named
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import Exported
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
@@ -35,10 +35,10 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
     """
     try:
         from openpyxl import Workbook
-    except ImportError:
+    except ModuleNotFoundError:
         raise RecordError(f"{path}: XLSX needs openpyxl: pip install 'wirerope-mj[xlsx]', or write CSV.") from None
     check_writable(path, force=force)
-    with full_disk_named(path), _full_disk_told():
+    with place_named(path), _full_disk_told():
         _write(Workbook(write_only=True), content, samples, path)
     return path
 
@@ -51,7 +51,7 @@ def _full_disk_told() -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        if str(error) not in ("IO_ENOSPC", "IO_EDQUOT", "IO_EFBIG"):
+        if str(error) not in ("IO_ENOSPC", "IO_EDQUOT", "IO_EFBIG", "IO_EIO"):
             raise
         number, sys.unraisablehook = getattr(errno, str(error)[3:]), lambda _: None
         traceback.clear_frames(error.__traceback__)

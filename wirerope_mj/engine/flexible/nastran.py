@@ -73,7 +73,7 @@ def _read_by_pyyeti(path: Path, expected: str) -> Iterator[str]:
             yield str(regular(path))
     except RecordError:
         raise
-    except ImportError:
+    except ModuleNotFoundError:
         raise RecordError(f'{path}: files of Nastran are read by pyyeti: pip install "wirerope-mj[fe]".') from None
     except OSError as error:
         raise RecordError(f"{path}: the file cannot be read: {why_unread(error)}") from None

@@ -22,7 +22,7 @@ def check_installed() -> str:
     """Return the optimiser and its version; ValueError if it is not installed."""
     try:
         import pymoo  # noqa: F401
-    except ImportError as error:
+    except ModuleNotFoundError as error:
         raise ValueError("a search needs pymoo: pip install 'wirerope-mj[optimise]'.") from error
     return f"pymoo {version('pymoo')}, NSGA-II"
 

@@ -33,7 +33,7 @@ def check_docx() -> None:
     """Raise WireRopeError unless DOCX files can be written here; for asking before anything long is computed."""
     try:
         import docx  # noqa: F401
-    except ImportError:
+    except ModuleNotFoundError:
         raise WireRopeError("a DOCX needs python-docx: pip install 'wirerope-mj[docx]'.") from None
 
 

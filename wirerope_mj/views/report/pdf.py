@@ -28,7 +28,7 @@ def _weasyprint() -> ModuleType:
             # It announces which system libraries its next versions will need; what is written today needs none of them.
             warnings.simplefilter("ignore", DeprecationWarning)
             import weasyprint.urls
-    except ImportError:
+    except ModuleNotFoundError:
         text = "a PDF needs WeasyPrint: pip install 'wirerope-mj[pdf]'. Or print the HTML page from a browser."
         raise WireRopeError(text) from None
     except OSError as error:  # Pango is loaded as a shared library when WeasyPrint is imported

@@ -1,0 +1,31 @@
+"""Files that keep the error of a write: what writes to them goes on, and whoever opened them asks for it afterwards."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import FileIO
+from typing import Any
+
+
+class UnfailingFile(FileIO):
+    """A file whose writes do not fail: after the first that did, nothing more is written."""
+
+    failure: OSError | None = None
+
+    def write(self, content: Any) -> int:
+        """Write all of `content`, or nothing more once a write has failed."""
+        rest = memoryview(content).cast("B")
+        while len(rest) and self.failure is None:
+            try:
+                rest = rest[super().write(rest) or 0 :]
+            except OSError as error:
+                self.failure = error
+        return len(memoryview(content).cast("B"))
+
+    @contextmanager
+    def failures_raised(self) -> Iterator[None]:
+        """Raise the error of a write that failed during the block, whatever came of it there."""
+        try:
+            yield
+        finally:
+            if self.failure is not None:
+                raise self.failure
