@@ -203,6 +203,29 @@ def test_a_study_killed_while_it_computes_again_what_had_died_loses_nothing(alon
     assert sorted(path.name for path in folder.iterdir()) == FILES
 
 
+@pytest.mark.parametrize("moment", ["computing", "written", "done"])
+def test_a_study_stays_whole_until_the_one_that_replaces_it_is(alone, tmp_path, monkeypatch, moment):
+    folder = tmp_path / "study"
+    shutil.copytree(alone.folder, folder)
+    (folder / "travel.png").write_bytes(b"a picture of it")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    place = {"computing": "wirerope_mj.studies.study.write_part", "written": "wirerope_mj.studies.study.finish"}
+    with monkeypatch.context() as patch:
+        if moment in place:
+            patch.setattr(place[moment], interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            table_study(seed=2).run(folder, workers=1, force=True, when_done=interrupted)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert [path.name for path in tmp_path.iterdir()] == ["study"]
+    replaced = table_study(seed=2).run(folder, workers=1, force=True, when_done=lambda result: (result.folder / "new").touch())
+    assert rows(replaced.table) != rows(alone.table)
+    assert sorted(path.name for path in folder.iterdir()) == sorted([*FILES, "new"])
+
+
 def test_variants_that_failed_by_physics_are_not_computed_again(tmp_path, monkeypatch):
     asked = {"vary": {**VARY, "mount/m1/failed": wr.Choice(False, True)}, "variants": 4}
     first = table_study(**asked).run(tmp_path / "study", workers=1)

@@ -1,8 +1,11 @@
+import os
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from kills import interruptible
 from made_up_floor import floor_response
 from recordings import column, entities
 
@@ -176,6 +179,49 @@ def test_a_recording_that_fails_leaves_nothing_behind(floor, tmp_path, monkeypat
     with pytest.raises(ZeroDivisionError):
         record_rerun(floor, tmp_path / "run.rrd", state=True)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="counts threads as Linux lists them")
+def test_recordings_one_after_the_other_leave_no_thread(floor, tmp_path):
+    record_rerun(floor, tmp_path / "run.rrd")  # what rerun starts once for all
+    before = len(os.listdir("/proc/self/task"))
+    for _ in range(4):
+        record_rerun(floor, tmp_path / "run.rrd")
+    assert len(os.listdir("/proc/self/task")) <= before
+
+
+INTERRUPTED = """
+import pathlib, signal, sys, threading
+import rerun as rr
+from wirerope_mj.views.recording.target import atomic_recording
+
+def disturbed(ordinary):
+    def call(*arguments, **how):
+        signal.raise_signal(signal.SIGINT)
+        return ordinary(*arguments, **how)
+    return call
+
+for name in ("disconnect", "send_columns", "flush"):
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    ordinary = getattr(rr.RecordingStream, name)
+    try:
+        with atomic_recording(pathlib.Path(sys.argv[1])) as rec:
+            setattr(rr.RecordingStream, name, disturbed(ordinary))
+            rec.log("text", rr.TextLog("text"))
+            rec.send_columns("rows", [rr.TimeColumn("t", sequence=[1])], rr.Scalars.columns(scalars=[1.0]))
+    except KeyboardInterrupt:
+        pass
+    setattr(rr.RecordingStream, name, ordinary)
+    print(name, threading.active_count(), pathlib.Path(sys.argv[1]).exists())
+"""
+
+
+def test_an_interrupt_while_a_recording_is_written_or_ended_makes_nobody_wait(tmp_path):
+    with interruptible([sys.executable, "-c", INTERRUPTED, str(tmp_path / "run.rrd")]) as process:
+        said, told = process.communicate(timeout=100)
+    assert told == ""
+    # It ends without that flush, and so is whole then.
+    assert said.splitlines() == ["disconnect 1 False", "send_columns 1 False", "flush 1 True"]
 
 
 def test_an_unknown_tab_lists_those_that_exist(floor, tmp_path):

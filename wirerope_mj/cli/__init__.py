@@ -13,8 +13,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Without `arguments` they are those of this process, which ends soon after an interrupt, as one that the signal ended.
     """
     if arguments is None:
+        process.open_streams()  # first: a pipe would take the place of one that is closed
         interrupts.end_soon_after_interrupts()
-        process.open_streams()
     try:
         if arguments is None:
             process.check_address_space()

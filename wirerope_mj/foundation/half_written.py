@@ -181,7 +181,8 @@ def _refused(path: Path) -> Iterator[None]:
 
 def is_of_place(error: OSError) -> bool:
     """Return whether an error of the operating system is about where something is written, and not about another file."""
-    return is_full(error) or is_hidden(error.filename or "") or (error.filename is None and error.errno in _BROKEN)
+    named = error.filename, error.filename2
+    return is_full(error) or any(map(is_hidden, named)) or (named == (None, None) and error.errno in _BROKEN)
 
 
 def is_hidden(text: object) -> bool:
