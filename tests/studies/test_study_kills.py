@@ -14,6 +14,7 @@ import warnings
 
 import pytest
 from table_study import FILES, VARY, rows, table_study
+from writing_commands import files
 
 import wirerope_mj as wr
 from wirerope_mj.cli.study import compute_and_print
@@ -208,7 +209,7 @@ def test_a_study_stays_whole_until_the_one_that_replaces_it_is(alone, tmp_path, 
     folder = tmp_path / "study"
     shutil.copytree(alone.folder, folder)
     (folder / "travel.png").write_bytes(b"a picture of it")
-    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    before = files(folder)
 
     def interrupted(*_):
         raise KeyboardInterrupt
@@ -219,7 +220,7 @@ def test_a_study_stays_whole_until_the_one_that_replaces_it_is(alone, tmp_path, 
             patch.setattr(place[moment], interrupted)
         with pytest.raises(KeyboardInterrupt):
             table_study(seed=2).run(folder, workers=1, force=True, when_done=interrupted)
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert files(folder) == before
     assert [path.name for path in tmp_path.iterdir()] == ["study"]
     replaced = table_study(seed=2).run(folder, workers=1, force=True, when_done=lambda result: (result.folder / "new").touch())
     assert rows(replaced.table) != rows(alone.table)
