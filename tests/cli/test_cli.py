@@ -1,3 +1,4 @@
+import os
 import re
 import shlex
 import signal
@@ -197,3 +198,33 @@ def test_a_closed_stream_is_no_error(closed, tmp_path):
     )  # fmt: skip
     assert done.returncode == 0
     assert done.stderr == ""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device that is always full")
+@pytest.mark.parametrize(("redirected", "code", "told"), [
+    (">/dev/full", 2, "wirerope: standard output: No space left on device; what was printed is not complete.\n"),
+    ("| true", 0, ""),
+    ("2>/dev/full >/dev/null", 0, ""),
+])  # fmt: skip
+def test_a_run_whose_output_nobody_takes_is_written_all_the_same(redirected, code, told, tmp_path):
+    command = shlex.join([*WIREROPE, "run", "shock_table", "--duration", "0.05", "--level-g", "5", "--out", "run"])
+    done = subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {command} {redirected}"], cwd=tmp_path, capture_output=True, text=True, timeout=120
+    )
+    assert (done.returncode, done.stderr) == (code, told)
+    assert (tmp_path / "run" / "checksums.txt").is_file()
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+@pytest.mark.parametrize("megabytes", [250, 600, 2000])  # where libraries failed to load, ended the process, or waited for ever
+def test_too_little_address_space_is_one_message(megabytes, tmp_path):
+    resource = pytest.importorskip("resource", reason="Windows has no such limit")
+    size = megabytes * 2**20
+    done = subprocess.run(
+        [*WIREROPE, "export", "run", "o.h5"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)),
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert f"limited to {megabytes} MB (ulimit -v)" in done.stderr

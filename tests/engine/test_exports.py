@@ -1,6 +1,8 @@
 """Results for other programs: what was written is read back equal, by libraries that know nothing of this one."""
 
 import csv
+import itertools
+import signal
 from pathlib import Path
 
 import h5py
@@ -14,7 +16,8 @@ from wirerope_mj.cli import main
 from wirerope_mj.engine.response import histories
 from wirerope_mj.foundation import exports
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.foundation.exports import _matlab_names
+from wirerope_mj.foundation.exports import Exported, _matlab_names, write_export
+from wirerope_mj.foundation.unfailing_files import UnfailingFile
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 
@@ -143,3 +146,26 @@ def test_the_spectra_of_a_point_of_a_run_are_those_of_its_acceleration(response,
     assert main(["export", str(tmp_path / "run"), str(tmp_path / "t.csv"), "--spectrum", "roof"]) == 2
     assert "nothing is called 'roof'; there are base, " in capsys.readouterr().err
     assert not (tmp_path / "t.csv").exists()
+
+
+@pytest.mark.parametrize("number", [1, 3, 5])
+def test_an_interrupt_while_hdf5_writes_comes_when_it_has_written(number, tmp_path, monkeypatch):
+    pytest.importorskip("h5py")
+    count, write = itertools.count(1), UnfailingFile.write
+
+    def interrupted(file, content):
+        if next(count) == number:
+            signal.raise_signal(signal.SIGINT)
+        return write(file, content)
+
+    monkeypatch.setattr(UnfailingFile, "write", interrupted)
+    table = Exported(
+        names=["a", "b"], units=["m", ""], column=lambda n: np.arange(10_000.0), blocks=lambda: iter(()), about={"name": "x"}
+    )
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # as where these tests run in the background
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            write_export(table, tmp_path / "o.h5")
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert list(tmp_path.iterdir()) == []

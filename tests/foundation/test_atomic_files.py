@@ -1,5 +1,7 @@
 """Files and folders that are written whole or not at all, and places where none can be."""
 
+import errno
+import os
 import signal
 import subprocess
 import sys
@@ -95,6 +97,17 @@ def test_a_folder_that_cannot_be_written_is_one_sentence_without_the_hidden_name
     place = atomic_file(tmp_path / "a.txt")
     with pytest.raises(RecordError, match=r"a\.txt: cannot write here \(Permission denied\)\. Choose another place\.$"):
         place.__enter__()
+
+
+@pytest.mark.parametrize("named", [(), (".run.wirerope.part/a.csv",), ("a.csv", None, ".run.0123abcd.wirerope.old")])
+def test_a_disk_that_is_out_of_order_is_said_of_the_place_that_people_know(named, tmp_path):
+    def write():
+        with atomic_folder(tmp_path / "run", force=False, kind="run", marks=()) as folder, atomic_file(folder / "a.csv"):
+            raise OSError(errno.EIO, os.strerror(errno.EIO), *named)
+
+    with pytest.raises(RecordError, match=r"/run: cannot write here \(Input/output error\)\. Choose another place\.$"):
+        write()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_places_are_refused_before_the_work(tmp_path, monkeypatch):

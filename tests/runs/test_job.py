@@ -13,7 +13,9 @@ from kills import interruptible
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.foundation.atomic_files import worked_on_alone
 from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.half_written import hidden_file
 from wirerope_mj.runs import job as job_module
 from wirerope_mj.runs.folder import alterations
 from wirerope_mj.runs.sources import run_verdicts
@@ -236,6 +238,14 @@ def test_an_interrupted_job_leaves_nothing_half_written_and_goes_on(tmp_path):
     assert "the same command goes on" in said
     assert not [path for path in (tmp_path / "out").rglob(".*")]
     assert sorted(wr.run_job(tmp_path / "job.toml", tmp_path / "out", workers=1).computed.values()) == ["new", "new"]
+
+
+def test_a_job_that_another_process_begins_in_a_new_folder_is_called_so(tmp_path):
+    written(tmp_path)
+    (tmp_path / "out").mkdir()
+    other = worked_on_alone(tmp_path / "out", kind="job"), hidden_file(tmp_path / "out" / "job.toml")
+    with other[0], other[1], pytest.raises(wr.RecordError, match=r"out: another process works on this job"):
+        wr.run_job(tmp_path / "job.toml", tmp_path / "out")
 
 
 @pytest.mark.slow

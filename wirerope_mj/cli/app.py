@@ -18,7 +18,6 @@ from cyclopts import App
 from cyclopts.exceptions import CycloptsError
 
 from wirerope_mj.cli.options import BAD_INPUT
-from wirerope_mj.cli.process import unprinted
 from wirerope_mj.foundation.errors import (
     AccuracyWarning,
     ClusterWarning,
@@ -129,9 +128,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 for name in COMMANDS:
                     _add(name)
             code = app(given, exit_on_error=False, print_error=False, result_action="return_value")
-        if failure := unprinted():
-            _say(f"standard output: {failure.strerror}; what was printed is not complete.")
-            return BAD_INPUT
+        sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except KeyboardInterrupt as error:
         _say(MESSAGE)
