@@ -28,14 +28,22 @@ def _import_elsewhere() -> None:
 
 _import_elsewhere()
 
-_find, __dir__, __all__ = attach_stub(__name__, __file__)
+_find, _, __all__ = attach_stub(__name__, __file__)
 
 _RENAMED = {"read_cycles": "load_cycles", "write_cyclic_test": "save_cyclic_test"} | {
     name: f"motions.{name}" for name in ("EN1998_TYPE_1", "banded_lines", "psd_from_g", "psd_level", "psd_rms")
 }
 
 
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]
+
+
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from wirerope_mj.foundation.resources import version_of
+
+        return version_of("wirerope-mj")
     if name not in _RENAMED:
         return _find(name)
     import warnings

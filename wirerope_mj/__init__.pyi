@@ -182,3 +182,5 @@ from .studies.calibration import calibrate as calibrate
 from .studies.calibration import predict as predict
 from .views.recording import record_overlay as record_overlay
 from .views.recording import record_rerun as record_rerun
+
+__version__: str

@@ -32,6 +32,15 @@ def test_a_sine_is_its_cycles_and_their_amplitude():
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize("history", [[0, 5], [0, 1, 5], [5, 1, 0], [2, 2, 7, 7], [7, 2, 2]])
+def test_a_history_that_goes_one_way_is_half_a_cycle(history):
+    cycles = wr.rainflow_cycles(history)
+    assert (cycles.ranges, cycles.counts) == ([5.0], [0.5])
+    assert cycles.means == [0.5 * (history[0] + history[-1])]
+    assert cycles.damage(4.0) == 0.5 * 2.5**4
+
+
+@pytest.mark.quick
 def test_what_repeats_or_stands_still_adds_no_cycles():
     plain = wr.rainflow_cycles([0, 1, 0, 1, 0])
     slow = wr.rainflow_cycles(np.repeat([0.0, 0.5, 1.0, 0.5, 0.0, 0.5, 1.0, 1.0, 0.0], 3))

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from importlib import import_module
+from importlib.metadata import version
 
 import pytest
 from cyclopts import App
@@ -71,6 +72,13 @@ def test_every_name_of_the_front_door_can_be_had():
     for name in wirerope_mj.__all__:
         assert getattr(wirerope_mj, name) is not None
     assert set(wirerope_mj.__all__) <= set(dir(wirerope_mj))
+
+
+def test_the_version_is_that_of_the_installed_distribution_and_imports_no_wing():
+    assert wirerope_mj.__version__ == version("wirerope-mj")
+    assert "__version__" in dir(wirerope_mj)
+    heavy, _ = started("import wirerope_mj; wirerope_mj.__version__")
+    assert heavy == set()
 
 
 def test_a_name_that_is_not_there_is_missing_as_in_any_module():

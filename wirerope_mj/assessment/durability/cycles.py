@@ -69,7 +69,9 @@ def rainflow_cycles(history: ArrayLike) -> Cycles:
     values = np.asarray(history, dtype=np.float64)
     if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all():
         raise ValueError(f"`history` must be finite numbers, (n,) with n >= 2, got the shape {values.shape}.")
-    rows = [row[:3] for row in rainflow.extract_cycles(_turning_points(values))]
+    turns = _turning_points(values)
+    # The package sees an end only behind a third value; one that repeats is no turning point.
+    rows = [row[:3] for row in rainflow.extract_cycles([*turns, turns[-1]])]
     ranges, means, counts = np.array(rows, dtype=np.float64).reshape(-1, 3).T
     return Cycles(ranges=ranges, means=means, counts=counts)
 
