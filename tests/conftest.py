@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import examples_drawn  # noqa: F401  # its profile of Hypothesis is that of all tests
 import pytest
 
 # Commands that tests start read compiled modules, which the first of them writes: a start takes half the time.

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from laws_for_tests import path_through
 from scipy.integrate import solve_ivp
@@ -113,7 +114,7 @@ def planes(draw):
     points=st.lists(st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)), min_size=2, max_size=12),
     small=st.booleans(),
 )
-@settings(max_examples=150, deadline=None)
+@examples(150)
 def test_coupled_law_is_bounded_odd_passive_and_does_not_know_its_sampling(law, points, small):
     path = np.array([(0.0, 0.0), *points]) * (0.2 if small else 1.0)
     loop = law.trace(path)

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from laws_for_tests import (
     MIRRORED,
@@ -29,7 +30,7 @@ from wirerope_mj.mounts.laws import LAWS
 NAMES = sorted(LAWS)
 FRESH_INTERPRETER = 120  # seconds for one that runs the kernels as plain Python on a busy machine
 every_law = pytest.mark.parametrize("name", NAMES)
-few = settings(max_examples=25, deadline=None)
+few = examples(25)
 
 
 def test_every_law_is_tested():
@@ -98,7 +99,7 @@ def test_hysteretic_force_stays_within_its_bound(name, data, points):
 
 @every_law
 @given(data=st.data(), points=turning_points)
-@settings(max_examples=60, deadline=None)
+@examples(60)
 def test_no_path_from_the_unloaded_state_gains_work(name, data, points):
     law = data.draw(STRATEGIES[name].filter(passive))
     x, time, rate = smooth_path(points, per_segment=12)
@@ -150,7 +151,6 @@ def test_a_path_step_by_step_is_the_path_at_once(name, data, points):
 
 
 INTEGRATED = {"bouc-wen-baber-noori", "scragged-bouc-wen"}
-EXACT = {"enhanced-dry-friction", "masing", "vaiana-rosati", "tabulated"}
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if example(name).rate_independent])
@@ -159,12 +159,10 @@ EXACT = {"enhanced-dry-friction", "masing", "vaiana-rosati", "tabulated"}
 def test_path_does_not_depend_on_how_finely_it_is_sampled(name, data, points):
     law = data.draw(STRATEGIES[name])
     fine, coarse = law.trace(path_through(points, per_segment=7)), law.trace([0.0, *points])
-    sharpness = getattr(law, "n", 1.0)
-    exact = name in EXACT or (name not in INTEGRATED and sharpness in (1.0, 2.0))
-    # Closed forms differ by rounding; adaptive steps by 1e-11 each, and for n < 1 they meet an infinite curvature at z = 0.
-    tolerance = 1e-12 if exact else 1e-8
+    # Closed forms and series differ by rounding, and their work by the 3e-10 of four points; adaptive steps by 1e-11 each.
+    tolerance = 1e-8 if name in INTEGRATED else 1e-12
     np.testing.assert_allclose(fine.force[::7], coarse.force, rtol=0, atol=tolerance * size(law, coarse.force))
-    np.testing.assert_allclose(fine.work[::7], coarse.work, rtol=0, atol=max(tolerance, 1e-8) * size(law, coarse.work))
+    np.testing.assert_allclose(fine.work[::7], coarse.work, rtol=0, atol=max(tolerance, 1e-9) * size(law, coarse.work))
 
 
 PLAIN = """

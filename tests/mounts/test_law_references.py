@@ -6,6 +6,7 @@ of one unless they say otherwise.
 
 import itertools
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -84,6 +85,57 @@ def test_bouc_wen_is_its_differential_equation(parameters):
         np.testing.assert_allclose(trace.hysteretic_state, expected[:, 0], rtol=0, atol=tolerance)
         # Gauss' rule with four points: 3e-10 for n = 2, whose tangents are no exponentials.
         np.testing.assert_allclose(trace.work, expected[:, 1], rtol=0, atol=max(tolerance, 1e-9))
+
+
+# Points and weights of a quadrature over 0 to 1 in 32 panels that narrow towards 1, where a state nears its bound.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_REST = 1.0 - ((np.arange(32)[:, None] + 0.5 * (1.0 + _POINTS)) / 32.0).ravel()
+UNIT, SHARES = 1.0 - _REST**3, 3.0 * _REST**2 * np.tile(_WEIGHTS, 32) / 64.0
+
+
+@pytest.mark.parametrize("n", ["1/20", "1/3", "1/2", "9/10", "13/10", "5/2", "8", "30", "100"])
+@pytest.mark.parametrize("asymmetry", [0.0, 0.6])
+def test_work_at_any_exponent_is_the_integral_over_the_root_of_the_state(n, asymmetry):
+    """With n = p / q the length and the work are integrals of rational functions of the q-th root v of the state's size.
+
+    The path loads, unloads to z = 0 and loads the other way; the whole of each is one segment.
+    """
+    p, q = Fraction(n).as_integer_ratio()
+    given = {"alpha": 1.0, "beta": 0.9, "gamma": 0.1, "n": p / q, "k1": 0.2, "k2": 0.0, "k3": 1.0}
+    law = laws.AsymmetricBoucWen(**given, b=math.exp(0.5), c=2.0 * asymmetry)
+
+    def per_root(v, b):
+        return q * v ** (q - 1) / (1.0 - b * v**p)
+
+    def branch(x0, side, b, start, end):
+        """Return length and work of a branch on which the state's size goes from one end to the other, of which one is zero."""
+        largest = max(start, end) ** (1.0 / q)
+        v, grows = largest * UNIT, start == 0.0
+        length = v * (per_root(v[:, None] * UNIT, b) @ SHARES)
+        whole = largest * float(per_root(v, b) @ SHARES)
+        x = x0 + side * (length if grows else whole - length)
+        force = np.exp(asymmetry * x) * (side * (1.0 if grows else -1.0) * v**q + 0.2 * x + x**3)
+        return whole, side * largest * float((force * per_root(v, b)) @ SHARES)
+
+    most, least = 0.9 ** (q / p), 0.6 ** (q / p)
+    path, work = [0.0], [0.0]
+    for side, b, start, end in ((1.0, 1.0, 0.0, most), (-1.0, -0.8, most, 0.0), (-1.0, 1.0, 0.0, least)):
+        reached, done = branch(path[-1], side, b, start, end)
+        path, work = [*path, path[-1] + side * reached], [*work, work[-1] + done]
+    loop = law.trace(path)
+    # At n = 100 what q = z^n takes from one gains a hundred roundings, and the state's rate with it.
+    np.testing.assert_allclose(loop.hysteretic_state, [0.0, most, 0.0, -least], rtol=0, atol=1e-13 * most)
+    # Eight points of what F2 adds to the work: 4e-12 at the most.
+    scale = np.abs(loop.force).max() * np.abs(np.diff(path)).sum()
+    np.testing.assert_allclose(loop.work, work, rtol=0, atol=1e-11 * scale)
+
+
+def test_a_state_at_its_bound_stays_there_however_long_the_path_is():
+    """A billion yield deflections are two steps, not more than a trace takes."""
+    law = laws.BoucWen(alpha=0.6, beta=1.1, gamma=1.0, n=0.05)
+    loop = law.trace([0.0, 3.0, -3.0])
+    np.testing.assert_allclose(loop.force, [0.0, law.z_max, -law.z_max], rtol=1e-12)  # 20 times what rounding leaves of q
+    assert loop.work[-1] == pytest.approx(9.0 * law.z_max, rel=1e-8)  # but for a billionth of the path
 
 
 @pytest.mark.parametrize("parameters", [p for p in BOUC_WEN if p["n"] == 1.0], ids=str)

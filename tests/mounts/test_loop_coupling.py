@@ -6,8 +6,9 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from examples_drawn import examples
 from house import deck, mjcf, quiet
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from laws_for_tests import path_through
 from scipy.optimize import root
@@ -136,7 +137,7 @@ def planes(draw):
     points=st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=2, max_size=10),
     small=st.booleans(),
 )
-@settings(max_examples=200, deadline=None)
+@examples(200)
 def test_no_closed_path_draws_work(law, points, small):
     polygon = np.array(points) * (0.2 if small else 1.0)
     path = np.concatenate([[[0.0, 0.0]], polygon, polygon, [[0.0, 0.0]]])

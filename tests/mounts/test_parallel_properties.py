@@ -3,10 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from laws_for_tests import STRATEGIES, parallel_laws, passive, path_through, smooth_path, turning_points
 
-few = settings(max_examples=40, deadline=None)
+few = examples(40)
 drawn = parallel_laws()
 
 

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from examples_drawn import examples
 from house import quiet, sdof
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from laws_for_tests import MIRRORED, STRATEGIES, example, passive, smooth_path, turning_points
 from scipy.integrate import solve_ivp
@@ -20,7 +21,7 @@ NAMES = [
     "asymmetric-bouc-wen", "bouc-wen", "enhanced-dry-friction", "ozdemir", "symmetric-bouc-wen", "vaiana-rosati",
 ]  # fmt: skip
 every_law = pytest.mark.parametrize("name", NAMES)
-few = settings(max_examples=15, deadline=None)
+few = examples(15)
 widths = st.floats(0.01, 1.0)
 TURN = 2.0 * np.pi
 
@@ -105,7 +106,7 @@ def test_mirrored_path_gives_the_mirrored_force(name, data, points):
 @pytest.mark.slow
 @every_law
 @given(data=st.data(), points=turning_points)
-@settings(max_examples=40, deadline=None)
+@examples(40)
 def test_no_path_from_the_unloaded_state_gains_work(name, data, points):
     law = data.draw(STRATEGIES[name].filter(lambda law: passive(law) and bounded(law)))
     x, time, rate = smooth_path(points, per_segment=12)

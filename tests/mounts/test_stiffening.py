@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from examples_drawn import examples
 from house import deck, mjcf, sdof_text
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from laws_for_tests import STRATEGIES, example, path_through, smooth_path, turning_points
 from scipy.optimize import brentq
@@ -101,7 +102,7 @@ def test_values_out_of_range_are_named(values, words):
 
 @pytest.mark.parametrize("name", sorted(laws.LAWS))
 @given(points=turning_points, factor=st.floats(1.0, 2.0), data=st.data())
-@settings(max_examples=25, deadline=None)
+@examples(25)
 def test_a_scaled_law_draws_the_same_loop_in_another_unit_of_force(name, points, factor, data):
     law = data.draw(STRATEGIES[name])
     assert_scaled(law, factor, points)

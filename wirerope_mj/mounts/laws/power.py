@@ -7,6 +7,9 @@ small, and Pfaff's transformation is summed instead (Abramowitz and Stegun 15.3.
 
     l = u / (alpha (1 - q)) sum_k t_k,    t_0 = 1,  t_k+1 / t_k = w n (k + 1) / (n (k + 1) + 1),    w = q / (q - 1)
 
+The work of the state from there, the integral of u over the length, is the same series with n / 2: no sum of values follows the
+broken powers of u near zero.
+
 Elsewhere u is its Taylor series in the length, whose coefficients follow from u U' = n U u' with U = u^n one after the other,
 so that one power is computed for a whole step (Knuth, The Art of Computer Programming 2, 4.7). They are those of u over its
 start and of alpha times the length over it: in newtons and metres they would overflow near zero.
@@ -26,6 +29,9 @@ NEAR = 0.1  # |q| up to which the power series of the length from zero is summed
 _NEAR_BELOW_1 = 1.0 / 3.0
 ROUNDING = 1e-16  # Fraction of the state below which a term does not count
 _STEPS = 10_000
+# n from which on a power of the length is too high for eight points in one panel from zero, and growth of q in a panel.
+_SHARP, _GROWTH = 4.0, 20.0
+_AT_BOUND = 1e-15  # |1 - q| over 1 + n below which rounding alone moves the state: it stands at its bound
 
 
 @njit
@@ -37,22 +43,42 @@ def edge_of(alpha, b, n):
 
 
 @njit
-def length_from_zero(alpha, b, n, u):
-    """Return the length over which u grows from zero along u' = alpha - b u^n, for u up to `edge_of`."""
-    q = b / alpha * u**n
+def series_from_zero(q, n):
+    """Return sum_k q^k / (k n + 1), for |q| up to that of `edge_of`."""
     if n < 1.0:
         total, term, k, w = 1.0, 1.0, 1.0, q / (q - 1.0)
         while abs(term) > ROUNDING:
             term *= w * n * k / (n * k + 1.0)
             total += term
             k += 1.0
-        return u / (alpha * (1.0 - q)) * total
+        return total / (1.0 - q)
     total, power, k = 1.0, q, 1.0
     while abs(power) > ROUNDING:
         total += power / (k * n + 1.0)
         power *= q
         k += 1.0
-    return u / alpha * total
+    return total
+
+
+@njit
+def length_from_zero(alpha, b, n, u):
+    """Return the length over which u grows from zero along u' = alpha - b u^n, for u up to `edge_of`."""
+    return u / alpha * series_from_zero(b / alpha * u**n, n)
+
+
+@njit
+def work_from_zero(alpha, b, n, u):
+    """Return the integral of u over that length."""
+    return 0.5 * u * u / alpha * series_from_zero(b / alpha * u**n, 0.5 * n)
+
+
+@njit
+def next_panel(alpha, b, n, u, way):
+    """Return the u > 0 up to which q matters little or changes by `_GROWTH` at most; 0 or `edge_of` where it is near."""
+    edge, unseen = edge_of(alpha, b, n), (ROUNDING * alpha / abs(b)) ** (1.0 / n) if b != 0.0 else np.inf
+    if way > 0.0:
+        return min(edge, unseen if u < unseen else u * _GROWTH ** (1.0 / n))
+    return 0.0 if u <= unseen else max(unseen, u * _GROWTH ** (-1.0 / n))
 
 
 @njit
@@ -76,6 +102,9 @@ def series(alpha, b, n, u, way, c, a):
     q = b / alpha * u**n
     a[0] = 1.0
     c[0], c[1] = 1.0, way * (1.0 - q)
+    if way > 0.0 and abs(c[1]) <= (1.0 + n) * _AT_BOUND:
+        c[1:] = 0.0
+        return np.inf
     for k in range(1, ORDER):
         value = 0.0
         for j in range(1, k + 1):
@@ -141,11 +170,13 @@ def carry_power(p, i, x0, x1, z, j, c, a):
 def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
     """Do the same for the Bouc-Wen law of a number and return the work done on it [J].
 
-    The work is an eight-point Gauss-Legendre sum along each series. `scratch` holds 2 (ORDER + 1) numbers and one more.
+    The work is an eight-point Gauss-Legendre sum along each series; near zero it is that of the rest of the force alone.
+    `scratch` holds 2 (ORDER + 1) numbers and one more.
     """
     c, a, unused = scratch[: ORDER + 1], scratch[ORDER + 1 : 2 * ORDER + 2], scratch[2 * ORDER + 2 :]
     alpha, n, s = p[i], p[i + 3], 1.0 if x1 > x0 else -1.0
-    bend = 0.5 / abs(p[i + 7]) if law == ASYMMETRIC_BOUC_WEN and p[i + 7] != 0.0 else np.inf
+    slope = p[i + 7] if law == ASYMMETRIC_BOUC_WEN else 0.0  # of the logarithm of F2
+    bend = 0.5 / abs(slope) if slope != 0.0 else np.inf
     work, x, length, y = 0.0, x0, abs(x1 - x0), s * z[j]
     way, u = (1.0, y) if y >= 0.0 else (-1.0, -y)
     for _ in range(_STEPS):
@@ -156,22 +187,25 @@ def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
         edge = edge_of(alpha, b, n)
         if u < edge:  # counted from where the state is zero
             begin = length_from_zero(alpha, b, n, u)
-            left = begin if way < 0.0 else (length_from_zero(alpha, b, n, edge) - begin if b != 0.0 else np.inf)
+            goal = 0.0 if way < 0.0 else edge
+            if slope != 0.0 and n > _SHARP:
+                goal = next_panel(alpha, b, n, u, way)
+            left = way * (length_from_zero(alpha, b, n, goal) - begin) if goal < np.inf else np.inf
             step = min(length, left, bend)
-            end = begin + way * step if step < left or way > 0.0 else 0.0
-            # u bends like a broken power of the length there: over a root of the length it is smooth enough.
-            root_of = 2.0 if n >= 1.0 else 3.0
-            first, last = begin ** (1.0 / root_of), end ** (1.0 / root_of)
+            end = begin + way * step if step < left or goal > 0.0 else 0.0
+            done, u = work_from_zero(alpha, b, n, u), at_length(alpha, b, n, end) if step < left else goal
+            work += math.exp(slope * (x + s * step)) * work_from_zero(alpha, b, n, u) - math.exp(slope * x) * done
+            # By parts: what F2 changes over the work of the state. Over a root of the length that is smooth enough.
+            first, last = math.sqrt(begin), math.sqrt(end)
             for node in range(8):
-                root = first + (last - first) * NODES[node]
-                away = root**root_of
-                trial[0] = s * way * at_length(alpha, b, n, away)
-                force = bouc_wen_force(law, p, i, x + s * way * (away - begin), 0.0, trial, 0, unused, 0)
-                work += s * way * root_of * (last - first) * away / root * WEIGHTS[node] * force
-            if step < left:
-                u = at_length(alpha, b, n, end)
-            else:
-                u = 0.0 if way < 0.0 else edge
+                trial[0], part = 0.0, step * NODES[node]
+                work += s * step * WEIGHTS[node] * bouc_wen_force(law, p, i, x + s * part, 0.0, trial, 0, unused, 0)
+                if slope != 0.0:
+                    root = first + (last - first) * NODES[node]
+                    there = x + s * way * (root * root - begin)
+                    grown = work_from_zero(alpha, b, n, at_length(alpha, b, n, root * root))
+                    work -= 2.0 * s * way * slope * (last - first) * root * WEIGHTS[node] * math.exp(slope * there) * grown
+            if u == 0.0:
                 way = 1.0
         else:
             step = min(length, series(alpha, b, n, u, way, c, a), bend)
