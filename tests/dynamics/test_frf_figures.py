@@ -128,6 +128,9 @@ def test_ticks_are_inside_the_range_rise_and_are_neither_few_nor_many(low, ratio
 @example(low=100.0, ratio=9.0, most=3)
 @example(low=5.0, ratio=200.0, most=3)
 @example(low=150.0, ratio=6.7, most=4)  # were 200, 400, 600, 800, one into the other
+@example(low=701.0, ratio=2.125, most=4)  # were 800, 1000, 1200, 1400, the last two closer than four fit
+@example(low=1.013, ratio=2.78, most=4)  # were 1.5, 2, 2.5
+@example(low=2.153e-3, ratio=4.53, most=4)  # were 0.004, 0.006, 0.008
 @example(low=8.2, ratio=5.2, most=4)  # were 20, 40, without 10
 def test_labels_of_a_logarithmic_axis_name_every_decade_and_stand_apart(low, ratio, most):
     high = low * ratio

@@ -25,6 +25,7 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     chosen += [whole[::step] for step in range(2, whole.size)]
     room = _CLOSER * math.log(high / low) / most
     fitting = [ticks for one in chosen if (ticks := _inside(one, low, high)).size > 1 and np.diff(np.log(ticks)).min() >= room]
+    fitting += [thinned for ticks in equal if not fitting and (thinned := _thinned(ticks, whole, room)).size > 1]
     if fitting:
         return max(fitting, key=len)
     return next((ticks for ticks in equal[::-1] if ticks.size > 1), linear_ticks(low, high, most=6))
@@ -41,6 +42,15 @@ def _powers(low: float, high: float) -> Array:
 
 def _inside(ticks: Array, low: float, high: float) -> Array:
     return ticks[(ticks >= low * (1.0 - 1e-9)) & (ticks <= high * (1.0 + 1e-9))]
+
+
+def _thinned(ticks: Array, whole: Array, room: float) -> Array:
+    """Return the powers of ten, and of other ticks those that stand apart from them and from each other."""
+    kept = list(whole)
+    for tick in ticks:
+        if all(abs(math.log(tick / other)) >= room for other in kept):
+            kept.append(tick)
+    return np.sort(kept)
 
 
 def linear_ticks(low: float, high: float, *, most: int = 6) -> Array:
