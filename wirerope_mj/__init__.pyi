@@ -65,6 +65,7 @@ from .foundation.errors import AccuracyWarning as AccuracyWarning
 from .foundation.errors import BudgetError as BudgetError
 from .foundation.errors import ClusterWarning as ClusterWarning
 from .foundation.errors import ConvergenceError as ConvergenceError
+from .foundation.errors import FontWarning as FontWarning
 from .foundation.errors import ModelError as ModelError
 from .foundation.errors import ModelWarning as ModelWarning
 from .foundation.errors import RecordError as RecordError

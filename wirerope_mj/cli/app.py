@@ -21,6 +21,7 @@ from wirerope_mj.cli.options import BAD_INPUT
 from wirerope_mj.foundation.errors import (
     AccuracyWarning,
     ClusterWarning,
+    FontWarning,
     ModelWarning,
     RecordWarning,
     StudyWarning,
@@ -85,7 +86,7 @@ def tell_all(name: str) -> None:
 @contextmanager
 def _warnings_shown() -> Iterator[None]:
     """Print warnings about a model, a record, a response or a study, as one line each on standard error, without code."""
-    ours = (ModelWarning, RecordWarning, AccuracyWarning, ClusterWarning, StudyWarning)
+    ours = (ModelWarning, RecordWarning, AccuracyWarning, ClusterWarning, StudyWarning, FontWarning)
     with warnings.catch_warnings():
         for kind in ours:
             warnings.simplefilter("always", kind)

@@ -42,6 +42,10 @@ class AccuracyWarning(UserWarning):
     """A response is less accurate than was asked for, or depends on what nobody knows well, as struck stops."""
 
 
+class FontWarning(UserWarning):
+    """A picture or a document shows boxes in place of letters that no font of this machine has."""
+
+
 class SimulationError(WireRopeError):
     """A simulation cannot start, or ended before its time."""
 

@@ -29,7 +29,7 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, json_text
-from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.errors import FontWarning, ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.foundation.processes import run_beside
 from wirerope_mj.motions.records.record import records_in
@@ -244,9 +244,13 @@ def _write_views(scenario: Scenario, judged: JudgedRun, folder: Path, writing: C
     from wirerope_mj.content.run import panel_over_frequency, run_content
     from wirerope_mj.runs.page import REPORT
     from wirerope_mj.views.pictures import save_pictures
+    from wirerope_mj.views.plots.letters import fonts_for
     from wirerope_mj.views.report import report_html
 
     title, text, content = judged.title, _scenario_markdown(scenario), run_content(judged)
+    response = judged.response
+    # Here, because what the copy of this process warns of is lost.
+    fonts_for("\n".join((title, scenario.motion.description, *response.bodies, *response.points, *response.mounts)))
 
     def write_report() -> None:
         charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
@@ -261,7 +265,7 @@ def _write_views(scenario: Scenario, judged: JudgedRun, folder: Path, writing: C
         (folder / REPORT).write_text(report_html(content), encoding="utf-8")
 
     writing("the recording, the pictures and the report")
-    with run_beside(write_report):
+    with warnings.catch_warnings(action="ignore", category=FontWarning), run_beside(write_report):
         from wirerope_mj.views.recording.record import record_run
 
         over = panel_over_frequency(judged)

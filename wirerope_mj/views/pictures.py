@@ -1,12 +1,11 @@
 """Charts and scenes as files: the drawings of a page below each other, as PNG, SVG or PDF.
 
-Resvg draws the page's own SVG, so that a picture shows what the page shows; its letters are those that matplotlib brings.
+Resvg draws the page's own SVG, so that a picture shows what the page shows; its letters are those that matplotlib brings, and
+those of this machine's fonts that these lack.
 """
 
 import re
 from collections.abc import Iterator, Sequence
-from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from textwrap import wrap
 
@@ -14,6 +13,7 @@ from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.panels import WIDTH, Chart
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.views.plots import scene_svg
+from wirerope_mj.views.plots.letters import FAMILY, fonts_for, text_of
 from wirerope_mj.views.plots.svg_chart import chart_svg, safe_text
 
 _ZOOM = 1.6  # pixels to a unit of a drawing
@@ -85,18 +85,7 @@ def _text(x: float, y: float, text: str, look: str) -> str:
 def _png(picture: str) -> bytes:
     from resvg_py import svg_to_bytes
 
-    family = "DejaVu Sans"
     return svg_to_bytes(
-        svg_string=picture, background="#fff", zoom=_ZOOM, skip_system_fonts=True, font_files=_letters(), font_family=family,
-        sans_serif_family=family,
+        svg_string=picture, background="#fff", zoom=_ZOOM, skip_system_fonts=True, font_files=fonts_for(text_of(picture)),
+        font_family=FAMILY, sans_serif_family=FAMILY,
     )  # fmt: skip
-
-
-@cache
-def _letters() -> list[str]:
-    """Return the files of the letters, which look alike on every machine."""
-    spec = find_spec("matplotlib")  # not imported, which takes longer than to draw
-    assert spec is not None
-    assert spec.origin is not None
-    folder = Path(spec.origin).parent / "mpl-data" / "fonts" / "ttf"
-    return [str(folder / name) for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf")]

@@ -7,8 +7,10 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ft2font import FT2Font
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
@@ -17,6 +19,7 @@ from wirerope_mj.engine.from_tables import Layout, Mass
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.views.plots.letters import FAMILY, brought_fonts, fonts_for
 
 _VIEWS = (("plan", 0, 1), ("side view", 0, 2), ("end view", 1, 2))
 _MOUNT, _STOP, _POINT, _BODY = "#b2182b", "#d95f0e", "#1b7837", "#33648a"
@@ -30,7 +33,7 @@ def save_plan(layout: Layout, path: Path) -> None:
     """
     drawn = BytesIO()  # first: on a full disk matplotlib's writers end with errors of their own
     with matplotlib.rc_context({"svg.hashsalt": "wirerope", "pdf.fonttype": 42}), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # a box is drawn instead
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # `fonts_for` has said so
         _figure(layout).savefig(drawn, format=path.suffix[1:], dpi=150)
     with atomic_file(path) as temporary:
         temporary.write_bytes(drawn.getvalue())
@@ -48,6 +51,12 @@ def _figure(layout: Layout) -> Figure:
     for text in figure.findobj(Text):  # a dollar sign in a name begins no formula
         text.set_parse_math(False)
         text.set_text(plain_lines(text.get_text()))
+    families = [FAMILY]
+    for path in fonts_for("\n".join(text.get_text() for text in figure.findobj(Text)))[len(brought_fonts()) :]:
+        font_manager.fontManager.addfont(path)
+        families.append(FT2Font(path).family_name)
+    for text in figure.findobj(Text):
+        text.set_fontfamily(families)
     figure.draw_without_rendering()
     for title, texts in labels.items():
         _apart(panels[title], texts)

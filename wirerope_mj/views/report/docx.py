@@ -243,7 +243,7 @@ def _set_page(document: Any, content: Content) -> None:
         fonts = style.element.get_or_add_rPr().get_or_add_rFonts()
         for name_of in list(fonts.attrib):  # those of a theme go before a name
             del fonts.attrib[name_of]
-        for kind in ("ascii", "hAnsi", "cs", "eastAsia"):
+        for kind in ("ascii", "hAnsi", "cs"):  # East Asian letters in the font that the reader's program has for them
             fonts.set(f"{{{_W[9:-1]}}}{kind}", _FONT)
     document.styles["Normal"].paragraph_format.space_after = Pt(4)
     said = document.core_properties
