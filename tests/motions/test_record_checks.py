@@ -113,6 +113,17 @@ def test_a_trapezoid_that_was_not_measured_is_doubted_too(doubts):
     assert "stand at exactly 100 m/s^2" in words
 
 
+def test_figures_are_given_in_the_units_of_the_file(doubts):
+    """Saturated at 10 g, at rest at 1 g, and a spike of 500 g: none of the messages speaks of m/s^2."""
+    flat = along_z(Trapezoid(peak=10.0, duration=0.02, rise=0.002, direction="z", start=0.1))
+    spike = np.where(np.arange(TIME.size) == 700, 500.0, flat)
+    found = [text for values in (flat, flat + 1.0, spike) for text in doubts(values, header="time [s],z [g]")]
+    assert not [text for text in found if re.search(r"\d m/s\^2", text)]
+    assert "stand at exactly 10 g" in found[0]
+    assert any("rests at 1 g" in text or "by 1 g" in text for text in found)
+    assert any("one sample of 500 g" in text for text in found)
+
+
 @pytest.mark.parametrize("rest", [0.0, G])
 @pytest.mark.parametrize("low", [0.0, -60.0])
 def test_a_rectangle_is_not_taken_for_a_saturated_sensor(doubts, rest, low):
