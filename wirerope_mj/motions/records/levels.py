@@ -76,8 +76,9 @@ def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *
                 'baseline="highpass" (--baseline highpass).'
             )
         yield (
-            f"{where} its level changes from {before / factor:.4g} to {after / factor:.4g} {name} at {time[at]:.4g} s: in the shock the sensor "
-            f"turned or shifted its zero, or its AC coupling has not come back yet{'; ' if played else '. '}{remedy}"
+            f"{where} its level changes from {before / factor:.4g} to {after / factor:.4g} {name} at {time[at]:.4g} s: in the "
+            f"shock the sensor turned or shifted its zero, or its AC coupling has not come back yet"
+            f"{'; ' if played else '. '}{remedy}"
         )
     elif played and (coupling := _coupling(a, rate)) is not None:
         limit, velocity, left = coupling
