@@ -178,6 +178,17 @@ def test_what_a_text_gets_wrong_is_named(old, new, message, here):
         read(printed(PART, blocks=blocks).replace(old, new) if "Taken" not in old else text.replace(old, new))
 
 
+@pytest.mark.parametrize(("text", "program"), [
+    ("MASS = 1.0e-02 TONNE\nCENTER OF GRAVITY with respect to _A coordinate frame:\nX Y Z 1 2 3 MM\n", "Creo"),
+    ("Physical Properties for a\nMass: 12.3 kg\nMass Moments of Inertia with respect to Center of Gravity(Calculated using "
+     "negative integral)\n", "Inventor"),
+    ("Mass = 30 kg\nIoxG = 3 kgxm2\n", "CATIA"), ("Mass = 12 kg\nProducts of Inertia (Centroidal)\n", "NX"),
+])  # fmt: skip
+def test_texts_of_other_programs_are_named(text, program, here):
+    with pytest.raises(RecordError, match=f"this is a text of {program}, which is not read"):
+        read(text)
+
+
 ROWS = "name, mass [kg], x [mm], y [mm], z [mm], size_x [mm], size_y [mm], size_z [mm]\n"
 PARTS = "pump, 400, -300, 0, 450, 500, 400, 600\nframe, 200, 0, 0, 120, 900, 600, 100\n"
 
