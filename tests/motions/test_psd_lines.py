@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from wirerope_mj.motions import psd_from_g, psd_level, psd_rms
+from wirerope_mj.motions import RandomVibration, motion_from_dict, psd_from_g, psd_level, psd_rms
 from wirerope_mj.motions.psd_lines import psd_power
+from wirerope_mj.motions.spectra import vibration_response_spectrum
 
 G = 9.80665
 MINIMUM_INTEGRITY = [(20, 0.04), (1000, 0.04), (2000, 0.01)]  # MIL-STD-810H 514.8: -6 dB/octave from 1000 to 2000 Hz
@@ -27,6 +28,34 @@ def test_the_integral_is_exact_for_every_slope(slope):
     numerical, _ = quad(lambda f: 2.0 * (f / 10.0) ** slope, 30.0, 70.0, epsabs=0, epsrel=1e-13)
     # The slope itself is only known to 1e-16/ln 9 from the points; the quadrature was asked for 1e-13.
     assert high - low == pytest.approx(numerical, rel=1e-12)
+
+
+STEP = [(10, 0.01), (100, 0.01), (100, 0.001), (500, 0.001)]
+
+
+def test_two_points_of_one_frequency_are_a_step():
+    assert psd_rms(STEP) == pytest.approx(math.sqrt(0.01 * 90.0 + 0.001 * 400.0), rel=1e-14)  # 1.1402 g
+    np.testing.assert_allclose(psd_level(STEP, [99.9, 100.0, 100.1]), [0.01, 0.001, 0.001], rtol=1e-12)
+    np.testing.assert_allclose(psd_power(STEP, [100.0, 200.0]), [0.9, 1.0], rtol=1e-14)
+    motion = RandomVibration(psd=psd_from_g(STEP), duration=10.0, seed=1, direction="z")
+    assert motion.rms == pytest.approx(G * psd_rms(STEP), rel=1e-14)
+    assert motion_from_dict(motion.to_dict()) == motion
+    # Of an oscillator far from the step by the density that it sees alone: Miles' formula, for 60 Hz within 2 %.
+    (seen,) = vibration_response_spectrum(STEP, [60.0], q=50.0).acceleration
+    assert seen == pytest.approx(math.sqrt(0.5 * math.pi * 60.0 * 50.0 * 0.01), rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ([(10, 1.0), (10, 2.0), (20, 2.0)], "must increase, got 10 Hz after 10 Hz, as point 2"),
+        ([(10, 1.0), (20, 1.0), (20, 2.0)], "must go on behind the step at 20 Hz"),
+        ([(10, 1.0), (20, 1.0), (20, 2.0), (20, 3.0), (30, 3.0)], "must increase, got 20 Hz after 20 Hz, as point 4"),
+    ],
+)
+def test_a_step_stands_between_two_bands_and_has_two_levels(points, words):
+    with pytest.raises(ValueError, match=words):
+        psd_rms(points)
 
 
 def test_levels_are_straight_on_logarithmic_axes_and_zero_outside():

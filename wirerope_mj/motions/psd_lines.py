@@ -30,9 +30,12 @@ ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]  # times [s]
 _AMPLITUDE_UNITS = {"displacement": LENGTH_UNITS, "velocity": VELOCITY_UNITS, "acceleration": ACCELERATION_UNITS}
 
 
-def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2) -> Points:
+def checked_points(
+    name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2, steps: bool = False
+) -> Points:
     """Return points (frequency [Hz], level) as plain floats, at least so many; frequencies rise, and both are positive.
 
+    With `steps` two points, not the first or the last two, may have one frequency: there the level steps from one to the other.
     Messages call the argument `name` and the level `quantity`.
     """
     plain: list[tuple[float, float]] = []
@@ -49,11 +52,14 @@ def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: st
             plain.append((positive("frequency", frequency), positive(quantity, level)))
         except ValueError as error:
             raise ValueError(f"`{name}`, point {number}: {error}") from None
-        if number > 1 and plain[-1][0] <= plain[-2][0]:
+        step = steps and number > 2 and plain[-1][0] == plain[-2][0] > plain[-3][0]
+        if number > 1 and plain[-1][0] <= plain[-2][0] and not step:
             raise ValueError(
                 f"the frequencies of `{name}` must increase, got {plain[-1][0]:g} Hz after {plain[-2][0]:g} Hz, "
                 f"as point {number}."
             )
+    if len(plain) > 1 and plain[-1][0] == plain[-2][0]:
+        raise ValueError(f"`{name}` must go on behind the step at {plain[-1][0]:g} Hz, got it as the last point.")
     if len(plain) < least:
         raise ValueError(f"`{name}` must have at least {least} point{'s' if least > 1 else ''}, got {len(plain)}.")
     return tuple(plain)
@@ -62,9 +68,10 @@ def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: st
 def psd_level(psd: Sequence[Sequence[float]], frequencies: ArrayLike) -> Array:
     """Return the level of a power spectral density at the frequencies [Hz], any shape, in the unit of its points.
 
-    Between the points (frequency [Hz], level) it is straight on logarithmic axes; it is zero outside.
+    Between the points (frequency [Hz], level) it is straight on logarithmic axes; it is zero outside. At two points of one
+    frequency it steps, and has the second level there.
     """
-    f, levels = np.array(checked_points("psd", psd, quantity="level")).T
+    f, levels = np.array(checked_points("psd", psd, quantity="level", steps=True)).T
     at = np.asarray(frequencies, dtype=float)
     inside = (at >= f[0]) & (at <= f[-1])
     logarithm = np.interp(np.log(np.where(inside, at, f[0])), np.log(f), np.log(levels))
@@ -76,8 +83,9 @@ def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> Array:
 
     Between two points, S = S1 (f/f1)^m, it is S1 f1 ((f/f1)^(m+1) - 1)/(m+1), or S1 f1 ln(f/f1) for m = -1.
     """
-    f, levels = np.array(checked_points("psd", psd, quantity="level")).T
-    slopes = np.diff(np.log(levels)) / np.diff(np.log(f))
+    f, levels = np.array(checked_points("psd", psd, quantity="level", steps=True)).T
+    octaves_between = np.diff(np.log(f))
+    slopes = np.divide(np.diff(np.log(levels)), octaves_between, out=np.zeros(f.size - 1), where=octaves_between > 0.0)
     end = np.asarray(up_to, dtype=float)
     power = np.zeros(end.shape)
     for low, high, level, slope in zip(f[:-1], f[1:], levels[:-1], slopes, strict=True):
@@ -91,19 +99,19 @@ def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> Array:
 
 def psd_rms(psd: Sequence[Sequence[float]]) -> float:
     """Return the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz."""
-    points = checked_points("psd", psd, quantity="level")
+    points = checked_points("psd", psd, quantity="level", steps=True)
     return math.sqrt(float(psd_power(points, points[-1][0])))
 
 
 def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
     """Return a power spectral density [(m/s^2)^2/Hz] from points (frequency [Hz], level [g^2/Hz])."""
-    checked = checked_points("points", points, quantity="level [g^2/Hz]")
+    checked = checked_points("points", points, quantity="level [g^2/Hz]", steps=True)
     return tuple((frequency, level * STANDARD_GRAVITY**2) for frequency, level in checked)
 
 
 def psd_points(path: Path) -> Points:
     """Read the points (frequency [Hz], level [(m/s^2)^2/Hz]) of a file such as "frequency [Hz], psd [g^2/Hz]"."""
-    return _points(path, PSD_UNITS, kind="power spectral density", example='"frequency [Hz], psd [g^2/Hz]"')
+    return _points(path, PSD_UNITS, kind="power spectral density", example='"frequency [Hz], psd [g^2/Hz]"', steps=True)
 
 
 def spectrum_points(path: Path) -> Points:
@@ -176,7 +184,7 @@ def force_rows(path: Path) -> ForceRows:
     return tuple(row["time"] for row in rows), loads
 
 
-def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) -> Points:
+def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str, steps: bool = False) -> Points:
     """Read the points of a file of two columns; RecordError, which names the line, if it is not such a table."""
     header = read_header(path, kind=kind, example=example)
     of_units = [
@@ -193,6 +201,6 @@ def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) 
     places = [of_units[0][0], of_units[1][0]]
     try:
         rows = rows_in_si(header, dict(zip(places, (FREQUENCY_UNITS, units), strict=True)))
-        return checked_points("rows", rows, quantity=header.names[places[1]])
+        return checked_points("rows", rows, quantity=header.names[places[1]], steps=steps)
     except ValueError as error:
         raise RecordError(f"{path}: {error}") from None

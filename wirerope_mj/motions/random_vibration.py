@@ -50,8 +50,8 @@ class RandomVibration(AsCall, StartedMotion):
 
     kind: ClassVar[str] = "random-vibration"
 
-    #: points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes; zero outside.
-    #: `psd_from_g` makes them from g^2/Hz
+    #: points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes, and a step at two of
+    #: one frequency; zero outside. `psd_from_g` makes them from g^2/Hz
     psd: Sequence[Sequence[float]]
     duration: float  #: length of the vibration with rise and fall [s]
     seed: int  #: integer >= 0 that chooses the phases, and the amplitudes if they are random
@@ -64,7 +64,7 @@ class RandomVibration(AsCall, StartedMotion):
     amplitudes: Amplitudes = "fixed"  #: or "random", see above; the phases of a seed are the same in both
 
     def __post_init__(self) -> None:
-        self._set(psd=checked_points("psd", self.psd, quantity="level"))
+        self._set(psd=checked_points("psd", self.psd, quantity="level", steps=True))
         self._set(duration=ranges.length("duration", self.duration))
         self._set(seed=integer("seed", self.seed, least=0), direction=checked_direction(self.direction))
         for name, length in (("rise", self.rise), ("fall", self.fall)):

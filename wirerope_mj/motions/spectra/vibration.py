@@ -84,7 +84,7 @@ def vibration_response_spectrum(
     Raises:
         ValueError: an argument is out of its range.
     """
-    points = checked_points("psd", psd, quantity="level [(m/s^2)^2/Hz]")
+    points = checked_points("psd", psd, quantity="level [(m/s^2)^2/Hz]", steps=True)
     quality = positive("q", q)
     at = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
     if at.ndim != 1 or not (np.isfinite(at).all() and (at > 0.0).all()):
@@ -152,6 +152,8 @@ def _integrals(points: Points, natural: float, q: float) -> Array:
     total = np.zeros(len(_POWERS) + 1)
     near = natural * (1.0 + _NEAR * np.array([-1.0, 0.0, 1.0]) / q)
     for (f1, s1), (f2, s2) in zip(points[:-1], points[1:], strict=True):
+        if f1 == f2:  # a step
+            continue
         slope = math.log(s2 / s1) / math.log(f2 / f1)
 
         def density(f: float, *, start: float = f1, level: float = s1, slope: float = slope) -> float:
