@@ -2,14 +2,22 @@
 
 import math
 import os
+import re
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import numba
 import pytest
+from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
 from wirerope_mj.foundation import kernel_files
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.foundation.kernel_proof import TESTED, doubt
+from wirerope_mj.foundation.linked_code import LinkedCode
+
+ROOT = Path(__file__).parents[2]
 
 KERNELS = """
 from wirerope_mj.foundation.jit import inlined, njit
@@ -39,8 +47,9 @@ class Count(event.Listener):
         compiled.append(event.data["dispatcher"].py_func.__name__)
     def on_end(self, event):
         pass
-event.register("numba:compile", Count())
 {before}
+import wirerope_mj.foundation.jit  # which tries this Numba first, once
+event.register("numba:compile", Count())
 import kernels
 print(kernels.outer(2.0), kernels.apart(2.0), *compiled)
 """
@@ -51,8 +60,10 @@ def use(tmp_path):
     """Return a function that calls two kernels in a new process: it returns their results, and which were compiled."""
 
     def run(*, inner="FACTOR * x", offset=1, decorator="njit", before="", wait=True, **environment):
-        (tmp_path / "kernels.py").write_text(KERNELS.format(inner=inner, decorator=decorator))
-        (tmp_path / "constants.py").write_text(f"OFFSET = {offset}\n")
+        texts = {"kernels.py": KERNELS.format(inner=inner, decorator=decorator), "constants.py": f"OFFSET = {offset}\n"}
+        for name, text in texts.items():
+            if not (tmp_path / name).exists() or (tmp_path / name).read_text() != text:
+                (tmp_path / name).write_text(text)
         values = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), **environment}
         process = subprocess.Popen(
             [sys.executable, "-B", "-c", USE.format(before=before)],
@@ -80,7 +91,7 @@ ALL = ["outer", "inner", "apart"]
 
 
 def files(tmp_path):
-    return sorted((tmp_path / "cache").iterdir())
+    return sorted((tmp_path / "cache").glob("*.kernel"))
 
 
 def test_a_second_process_compiles_nothing(use):
@@ -168,7 +179,8 @@ def test_two_processes_at_once_leave_whole_files(use, tmp_path):
     for process in both:
         assert outcome(process)[:2] == (7.0, 2.5)
     assert use() == (7.0, 2.5, [])
-    assert [path.suffix for path in files(tmp_path)] == [".kernel"] * 3
+    assert len(files(tmp_path)) == 3
+    assert {path.suffix for path in (tmp_path / "cache").iterdir()} == {".kernel", ".proof"}
 
 
 def test_what_a_package_brings_along_is_found_with_no_cache_at_all(use, tmp_path):
@@ -185,7 +197,7 @@ def test_settings_of_the_current_folder_say_nothing_of_where_kernels_are(use, tm
     users = {"NUMBA_CACHE_DIR": None, "XDG_CACHE_HOME": str(tmp_path / "cache")}
     assert use(**users, before="import wirerope_mj") == (7.0, 2.5, ALL)
     assert not (tmp_path / "here").exists()
-    assert len(list((tmp_path / "cache" / "wirerope_mj").iterdir())) == 3
+    assert len(list((tmp_path / "cache" / "wirerope_mj").glob("*.kernel"))) == 3
 
 
 def test_a_relative_folder_of_the_environment_is_not_used(use, tmp_path):
@@ -273,6 +285,53 @@ def test_only_what_python_calls_becomes_machine_code_and_what_it_calls_raises_as
     assert root_of(4.0) == 2.0
     with pytest.raises(ValueError, match="no root of a negative number"):
         root_of(-1.0)
+
+
+# Another Numba, as far as it matters here: a class under another name, and code that is read again from one argument.
+RENAMED = "import numba.core.codegen as c; c.CodeLibrary3 = c.JITCodeLibrary; del c.JITCodeLibrary"
+REBUILT = """
+from numba.core.caching import CompileResultCacheImpl
+from numba.core.compiler import CompileResult
+before = CompileResult._rebuild
+CompileResult._rebuild = classmethod(lambda cls, context, payload: before(context, *payload))
+CompileResultCacheImpl.rebuild = lambda self, context, payload: CompileResult._rebuild(context, payload)
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "why"), [(RENAMED, "cannot import name 'JITCodeLibrary'"), (REBUILT, "_rebuild|<lambda>")], ids=["name", "code"]
+)
+def test_with_a_numba_that_is_not_known_kernels_are_compiled_by_numba_alone_and_kept(use, before, why):
+    use()  # a note that all is well with this Numba says nothing of another
+    for compiled in (ALL, []):
+        process = use(before=before, wait=False)
+        out, err = process.communicate(timeout=120)
+        assert out.split() == ["7.0", "2.5", *compiled]
+        assert err.count("compiled by Numba alone") == 1
+        assert re.search(why, err)
+        assert f"pip install 'numba=={TESTED}.*'" in err
+    assert use() == (7.0, 2.5, [])
+
+
+def test_this_numba_is_known():
+    assert doubt() == ""
+
+
+def test_functions_of_others_are_compiled_as_numba_has_it():
+    assert even(10)
+    assert JITCPUCodegen._library_class is JITCodeLibrary
+    assert JITCPUCodegen.set_env.__module__ == "numba.core.codegen"
+    (code,) = even.overloads.values()
+    assert type(code.library) is JITCodeLibrary
+    assert doubled_root(4.0) == 4.0
+    (code,) = doubled_root.overloads.values()
+    assert type(code.library) is LinkedCode
+
+
+def test_the_newest_numba_that_was_tested_is_the_newest_that_is_allowed():
+    major, minor = map(int, TESTED.split("."))
+    dependencies = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
+    assert f"numba>=0.65,<{major}.{minor + 1}" in dependencies
 
 
 @numba.njit

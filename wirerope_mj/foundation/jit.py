@@ -1,9 +1,12 @@
 """Compiling kernels, on their first call unless `kernel_files` finds them compiled, and what is said meanwhile."""
 
+import hashlib
 import multiprocessing
 import platform
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from time import perf_counter
 from typing import Any, cast
@@ -11,12 +14,16 @@ from typing import Any, cast
 import numba
 import numpy as np
 from numba import types
-from numba.core import event
-from numba.core.ccallback import CFunc
 
-from wirerope_mj.foundation.kernel_files import KernelFiles, cache_folder, where_kept, why_not_kept
-from wirerope_mj.foundation.linked_code import LinkedCode as LinkedCode
+from wirerope_mj.foundation.kernel_files import cache_folder, where_kept, why_not_kept
+from wirerope_mj.foundation.kernel_proof import doubt
 from wirerope_mj.foundation.processes import compile_beside
+from wirerope_mj.foundation.resources import version_of
+
+try:
+    from numba.core.event import Listener, register
+except ImportError:  # of another Numba: nothing is said meanwhile
+    Listener, register = object, lambda kind, listener: None
 
 # Time [s] that compiling takes before anything is said, and between two lines.
 PATIENCE, PACE = 2.0, 10.0
@@ -28,7 +35,7 @@ _UNWRAPPED = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _KEPT: list[Any] = []
 
 
-class Watch(event.Listener):
+class Watch(Listener):
     """Prints on standard error that kernels are being compiled, how long that takes, and how far it is."""
 
     def __init__(self, folder: str):
@@ -68,7 +75,8 @@ def say(line: str) -> None:
     print(f"wirerope: {line}", file=sys.stderr, flush=True)
 
 
-event.register("numba:compile", Watch(str(cache_folder())))
+doubt()  # before what it compiles is counted
+register("numba:compile", Watch(str(cache_folder())))
 
 
 def njit(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -83,9 +91,13 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def address(function: Callable[..., Any], signature: Any) -> int:
     """Return the address of `function` compiled as a C function of `signature`, a Numba type, for the life of the process."""
-    callback: Any = CFunc(function, (signature.args, signature.return_type), {}, {"nopython": True})
-    callback._cache = KernelFiles(function)
-    callback.compile()
+    if doubt():
+        with _numbas_cache() as kept:
+            callback = numba.cfunc(signature, cache=kept)(function)
+    else:
+        from wirerope_mj.foundation import linked_code
+
+        callback = linked_code.callback(function, signature)
     _KEPT.append(callback)
     return int(callback.address)
 
@@ -94,8 +106,16 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..
     if numba.config.DISABLE_JIT:
         return function
     options = {"error_model": "numpy", "forceinline": forceinline, "nogil": True}
+    if doubt():
+        with _numbas_cache() as kept:
+            return cast(
+                "Callable[..., Any]",
+                numba.njit(cache=kept and Path(function.__code__.co_filename).is_file(), **options)(function),
+            )
+    from wirerope_mj.foundation.linked_code import kernel
+
     # one that Python calls, and one that kernels call
-    compiled, linked = _dispatcher(function, options), _dispatcher(function, {**options, **_UNWRAPPED})
+    compiled, linked = kernel(function, options), kernel(function, {**options, **_UNWRAPPED})
     template = linked.get_call_template
     # Numba would make a function of its own for each number that is written out in a call: 589 of them instead of 427.
     compiled.get_call_template = lambda args, kws: template(
@@ -105,7 +125,24 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..
     return cast("Callable[..., Any]", compiled)
 
 
-def _dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    dispatcher: Any = numba.njit(**options)(function)
-    dispatcher._cache = KernelFiles(function, **options)
-    return dispatcher
+@contextmanager
+def _numbas_cache() -> Iterator[bool]:
+    """Have Numba keep what is decorated in a folder of this state of the package, and say whether it may.
+
+    It looks at a kernel's own file, not at those of what the kernel calls.
+    """
+    folder, before = cache_folder() / f"plain-{_state()}", numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder)
+    try:
+        yield not why_not_kept(folder)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+@cache
+def _state() -> str:
+    """Return a digest of the package and of what its kernels are made for."""
+    package = Path(__file__).resolve().parents[1]
+    parts = [version_of(name).encode() for name in ("numba", "llvmlite", "numpy", "mujoco")]
+    parts += [path.read_bytes() for path in sorted(package.rglob("*.py"))]
+    return hashlib.sha256(b"".join(parts)).hexdigest()[:16]

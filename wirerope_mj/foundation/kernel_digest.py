@@ -43,18 +43,19 @@ def digest(function: Callable[..., Any]) -> str:
 def _own(kernel: FunctionType) -> tuple[str, tuple[FunctionType, ...]]:
     """Return the text that a kernel itself adds, and the functions that it calls."""
     others: list[FunctionType] = []
-    parts = [f"{kernel.__module__}.{kernel.__qualname__}", repr(kernel.__defaults__), *_code(kernel.__code__)]
+    parts = [f"{kernel.__module__}.{kernel.__qualname__}", repr(kernel.__defaults__), *code_texts(kernel.__code__)]
     for name, value in _used(kernel):
         parts.append(f"{name} = {_text(name, value, others)}")
     return "\n".join(parts), tuple(others)
 
 
-def _code(code: CodeType) -> Iterator[str]:
+def code_texts(code: CodeType) -> Iterator[str]:
+    """Yield what a function's code does, by its names and constants."""
     yield code.co_code.hex()
     yield repr((code.co_names, code.co_varnames, code.co_freevars, code.co_argcount))
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
-            yield from _code(constant)
+            yield from code_texts(constant)
         else:
             yield repr(sorted(constant, key=repr) if isinstance(constant, frozenset) else constant)
 

@@ -8,29 +8,18 @@ cache is a folder of the user's that the environment names and no file does, and
 """
 
 import hashlib
-import itertools
 import os
-import pickle
 import stat
 import sys
-from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
 
-import llvmlite
 import llvmlite.binding as llvm
 import numba
-from numba.core.bytecode import FunctionIdentity
-from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
-from numba.core.runtime import rtsys
-from numba.core.serialize import dumps
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.foundation.kernel_digest import digest
 
 _V2 = ("cx16", "popcnt", "sahf", "sse3", "ssse3", "sse4.1", "sse4.2")
 _V3 = (*_V2, "avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave")
@@ -40,9 +29,6 @@ LEVELS = {"x86-64-v3": _V3, "x86-64-v2": _V2}
 # Whether the system has owners and modes; on Windows a folder of the user's profile is the user's by its access list.
 _KNOWN = hasattr(os, "geteuid")
 numba.core.config._config_fname = ""  # it looks for a file of settings in the current folder whenever it compiles
-# Names of compiled functions end in a number: processes that read each other's files count from numbers of their own, for LLVM
-# takes what it has read for what it is to compile where the names are one.
-FunctionIdentity._unique_ids = itertools.count(os.getpid() << 16)
 # Folder of the kernels that a built package brings along.
 SHIPPED = Path(__file__).resolve().parents[1] / "_kernels"
 # Files whose code this process uses.
@@ -142,73 +128,16 @@ def _doubt(folder: Path) -> str:
     return folder_doubt(folder) if folder.is_absolute() else f"{folder} is a relative path"
 
 
-class KernelFiles(_Cache):
-    """Compiled code of one kernel, as Numba's dispatchers ask for it."""
-
-    def __init__(self, function: Callable[..., Any], **options: Any):
-        """Take the kernel, and how it is compiled."""
-        self._function, self._options = function, options
-
-    @property
-    def cache_path(self) -> str:
-        """Folder that is written to."""
-        return str(cache_folder())
-
-    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
-        """Return the code for the types `sig`, or None if no file holds it whole."""
-        rtsys.initialize(target_context)  # that code allocates; all else that a compiler needs is loaded where one is
-        for processor in _processors(target_context.codegen()):
-            name = self._name(sig, processor)
-            for path, own in ((SHIPPED / name, False), (cache_folder() / name, True)):
-                payload = _read(path, own=own)
-                if payload is not None:
-                    try:
-                        code = CompileResult._rebuild(target_context, *pickle.loads(payload))
-                    except Exception:  # whatever a foreign file leads to: it is not used, and replaced
-                        continue
-                    LOADED.append(path)
-                    return code
-        return None
-
-    def save_overload(self, sig: Any, data: CompileResult) -> None:
-        """Keep compiled code if that is possible; a later process compiles again otherwise."""
-        path = cache_folder() / self._name(sig, data.codegen.magic_tuple())
-        data.library.get_pointer_to_function(data.fndesc.llvm_cfunc_wrapper_name)  # machine code of what C calls
-        content = dumps(data._reduce())
-        with suppress(OSError, RecordError):
-            path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            if not _doubt(path.parent):
-                with atomic_file(path, clear=False) as temporary:
-                    temporary.write_bytes(hashlib.sha256(content).digest() + content)
-
-    def enable(self) -> None:
-        """Do nothing: it is always used."""
-
-    def disable(self) -> None:
-        """Do nothing: it is always used."""
-
-    def flush(self) -> None:
-        """Do nothing: no file is ever wrong."""
-
-    def _name(self, sig: Any, processor: tuple[str, ...]) -> str:
-        config = numba.config
-        key = (
-            (sys.implementation.cache_tag, numba.__version__, llvmlite.__version__, *processor),
-            (int(config.OPT), config.BOUNDSCHECK, config.DEBUGINFO_DEFAULT),
-            (digest(self._function), sorted(self._options.items()), str(sig)),
-        )
-        return f"{self._function.__name__}-{hashlib.sha256(repr(key).encode()).hexdigest()[:24]}.kernel"
+def keep(path: Path, content: bytes) -> None:
+    """Write a file with its checksum if that is possible; what is not kept is made again by a later process."""
+    with suppress(OSError, RecordError):
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if not _doubt(path.parent):
+            with atomic_file(path, clear=False) as temporary:
+                temporary.write_bytes(hashlib.sha256(content).digest() + content)
 
 
-def _processors(codegen: Any) -> tuple[tuple[str, ...], ...]:
-    """Return what code may be compiled for: the level that ships, and this processor; or only what the user asks for."""
-    own, shipped = codegen.magic_tuple(), level()
-    if numba.config.CPU_NAME is not None or shipped is None:
-        return (own,)
-    return ((own[0], shipped, ""), own)
-
-
-def _read(path: Path, *, own: bool) -> bytes | None:
+def read(path: Path, *, own: bool) -> bytes | None:
     """Read a file; None if it is not there, cannot be read or is not whole, or, with `own`, if others may write it."""
     try:
         with open(path, "rb", opener=_opened if own else None) as file:

@@ -1,17 +1,39 @@
-"""Code of kernels as they link each other: machine code is made of what Python or C calls, and of nothing else.
+"""Kernels as they link each other: machine code is made of what Python or C calls, and of nothing else.
 
 Numba optimises each function with all that it calls, translates that to machine code and writes wrappers that Python and C
 could call, although most of our functions are called by kernels alone. That took half of the time of compiling them.
+
+All that reaches into Numba for that stands here, and `jit` does without it where it does not work (`proof`). Kernels have
+dispatchers, a target and a generator of code of their own; functions of others keep Numba's.
 """
 
+import hashlib
+import itertools
+import os
+import pickle
+import sys
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
+import llvmlite
+import numba
+from numba.core.bytecode import FunctionIdentity
+from numba.core.caching import _Cache
+from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen, RuntimeLinker
-from numba.core.compiler import lookup_environment
+from numba.core.compiler import CompileResult, lookup_environment
+from numba.core.registry import CPUDispatcher, CPUTarget, cpu_target
 from numba.core.runtime import rtsys
+from numba.core.serialize import dumps
+
+from wirerope_mj.foundation.kernel_digest import digest
+from wirerope_mj.foundation.kernel_files import LOADED, SHIPPED, cache_folder, keep, level, read
 
 _ENVIRONMENT = "_ZN08NumbaEnv"  # begins the names under which code finds what a function raises
-_set_env = JITCPUCodegen.set_env
+# Names of compiled functions end in a number: processes that read each other's files count from numbers of their own, for LLVM
+# takes what it has read for what it is to compile where the names are one.
+FunctionIdentity._unique_ids = itertools.count(os.getpid() << 16)
 
 
 class LinkedCode(JITCodeLibrary):
@@ -55,11 +77,124 @@ class LinkedCode(JITCodeLibrary):
                 self._codegen.set_env(name, environment)
 
 
-def _set_env_if_there(self: Any, name: str, environment: Any) -> None:
-    """Tell code where its environment is; code that is not translated has no place for it yet."""
-    if self._engine.is_symbol_defined(name):
-        _set_env(self, name, environment)
+class LinkedCodegen(JITCPUCodegen):
+    """Generator of the code of kernels."""
+
+    _library_class = LinkedCode
+
+    def set_env(self, env_name: str, env: Any) -> None:
+        """Tell code where its environment is; code that is not translated has no place for it yet."""
+        if self._engine.is_symbol_defined(env_name):
+            super().set_env(env_name, env)
 
 
-for _name, _value in (("_library_class", LinkedCode), ("set_env", _set_env_if_there)):
-    setattr(JITCPUCodegen, _name, _value)
+class KernelTarget(CPUTarget):
+    """Numba's own processor, with types and functions as Numba knows them, but for the generator of code."""
+
+    @property
+    def typing_context(self) -> Any:
+        """Types and signatures: Numba's."""
+        return cpu_target.typing_context
+
+    @cached_property
+    def target_context(self) -> Any:
+        """Implementations: Numba's, in code of ours."""
+        return cpu_target.target_context.subtarget(_internal_codegen=LinkedCodegen("wirerope.kernels"))
+
+
+_target = KernelTarget("cpu")
+
+
+class KernelDispatcher(CPUDispatcher):
+    """A kernel, as Python and other kernels call it."""
+
+    targetdescr = _target
+
+
+class KernelCallback(CFunc):
+    """A kernel, as C calls it."""
+
+    _targetdescr = _target
+
+
+class KernelFiles(_Cache):
+    """Compiled code of one kernel, as Numba's dispatchers ask for it."""
+
+    def __init__(self, function: Callable[..., Any], **options: Any):
+        """Take the kernel, and how it is compiled."""
+        self._function, self._options = function, options
+
+    @property
+    def cache_path(self) -> str:
+        """Folder that is written to."""
+        return str(cache_folder())
+
+    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
+        """Return the code for the types `sig`, or None if no file holds it whole."""
+        rtsys.initialize(
+            cpu_target.target_context
+        )  # that code allocates; all else that a compiler needs is loaded where one is
+        for processor in _processors(target_context.codegen()):
+            name = self._name(sig, processor)
+            for path, own in ((SHIPPED / name, False), (cache_folder() / name, True)):
+                payload = read(path, own=own)
+                if payload is not None:
+                    try:
+                        code = CompileResult._rebuild(target_context, *pickle.loads(payload))
+                    except Exception as error:  # whatever a foreign file leads to: it is not used, and replaced
+                        print(f"wirerope: {path} is compiled again: {type(error).__name__}: {error}", file=sys.stderr)
+                        continue
+                    LOADED.append(path)
+                    return code
+        return None
+
+    def save_overload(self, sig: Any, data: CompileResult) -> None:
+        """Keep compiled code if that is possible; a later process compiles again otherwise."""
+        keep(cache_folder() / self._name(sig, data.codegen.magic_tuple()), content_of(data))
+
+    def enable(self) -> None:
+        """Do nothing: it is always used."""
+
+    def disable(self) -> None:
+        """Do nothing: it is always used."""
+
+    def flush(self) -> None:
+        """Do nothing: no file is ever wrong."""
+
+    def _name(self, sig: Any, processor: tuple[str, ...]) -> str:
+        config = numba.config
+        key = (
+            (sys.implementation.cache_tag, numba.__version__, llvmlite.__version__, *processor),
+            (int(config.OPT), config.BOUNDSCHECK, config.DEBUGINFO_DEFAULT),
+            (digest(self._function), sorted(self._options.items()), str(sig)),
+        )
+        return f"{self._function.__name__}-{hashlib.sha256(repr(key).encode()).hexdigest()[:24]}.kernel"
+
+
+def content_of(code: CompileResult) -> bytes:
+    """Return what a file holds of compiled code, which is translated for that."""
+    code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name)  # machine code of what C calls
+    return bytes(dumps(code._reduce()))
+
+
+def _processors(codegen: Any) -> tuple[tuple[str, ...], ...]:
+    """Return what code may be compiled for: the level that ships, and this processor; or only what the user asks for."""
+    own, shipped = codegen.magic_tuple(), level()
+    if numba.config.CPU_NAME is not None or shipped is None:
+        return (own,)
+    return ((own[0], shipped, ""), own)
+
+
+def kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """Return a dispatcher of a kernel, compiled with Numba's `options` on its first call unless a file holds it."""
+    dispatcher = KernelDispatcher(py_func=function, targetoptions={**options, "nopython": True, "boundscheck": None})
+    dispatcher._cache = KernelFiles(function, **options)
+    return dispatcher
+
+
+def callback(function: Callable[..., Any], signature: Any) -> Any:
+    """Return a C function of a Numba signature, compiled unless a file holds it."""
+    compiled: Any = KernelCallback(function, (signature.args, signature.return_type), {}, {"nopython": True})
+    compiled._cache = KernelFiles(function)
+    compiled.compile()
+    return compiled

@@ -20,6 +20,7 @@ from wirerope_mj.engine.simulation.in_lanes import moving
 from wirerope_mj.engine.statics.loading import Loading
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.kernel_files import LOADED, cache_folder
+from wirerope_mj.foundation.kernel_proof import proof_name
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine, Sweep
 from wirerope_mj.motions.spectra import shock_response_spectrum
@@ -104,7 +105,7 @@ def copy_kernels(folder: Path) -> None:
         text = f"kernels were compiled: call `use_all_kernels` in another process first, with {cache_folder()}"
         raise RuntimeError(text)
     folder.mkdir(parents=True, exist_ok=True)
-    for path in LOADED:
+    for path in (*LOADED, cache_folder() / proof_name()):
         shutil.copyfile(path, folder / path.name)
 
 
