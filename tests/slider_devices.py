@@ -3,7 +3,7 @@
     python tests/slider_devices.py --sliders 3 5 10 20 40
 
 Each is fitted to noisy loops of 0.5 to 15 mm. The least amplitude is left out and predicted, by one set and by several; a mass
-on either shows resonances and transmissibilities, and cycles of a tenth of the least amplitude the damping.
+on either shows resonances and transmissibilities, and cycles of a fifth of the least amplitude frequency and damping there.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from wirerope_mj.mounts.identification.measured import prepare
 MASS = 50.0
 AMPLITUDES = (0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3, 15e-3)
 LEVELS = (0.005, 0.02, 0.1)  # [g]
-SMALL = 0.05e-3
+SMALL = 0.1e-3
 
 
 def device(sliders, least, *, c=8.0):
@@ -61,7 +61,10 @@ def main():
     parser.add_argument("--least", type=float, default=0.5 * AMPLITUDES[0], help="yield deflection of the least slider [m]")
     parser.add_argument("--scales", type=int, default=3)
     asked = parser.parse_args()
-    print("sliders | left out, one set and several | n | resonance, transmissibility at three levels | damping of small cycles")
+    print(
+        "sliders | left out, one set and several | n | resonance, transmissibility at three levels | "
+        "frequency, damping of small cycles, one set and several"
+    )
     for sliders in asked.sliders:
         true = device(sliders, asked.least)
         loops = noisy_loops(true)
@@ -72,11 +75,16 @@ def main():
         one, several = (group_error(found[scales, 1], prepare(loops)[:1], [0]) for scales in (1, asked.scales))
         law = found[asked.scales, 0]
         peaks = np.array([resonance(law, level) / resonance(true, level) - 1.0 for level in LEVELS])
-        ours, theirs = (wr.cyclic_test(one, SMALL, points_per_cycle=200)[0].damping_ratio for one in (law, true))
+        small = {}
+        for scales in (1, asked.scales):
+            one = law if scales > 1 else wr.identify(loops, law=wr.AsymmetricBoucWen, profiles=False).law
+            ours, theirs = (wr.cyclic_test(each, [SMALL], points_per_cycle=200)[0] for each in (one, true))
+            frequency = math.sqrt(ours.secant_stiffness / theirs.secant_stiffness) - 1.0
+            small[scales] = f"{frequency:+.1%} {ours.damping_ratio / theirs.damping_ratio - 1.0:+.0%}"
         shown = "; ".join(f"{f:+.1%} {t:+.1%}" for f, t in peaks)
         exponents = ", ".join(f"{part.n:.2f}" for part in law.components)
         left = f"{one:.2e} {several:.2e}, {several / one:.2f} of it"
-        print(f"{sliders} | {left} | {exponents} | {shown} | {theirs:.3f} {ours / theirs - 1.0:+.0%}", flush=True)
+        print(f"{sliders} | {left} | {exponents} | {shown} | {'; '.join(small.values())}", flush=True)
 
 
 if __name__ == "__main__":

@@ -126,6 +126,19 @@ def test_a_sensor_upside_down_is_suspected(tmp_path, floor):
     assert alone.statement == "Model in no channel as measured: point rack_top, z (better upside down)."
 
 
+@pytest.mark.parametrize("channels", [("B", "T"), ("T",)], ids="+".join)
+@pytest.mark.parametrize("first", [-0.3, -0.03, 0.0, 0.01, 0.02])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_sign_is_sought_wherever_the_record_begins(tmp_path, floor, channels, first, sign):
+    test = measured_of(
+        tmp_path, floor, late=-first, channels={name: CHANNELS[name] for name in channels},
+        change=lambda name, y: sign * y if name == "T" else y,
+    )  # fmt: skip
+    found = wr.correlate(floor, test)
+    assert [one.delay.upside_down for one in found.channels] == [False] * (len(channels) - 1) + [sign < 0.0]
+    assert found.delay == pytest.approx(-first, abs=1e-4)  # a tenth of the run's samples
+
+
 def test_another_base_is_said_before_the_model(tmp_path, floor):
     found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda name, y: 1.2 * y if name == "B" else y))
     base, model = found.statement.split(". ", 1)

@@ -96,3 +96,11 @@ def test_values_that_scatter_along_fewer_directions_than_there_are_have_coordina
 def test_a_deviation_below_the_digits_of_its_mean_is_refused():
     with pytest.raises(ValueError, match="no number holds values so close together"):
         wr.Normal(1.0, 5e-324, relative=True)
+
+
+@pytest.mark.parametrize("duration", ["1e400", "nan", "-1.0", "5e-324"])
+def test_a_job_of_no_duration_that_ends_is_refused_when_it_is_read(duration, here):
+    text = f'model = "shock_table"\n[simulate]\nduration = {duration}\n[[case]]\nname = "a"\nhalf-sine = "5 g 11 ms z"\n'
+    (here / "job.toml").write_text(text)
+    with pytest.raises(wr.ModelError, match="`duration` must be"):
+        wr.load_job(here / "job.toml")

@@ -8,6 +8,7 @@ from rig_faults import DEVICES, LAW, NI, SIZES, foreign_record
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
+from wirerope_mj.mounts.identification.records import loop_warnings
 from wirerope_mj.mounts.test_rig.faults import checked_record, hum_in, without_hum
 from wirerope_mj.mounts.test_rig.lag import lag_in
 
@@ -100,6 +101,14 @@ def test_the_least_lag_that_a_record_would_show_grows_with_its_noise():
     least = [checked_record(*rig_record(LAW, SIZES, points=400.0, noise=noise)).least_lag for noise in (0.0, 0.01, 0.02)]
     assert least[0] == pytest.approx(9e-4)  # a thousandth, told to a tenth
     assert least[0] < least[1] < least[2] < 0.02
+
+
+def test_that_no_lag_can_be_told_is_said_where_reversals_are_too_few(tmp_path):
+    few = tmp_path / "few.csv"
+    write_record(few, *rig_record(LAW, SIZES, points=400.0, cycles=2))
+    loops = wr.load_cycles(few)
+    _, said_of = loop_warnings({few: loops}, wr.identify(loops, law=wr.BoucWen, profiles=False))
+    assert "a lag between its channels, of whatever size, cannot be told" in said_of[few]
 
 
 @pytest.mark.slow

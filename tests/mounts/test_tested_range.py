@@ -11,10 +11,16 @@ from house import sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria.travel import untested_line
+from wirerope_mj.content.blocks import Statement
+from wirerope_mj.content.modes import below_tests
+from wirerope_mj.content.response_curve import response_content
+from wirerope_mj.dynamics.frequency_response.result import ResponseOptions, frequency_response
+from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.identification.records import identified_isolator
 from wirerope_mj.mounts.identification.result import OF_ACCELERATION, OF_DEFLECTION
 from wirerope_mj.mounts.isolator import MeasuredRange, Validity
+from wirerope_mj.mounts.isolator.validity import BELOW
 
 LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)
 SIZES = 2e-3, 5e-3, 8e-3
@@ -83,6 +89,24 @@ def test_what_hardly_moves_across_and_what_nothing_was_measured_of_is_not_said()
     assert still == {}
     off_centre = validity.outside([0.0, 0.0, -8e-3], [0.0, 0.0, -4e-3], small=False)
     assert off_centre == {"axial": "-8 to -4 mm (tested -5 to 5 mm)"}
+
+
+def test_modes_and_frequency_responses_below_the_least_tested_cycle_are_not_judged():
+    tested = MeasuredRange(amplitude=(2e-3, 8e-3), deflection=(-8e-3, 8e-3))
+    device = wr.Isolator(name="a", axial=LAW, validity=Validity(axial=tested))
+    system = wr.load_system(sdof_text(mass=20.0), isolators={"a": device})
+    (text,) = below_tests(system)
+    assert "least that isolators were tested at: a axial (2 mm)" in text
+    assert f"extrapolated and {BELOW}" in text
+    options = ResponseOptions(accelerations=(0.3, 8.0), start=8.0, stop=25.0).checked(system)
+    result = frequency_response(system, options)
+    content = response_content(result, level_summaries(result))
+    statements = [one for one in content.blocks("headline") if isinstance(one, Statement) and one.id == "outside-tests"]
+    (small,) = statements  # 8 m/s^2 deflect the mount by 2 to 8 mm
+    assert "At 0.3 m/s² the highest motion is outside the cycles" in small.text
+    assert "m1 axial ±0.455 mm (tested 2 to 8 mm)" in small.text
+    assert BELOW in small.text
+    assert small.tone == "unjudged"
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
+from wirerope_mj.mounts.isolator.validity import BELOW
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 
 TIPS = "tips over"  # Stands for the frequency of a mode in which the weight wins over the mounts
@@ -186,8 +187,9 @@ def below_tests(system: System) -> Iterator[str]:
     }
     if least:
         yield (
-            "Small amplitudes lie below the least that isolators were tested at, and their frequencies are extrapolated: "
-            f"{', '.join(least)}."
+            f"Small amplitudes lie below the least that isolators were tested at: {', '.join(least)}. Their frequencies and "
+            f"damping are extrapolated and {BELOW}. Quote the frequency at the least tested amplitude (--amplitude-mm), or "
+            "test smaller cycles."
         )
 
 

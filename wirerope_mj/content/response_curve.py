@@ -8,6 +8,7 @@ from importlib.metadata import version
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.travel import untested
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import several
 from wirerope_mj.content.orbits import orbit_blocks
@@ -20,6 +21,8 @@ from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.isolator.validity import BELOW
 
 _MARKED = 0.05  # Ratio to the fundamental from which another harmonic gives a peak its name
 _BESIDE, _ABOVE = 1.01, 1.12  # room about the curves, as factors
@@ -41,7 +44,9 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
         verdict=_headline(findings, str(options.payload)),
         sections=(
             Section(
-                "answer", "", lambda: (amplitude_chart(result, findings, bands), *_orders(findings, bands)), "headline"
+                "answer", "",
+                lambda: (amplitude_chart(result, findings, bands), *_orders(findings, bands), *_outside_tests(result)),
+                "headline",
             ),
             Section(
                 "peaks", "Peaks and changes of stability", lambda: (peak_table(findings), event_table(findings)), "summary",
@@ -102,6 +107,35 @@ def _top(summary: LevelSummary) -> ResonancePeak:
 def _orders(findings: Sequence[LevelSummary], bands: Sequence[OrderBand]) -> Iterator[Statement]:
     if bands:
         yield Statement(id="orders", items=tuple(order_statements(bands, findings)))
+
+
+def _outside_tests(result: FrequencyResponse) -> Iterator[Statement]:
+    """Yield for each level a statement on the mounts whose highest motion is outside what their laws were identified from."""
+    isolators = {name: mount.isolator for name, mount in result.system.mounts.items()}
+    if not any(isolator.validity.stated for isolator in isolators.values()):
+        return
+    for level in result.levels:
+        if level.branch is not None:
+            motion = level.branch.orbit(level.branch.peak).response
+            paths = {name: motion.mounts[name].deflection for name in isolators}
+            ends = {name: (path.min(axis=0), path.max(axis=0)) for name, path in paths.items()}
+        else:
+            sweep = next(iter(level.sweeps.values()))
+            row = int(np.argmax(sweep.amplitude))
+            ends = {name: (one.minimum[row], one.maximum[row]) for name, one in sweep.mounts.items()}
+        if where := untested(isolators, ends):
+            below = any(
+                0.5 * (ends[name][1][k] - ends[name][0][k]) < one.amplitude[0]
+                for name, isolator in isolators.items()
+                for k, axis in enumerate(AXES)
+                if (one := isolator.validity.stated.get(axis)) and axis in isolator.validity.outside(*ends[name], small=True)
+            )
+            end = f" Cycles below the least tested are {BELOW}." if below else ""
+            yield Statement(
+                id="outside-tests", tone="unjudged",
+                text=f"At {level.acceleration:.4g} m/s² the highest motion is outside the cycles that isolators were "
+                f"identified from: {where}. Resonance and transmissibility are extrapolated there.{end}",
+            )  # fmt: skip
 
 
 def peak_table(findings: Sequence[LevelSummary]) -> Table:

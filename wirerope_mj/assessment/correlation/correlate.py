@@ -277,10 +277,12 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
         raise RecordError(f"{measured.path}: every channel is dead: there is nothing to compare.")
     delays = {one.key: delay_of(response, measured, one) for one in alive}
     driven = [one for one in alive if one.subject == "base"] or alive
-    best = max(driven, key=lambda one: delays[one.key].correlation)
-    moved = align and delays[best.key].correlation >= _ALIKE
+    best = max(driven, key=lambda one: abs(delays[one.key].correlation))
+    moved = align and abs(delays[best.key].correlation) >= _ALIKE
     delay, clock = delays[best.key].value if moved else 0.0, 1.0
-    if moved and best.subject == "base":
+    if moved or not align:
+        delays = {one.key: delay_of(response, measured, one, around=delay) for one in alive}
+    if moved and best.subject == "base" and not delays[best.key].upside_down:
         delay, clock = clock_of(response, measured, best, delay=delay)
     pairs = {one.key: pair_of(response, measured, one, delay=delay, clock=clock) for one in alive}
     bases = {p.channel.axis: p for p in pairs.values() if p.channel.key.startswith("base acceleration")}
@@ -305,7 +307,7 @@ def _warnings(
     """Yield what makes a comparison doubtful."""
     name = measured.name
     if unaligned is not None:
-        largest = max(one.delay.correlation for one in channels if one.channel == unaligned)
+        largest = max(abs(one.delay.correlation) for one in channels if one.channel == unaligned)
         yield (
             f'{name}: no delay makes column "{unaligned.column}" like the run (largest correlation {largest:.2f}): its clock '
             "was not moved. Say when its first sample was taken and how fast its clock runs (--start, --clock); or is it "

@@ -21,7 +21,9 @@ _WINDOWS, _SAME_COURSE = 12, 0.8  # parts of a channel whose lags are compared, 
 _LEAST_DRIFT = 0.05  # samples by which clocks must drift apart in all
 _CLOCKS_APART, _SURE = 1e-3, 3.0  # most that two clocks' rates differ by; standard errors from which on they do at all
 
-_UPSIDE_DOWN = (0.6, 1.2)  # correlation of the negative channel, and by how much it is above that of the channel itself
+# correlation of the negative channel, and how many times that of the channel itself it is
+_UPSIDE_DOWN = (0.6, 1.1)
+_BESIDE = 0.25  # periods around a lag that is known in which a sign is sought: half a period later a vibration is its negative
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,8 +45,8 @@ class Pair:
 class Delay:
     """By how much a channel comes late."""
 
-    value: float  # [s]; the measured history fits the model's best when it is moved earlier by so much
-    correlation: float  # of both then, -1 to 1
+    value: float  # [s]; the measured history, or its negative, fits the model's best when it is moved earlier by so much
+    correlation: float  # of both then, -1 to 1; below zero if upside down
     upside_down: bool  # whether it fits better with the other sign
 
 
@@ -73,10 +75,12 @@ def model_history(response: Response, measured: Measured, channel: MeasuredChann
     return position if channel.absolute else position - base.displacement[:, axis]
 
 
-def delay_of(response: Response, measured: Measured, channel: MeasuredChannel) -> Delay:
-    """Find by how much a channel comes late: where its cross-correlation with the model's history is largest.
+def delay_of(response: Response, measured: Measured, channel: MeasuredChannel, *, around: float | None = None) -> Delay:
+    """Find by how much a channel comes late: where its cross-correlation with the model's history is largest, or most negative.
 
-    The maximum of the samples is refined by the parabola through the three values around it.
+    The maximum of the samples is refined by the parabola through the three values around it. Whether the channel is upside down
+    is sought at the lags at which it or its negative fits best, wherever its record begins; `around` a delay [s] that other
+    channels say, if either fits there.
     """
     from scipy.signal import correlate, correlation_lags
 
@@ -86,19 +90,19 @@ def delay_of(response: Response, measured: Measured, channel: MeasuredChannel) -
     if size == 0.0:
         return Delay(value=0.0, correlation=0.0, upside_down=False)
     course = correlate(one, other, mode="full", method="fft") / size
-    lags = correlation_lags(one.size, other.size)
-    best = int(course.argmax())
-    shift = float(lags[best])
-    if 0 < best < course.size - 1:
-        shift += _summit(course[best - 1 : best + 2])
+    delays = correlation_lags(one.size, other.size) / rate + (start - float(response.time[0]))
     lowest, factor = _UPSIDE_DOWN
-    near = np.abs(lags) <= 0.1 * other.size  # a vibration looks like its negative half a period later
-    down = float(-course[near].min())
-    return Delay(
-        value=shift / rate + start - float(response.time[0]),
-        correlation=float(course[best]),
-        upside_down=down > lowest and down > factor * float(course[near].max()),
-    )
+    near = np.ones(course.size, dtype=np.bool_)
+    if around is not None:
+        slope = float(np.linalg.norm(np.diff(other)))
+        period = 2.0 * np.pi * float(np.linalg.norm(other)) / slope if slope else 0.0  # mean, in samples
+        there = np.abs(delays - around) * rate <= max(_BESIDE * period, 1.0)
+        near = there if there.any() and np.abs(course[there]).max() > lowest else near
+    up, down = (int(np.where(near, sign * course, -np.inf).argmax()) for sign in (1.0, -1.0))
+    upside_down = bool(-course[down] > lowest and -course[down] > factor * course[up])
+    best = down if upside_down else int(course.argmax())
+    summit = _summit(course[best - 1 : best + 2]) if 0 < best < course.size - 1 else 0.0
+    return Delay(value=float(delays[best]) + summit / rate, correlation=float(course[best]), upside_down=upside_down)
 
 
 def clock_of(response: Response, measured: Measured, channel: MeasuredChannel, *, delay: float) -> tuple[float, float]:

@@ -27,12 +27,14 @@ SIGMAS = 3.0
 def random_verdicts(
     time: ArrayLike, acceleration: ArrayLike, *, subject: str, discard: float, end: float | None = None,
     limit: float | None = None, rms_limit: float | None = None, resolution: float | None = None, along: str = "",
+    fixed_over: float | None = None,
 ) -> tuple[Verdict, ...]:  # fmt: skip
     """Return verdicts on the rms, the 3-sigma value and the largest value of a stationary acceleration.
 
     Only what is stationary may count: neither the settling at the beginning nor the fall of the vibration and what follows
-    it. How well the rms is known stands in the notes: with statistical bandwidth B and length T its relative standard error
-    is 1 / (2 sqrt(B T)).
+    it. How well the rms is known stands in the notes: with statistical bandwidth B and length t its relative standard error
+    is 1 / (2 sqrt(B t)) in Gaussian vibration. Where the amplitudes of all sines of a vibration of length T are fixed, as a
+    controlled shaker has them, it is sqrt(1 - t / T) of that: only the phases differ from seed to seed.
 
     Args:
         time: uniform instants [s], (n,).
@@ -45,6 +47,7 @@ def random_verdicts(
         rms_limit: largest rms allowed [m/s^2]; None is not judged.
         resolution: of the density the bandwidth comes from [Hz]; see `power_spectral_density`.
         along: "x", "y" or "z", if the acceleration is a component.
+        fixed_over: length T of a vibration with fixed amplitudes [s]; None of Gaussian vibration.
 
     Raises:
         ValueError: the samples are not as they must be, or too short.
@@ -61,7 +64,7 @@ def random_verdicts(
     kept = round(density.duration * (instants.size - 1) / float(instants[-1] - instants[0]))
     instants, values = instants[-kept:], values[-kept:]
     rms = float(np.std(values))
-    uncertainty = _uncertainty(density, rms)
+    uncertainty = _uncertainty(density, rms, fixed_over)
     largest, when = sampled_peak(instants, np.abs(values - values.mean()))
     rows = (
         (RMS, rms, rms_limit, None, uncertainty),
@@ -105,6 +108,8 @@ def judge_random(
     bodies = payload_bodies(response)
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *response.points])
     kinds = {name: "bodies" for name in bodies} | {name: "points" for name in response.points}
+    random = [part for part in elements(response.motion) if "psd" in part]
+    fixed = all(part.get("amplitudes", "fixed") == "fixed" for part in random) and alone
     verdicts: list[Verdict] = []
     for name, kind in kinds.items():
         acceleration = read_columns(response, f"{kind}/{name}/acceleration/x", 3)
@@ -115,6 +120,7 @@ def judge_random(
                 response.time, history, subject=name,
                 discard=_settled(response.time, history, first, last) if discard is None else discard, end=last,
                 limit=values[axis % len(values)] or None, resolution=resolution, along="xyz"[axis],
+                fixed_over=min(float(part["duration"]) for part in random) if fixed else None,
             )  # fmt: skip
     return _if_enough(response, verdicts)
 
@@ -135,14 +141,18 @@ def _settled(time: Array, acceleration: Array, first: float, last: float) -> flo
     return lead + float(power_spectral_density(time[rows], acceleration[rows]).settling)
 
 
-def _uncertainty(density: PowerSpectralDensity, rms: float) -> str:
+def _uncertainty(density: PowerSpectralDensity, rms: float, fixed_over: float | None) -> str:
     """Return how well the rms is known."""
     if not rms > 0.0:
         return ""
-    return (
-        f"standard error {100.0 * float(density.rms_error):.2g} % ({density.duration:.4g} s of a bandwidth of "
-        f"{float(density.bandwidth):.3g} Hz)"
-    )
+    gaussian = 100.0 * float(density.rms_error)
+    length = f"{density.duration:.4g} s of a bandwidth of {float(density.bandwidth):.3g} Hz"
+    if fixed_over is None:
+        return f"standard error {gaussian:.2g} % ({length})"
+    # A record that is all of it has one rms; the bandwidth is known to some 10 %, and so no less than a tenth is said.
+    own = gaussian * max(math.sqrt(max(1.0 - density.duration / fixed_over, 0.0)), 0.1)
+    gaussian_text = f"{gaussian:.2g} % in Gaussian vibration ({length})"
+    return f"standard error {own:.2g} % from seed to seed, amplitudes being fixed; {gaussian_text}"
 
 
 def _expected(density: PowerSpectralDensity, rms: float, largest: float) -> str:

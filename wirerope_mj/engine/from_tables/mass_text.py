@@ -80,11 +80,11 @@ def read_mass_text(path: Path, *, products: str = "") -> list[tuple[str, MassPro
     except OSError as error:
         raise RecordError(f"{path}: the mass properties cannot be read: {why_unread(error)}") from None
     text = _with_points(path, "\n".join(map(_folded, lines)))
+    program = next((name for words, name in _OTHERS.items() if re.search(words, text)), "")
     masses = list(_MASS.finditer(text))
-    if not masses:
-        program = next((name for words, name in _OTHERS.items() if re.search(words, text)), "")
-        kind = f"this is a text of {program}: " if program else ""
-        raise RecordError(f"{path}: {kind}the mass is not found in this text. {_HOW}")
+    if program or not masses:
+        fault = f"this is a text of {program}, which is not read" if program else "the mass is not found in this text"
+        raise RecordError(f"{path}: {fault}. {_HOW}")
     systems = {match[1] for match in _SYSTEM.finditer(text)}
     if len(systems) > 1:
         raise RecordError(

@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions.records.levels import level_warnings, moved_level
 from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, peak_from, quiet_level
 from wirerope_mj.motions.records.resolution import resolution_warnings
 
@@ -55,6 +56,7 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
             yield from _cut_off(axis, a, offset_of(a))
             yield from (clipped_text(f"along {axis}", reading.text(top, 5), n) for top, n in flat_tops(a))
             yield from resolution_warnings(f"along {axis}", a / factor, offset_of(a) / factor, rate, unit=unit)
+            yield from level_warnings(f"along {axis}", reading.time, a, (unit, factor))
 
 
 def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:
@@ -63,7 +65,7 @@ def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str
         return
     step, length = float(time[1] - time[0]), float(time[-1] - time[0])
     for axis, a in zip("xyz", samples.T, strict=True):
-        if not a.any():
+        if not a.any() or moved_level(a, 1.0 / step):  # which was said
             continue
         rest = quiet_level(a)
         velocity = a[:-1] + a[1:]
@@ -95,7 +97,10 @@ def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str
                     'Correct it with baseline="rest" or "highpass" (--baseline).'
                 )
         elif speed > LARGEST_SPEED:  # it coasts after its pulse, wherever that takes it
-            yield f"{course}its unit is another one, by a factor of 9.81 or 1000. Say the right one with `unit` (--unit)."
+            yield (
+                f"{course}its unit may be another one, by a factor of 9.81 or 1000 (say the right one with `unit`, --unit), or "
+                "its zero moves."
+            )
 
 
 def _strays(course: str, steady: str, speed: float, travel: float) -> Iterator[str]:

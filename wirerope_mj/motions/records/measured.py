@@ -16,6 +16,7 @@ from wirerope_mj.foundation.summary import Summarised, quantity
 from wirerope_mj.foundation.units import find_unit
 from wirerope_mj.motions.records.channel_map import SI, UNITS, Axis, ChannelPhrase, Quantity, parse_channel
 from wirerope_mj.motions.records.checks import clipped_text, flat_tops
+from wirerope_mj.motions.records.levels import level_warnings
 from wirerope_mj.motions.records.reading import level_at_rest, offset_of
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.records.resolution import resolution_warnings
@@ -227,6 +228,8 @@ def _warnings(
             'baseline="rest" takes it off (--baseline rest).'
         )
     yield from resolution_warnings(where, values / factor, offset_of(values) / factor, rate, unit=unit, played=False)
+    if quantity == "acceleration":
+        yield from level_warnings(where, np.arange(values.size) / rate, values, (unit, factor), played=False)
 
 
 def _require_distinct(channels: list[MeasuredChannel]) -> None:

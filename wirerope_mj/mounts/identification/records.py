@@ -69,9 +69,11 @@ def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict
         faults = [text for one in checked.values() for text in one.faults]
         warnings = [*faults, *_unsteady(loops), *_unexplained(loops, result), *_level(loops), *_soft(tests)]
         return warnings, {
-            path: f"; a lag between its channels is named from {100.0 * one.least_lag:.2g} % of a cycle on"
+            path: "; a lag between its channels, of whatever size, cannot be told: that takes a time, no play and three "
+            "reversals in turn between like strokes, as two and a half cycles of an amplitude have"
+            if math.isnan(one.least_lag)
+            else f"; a lag between its channels is named from {100.0 * one.least_lag:.2g} % of a cycle on"
             for path, one in checked.items()
-            if not math.isnan(one.least_lag)
         }
     inside = [pair for pair in loops if not closes(prepare([pair[1]], stop=True)[0])]
     closed = [pair for pair in loops if not any(pair[1] is loop for _, loop in inside)]

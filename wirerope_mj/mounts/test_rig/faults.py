@@ -196,4 +196,6 @@ def checked_file(path: Path) -> Checked:
     records = [one for one in read_rows(path) if one.time]
     each = [checked_record(np.array(one.time), np.array(one.deflection), np.array(one.force)) for one in records]
     faults = [f"{path}: {text}" for one in each for text in one.faults]
-    return Checked(faults=faults, least_lag=max((one.least_lag for one in each), default=math.nan))
+    return Checked(
+        faults=faults, least_lag=max((one.least_lag for one in each if not math.isnan(one.least_lag)), default=math.nan)
+    )

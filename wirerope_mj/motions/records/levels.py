@@ -1,0 +1,129 @@
+"""What a sensor makes of its own zero: a level that is another after the shock than before it, and AC coupling."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.motions.records.reading import is_pulse, offset_of, peak_from
+
+# parts of what stands before a change and behind it, and the least samples of each: their medians must agree
+_PARTS, _FEWEST = 4, 16
+_STEADY = 0.25  # of the change, by which the medians of these parts may differ from the level
+_ERRORS = 7.4  # four standard errors of a median of noise, in median deviations over the root of the number of samples
+_LEVEL = 0.5  # of the range, beyond which a change is the top of a pulse that the record ends in
+_SLOW, _GAIN = 0.1, 0.1  # velocity that does not matter [m/s]; fraction of that of the motion from which it does
+_FOOT = 0.1  # fraction of the peak above which samples belong to a pulse; of its velocity, below which it has come back
+_BLOCKS = 64  # means of what follows a pulse, which take the noise off
+# part of what follows a pulse that may be left where one stage, or two, couple the velocity back
+_LEFT = {1: 0.25, 2: 0.12}
+_LOST = 0.1  # fraction of the pulse's velocity that must be lost
+_DAMPED = 0.65  # damping ratio from which two stages of coupling are told from a base that swings; of a Butterworth filter 0.71
+_NOISE = 1.2  # times the noise of these means that may be left
+
+
+def level_shift(a: Array) -> tuple[float, float, int] | None:
+    """Find the levels of a signal (n,) before and after, and the sample at which they change; None if they do not.
+
+    The change is where the sum of the samples less their mean is farthest from zero. Both levels are steady: a slow swing or
+    what dies away is no level.
+    """
+    at = int(np.abs(np.cumsum(a - a.mean())).argmax()) + 1
+    parts = a[:at], a[at:]
+    if min(map(len, parts)) < _PARTS * _FEWEST:
+        return None
+    levels = [float(np.median(part)) for part in parts]
+    change = abs(levels[1] - levels[0])
+    pairs = list(zip(parts, levels, strict=True))
+    spreads = [float(np.median(np.abs(part - level))) / math.sqrt(part.size) for part, level in pairs]
+    if not _ERRORS * math.hypot(*spreads) < change < _LEVEL * float(np.ptp(a)):
+        return None
+    for part, level in pairs:
+        # of noise alone: what swings has smaller steps than deviations
+        error = float(np.median(np.abs(np.diff(part)))) / math.sqrt(2.0 * part.size / _PARTS)
+        medians = [abs(float(np.median(block)) - level) for block in np.array_split(part, _PARTS)]
+        if max(medians) > max(_STEADY * change, _ERRORS * error):
+            return None
+    return levels[0], levels[1], at
+
+
+def moved_level(a: Array, rate: float) -> tuple[float, float, int] | None:
+    """Find a change of level as `level_shift` does if it matters for the velocity of a base, at a rate [Hz]."""
+    found = level_shift(a)
+    if found is None:
+        return None
+    before, after, at = found
+    gained = abs(after - before) * min(at, a.size - at) / rate
+    own = a - np.where(np.arange(a.size) < at, before, after)
+    return found if gained > max(_SLOW, _GAIN * float(np.ptp(np.cumsum(own))) / rate) else None
+
+
+def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *, played: bool = True) -> Iterator[str]:
+    """Yield warnings about the zero of an acceleration (n,) at instants [s], of a base that is `played` or of a response.
+
+    `where` is how a sentence about it begins, "along x"; levels are said in a unit, its name and what one of it is in SI.
+    """
+    rate = (time.size - 1) / float(time[-1] - time[0])
+    found = moved_level(a, rate) if played else level_shift(a)
+    if found is not None:
+        (before, after, at), (name, factor) = found, unit
+        remedy = "Check the sensor and its mounting."
+        if played:
+            added = abs(after - before) * (a.size - at) / rate
+            remedy = (
+                f"no constant takes both off, and {added:.3g} m/s are added. {remedy} Use what lies before, or "
+                'baseline="highpass" (--baseline highpass).'
+            )
+        yield (
+            f"{where} its level changes from {before / factor:.4g} to {after / factor:.4g} {name} at {time[at]:.4g} s: in the "
+            f"shock the sensor turned or shifted its zero, or its AC coupling has not come back yet"
+            f"{'; ' if played else '. '}{remedy}"
+        )
+    elif played and (coupling := _coupling(a, rate)) is not None:
+        limit, velocity, left = coupling
+        yield (
+            f"{where} the velocity of {velocity:.3g} m/s that its pulse reaches falls back to {left:.2g} m/s as AC coupling "
+            f"with a lower limit of about {limit:.2g} Hz makes it, or as that of a base that is braked in proportion to it. If "
+            "the sensor is AC-coupled, the pulse's change of velocity is lost, soft isolators travel too little, and that "
+            "the record ends at rest proves nothing: measure with a DC-coupled sensor, or with a lower limit."
+        )
+
+
+def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
+    """Find limit [Hz], velocity at the end of the pulse and at the end of the record [m/s] of an AC-coupled signal.
+
+    Behind its pulse such a signal is -v/tau, v being its own integral; of two stages in a row a sum of v and its integral,
+    whose poles are real or nearly: a base that swings is damped less. None where what follows the pulse is not so.
+    """
+    rest = offset_of(a)
+    peak = peak_from(a, rest)
+    before = a[: int(np.argmax(np.abs(a - rest) > _FOOT * peak))]
+    rest = float(np.median(before)) if before.size >= _FEWEST else 0.0  # such a sensor has no other
+    side = 1.0 if float(a.max()) - rest >= rest - float(a.min()) else -1.0  # an undershoot is on the other one
+    above = np.flatnonzero(side * (a - rest) > _FOOT * peak)
+    if not above.size or not is_pulse(a, rest):
+        return None
+    velocity = np.cumsum(a - rest) / rate
+    first = int(above[-1]) + 1
+    reached, left = float(velocity[first - 1]), float(velocity[-1])
+    if abs(reached) < _SLOW or abs(left) > (1.0 - _LOST) * abs(reached):
+        return None
+    last = int(np.flatnonzero(np.abs(velocity) > _FOOT * abs(reached))[-1]) + 1
+    last = min(max(last, first + 2 * _FEWEST), a.size)
+    if last - first < 2 * _FEWEST:
+        return None
+    blocks = np.array_split(np.arange(first, last), min(_BLOCKS, (last - first) // 2))
+    course = np.column_stack([velocity, np.cumsum(velocity) / rate])
+    level = np.array([float(a[block].mean()) - rest for block in blocks])
+    means = np.array([course[block].mean(axis=0) for block in blocks])
+    size = float(np.linalg.norm(level))
+    noise = float(np.median(np.abs(np.diff(a[first:last])))) / 0.954 * len(blocks) / math.sqrt(last - first)
+    for order in (1, 2):
+        factors = -np.linalg.lstsq(means[:, :order], level, rcond=None)[0]
+        remains = float(np.linalg.norm(level + means[:, :order] @ factors))
+        damped = factors[0] > 0.0 and (order == 1 or 0.0 < factors[1] < (factors[0] / (2.0 * _DAMPED)) ** 2)
+        if damped and remains <= max(_LEFT[order] * size, _NOISE * noise) and size > 2.0 * noise:
+            limit = float(factors[0]) if order == 1 else math.sqrt(factors[1])
+            return limit / (2.0 * math.pi), reached, left
+    return None
