@@ -18,7 +18,7 @@ def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
         json: file for the same values in SI units.
     """
-    from wirerope_mj.assessment.criteria import rest_travel_verdicts, static_load_verdicts
+    from wirerope_mj.assessment.criteria import rest_travel_verdicts, rested_verdicts, static_load_verdicts
     from wirerope_mj.content.statics import statics_content
     from wirerope_mj.dynamics.modes import modes
     from wirerope_mj.engine.flexible import deck_of
@@ -34,7 +34,7 @@ def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
     print_warnings(warnings)
     table = static_table(system)
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
-    verdicts = static_load_verdicts(table) + rest_travel_verdicts(isolators, table)
+    verdicts = rested_verdicts(table) + static_load_verdicts(table) + rest_travel_verdicts(isolators, table)
     stability = {history: modes(system, history=sag.history).stability for history, sag in table.sags.items()}
     show(statics_content(system.name, table, verdicts, stability))
     if json is not None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, STRUCK, Verdict
-from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, amplified_text, limit_of, scope
+from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, amplified_text, critical_text, fail_text, scope
 from wirerope_mj.assessment.criteria.summary import OWN_RULE
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, most_amplified, most_used
 from wirerope_mj.content.blocks import Block, Content, Document, Section, Statement
@@ -105,15 +105,11 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
     judged = sum(row.utilisation is not None for row in every)
     worst = most_used(every)
     where = next((name for name, rows in verdicts.items() if worst in rows), "")
-    used = "" if worst is None else (
-        f"{worst.subject}, {100.0 * (worst.utilisation or 0.0):.0f} % of {limit_of(worst.criterion)}, in {where}"
-    )  # fmt: skip
+    used = "" if worst is None else f"{critical_text(every)}, in {where}"
     count, (of, missing) = several(len(verdicts), "load case"), scope(every)
     if over:
-        text, tone = (
-            f"{FAIL}: {len(over)} of {count} {'exceeds' if len(over) == 1 else 'exceed'} a limit; worst {used}",
-            "exceeded",
-        )
+        text = fail_text(f"{len(over)} of {count} {'exceeds' if len(over) == 1 else 'exceed'} a limit", every, f", in {where}")
+        tone = "exceeded"
     elif open_cases or worst is None:
         text, tone = f"{UNKNOWN}: of {count} {listed(open_cases) or 'none'} cannot be judged", "unjudged"
         text += f"; most critical {used}" if used else ""

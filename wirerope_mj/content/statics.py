@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, Verdict
-from wirerope_mj.assessment.criteria.summary import pressed_lines, single_travel_lines, static_load_lines
+from wirerope_mj.assessment.criteria.summary import pressed_lines, rested_lines, single_travel_lines, static_load_lines
 from wirerope_mj.assessment.criteria.verdict import BOTTOMING, STATIC_LOAD, TRAVEL, most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
@@ -29,8 +29,11 @@ def statics_content(
     """Describe the equilibrium of a system: sag and loads of its mounts, verdicts on them, and its stability."""
     return Content(
         title=f"{name}: at rest under gravity",
-        verdict=_static_load(verdicts) or Statement(id="static-load", text="Static load: not judged.", tone="unjudged"),
+        verdict=_rested(verdicts)
+        or _static_load(verdicts)
+        or Statement(id="static-load", text="Static load: not judged.", tone="unjudged"),
         sections=(
+            Section("rested", "", lambda: [_rested(verdicts)], "summary"),
             Section("statics", "", partial(statics_blocks, table, verdicts), "summary"),
             Section("stability", "", partial(stability_blocks, stability, verdicts), "summary"),
         ),
@@ -144,6 +147,13 @@ def _carried(history: str, sag: Sag) -> str:
         if abs(load) > _BALANCED * sag.weight:
             text += f", {what} {with_unit(load, 'N')}"
     return f"{text}."
+
+
+def _rested(verdicts: Sequence[Verdict]) -> Statement | None:
+    """Return that stops or contacts carry weight at rest, which short-circuits isolation; None where none does."""
+    lines = rested_lines(verdicts)
+    text = "The base moves the payload through them; give them a larger gap, or the mounts more stiffness."
+    return Statement(id="rested", text=" ".join([*lines, text]), tone="exceeded") if lines else None
 
 
 def _static_load(verdicts: Sequence[Verdict]) -> Statement | None:

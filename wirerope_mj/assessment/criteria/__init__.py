@@ -2,7 +2,13 @@
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
 from wirerope_mj.assessment.criteria.judge import headline, judge
-from wirerope_mj.assessment.criteria.loads import closing_text, contact_verdicts, starting_load_verdicts, static_load_verdicts
+from wirerope_mj.assessment.criteria.loads import (
+    closing_text,
+    contact_verdicts,
+    rested_verdicts,
+    starting_load_verdicts,
+    static_load_verdicts,
+)
 from wirerope_mj.assessment.criteria.peaks import BodyPeak, MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.points import spectrum_verdict
 from wirerope_mj.assessment.criteria.random import judge_random, random_verdicts

@@ -7,6 +7,7 @@ from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, require_over
 from wirerope_mj.assessment.criteria.loads import (
     contact_verdicts,
     missing_load_verdicts,
+    rested_verdicts,
     starting_load_verdicts,
     static_load_verdicts,
 )
@@ -19,6 +20,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     COMBINED,
     EXCEEDED,
     RATTLE_SPACE,
+    RESTED,
     STATIC_LOAD,
     STOP,
     STRUCK,
@@ -44,12 +46,12 @@ def headline(verdicts: Sequence[Verdict]) -> str:
     over, within = (sum(row.verdict == verdict for row in verdicts) for verdict in (EXCEEDED, WITHIN))
     judged = over + within
     if over:
-        answer = f"{FAIL}: {over} of {_several(judged, 'check')} exceeded; worst {_used(verdicts)}"
+        answer = fail_text(f"{over} of {_several(judged, 'check')} exceeded", verdicts)
     elif early:
         answer = f"{UNKNOWN}: {early}"
     elif judged:
         checks = "the only check is" if judged == 1 else f"all {judged} checks are"
-        answer = f"{PASS}{scope(verdicts)[0]}: {checks} within limits; most critical {_used(verdicts)}"
+        answer = f"{PASS}{scope(verdicts)[0]}: {checks} within limits; most critical {critical_text(verdicts)}"
     else:
         answer = f"{UNKNOWN}: no limit is stated for anything in this run"
     return "; ".join([answer, *_clauses(verdicts, early, over, within)]) + "."
@@ -109,7 +111,18 @@ def amplified_text(verdicts: Sequence[Verdict]) -> str:
     return f"amplification {found.ratio:.3g} at {subject} ({found.measure} {value} g, base {base} g)"
 
 
-def _used(verdicts: Sequence[Verdict]) -> str:
+def fail_text(count: str, verdicts: Sequence[Verdict], where: str = "") -> str:
+    """Say that limits are exceeded, how many and which most; first of all where weight rests on stops at rest."""
+    rested = most_used(row for row in verdicts if row.criterion.kind == RESTED)
+    others = [row for row in verdicts if row.criterion.kind != RESTED]
+    if rested is None:
+        return f"{FAIL}: {count}; worst {critical_text(verdicts)}{where}"
+    more = most_used(others)
+    worst = f"; else most critical {critical_text(others)}" if more is not None else ""
+    return f"{FAIL}: {rested.note}; {count}{worst}"
+
+
+def critical_text(verdicts: Sequence[Verdict]) -> str:
     """Name the most critical check, "h4, 124 % of combined travel"."""
     worst = most_used(verdicts)
     assert worst is not None
@@ -124,7 +137,7 @@ def limit_of(criterion: Criterion) -> str:
 
 
 _RATED = (TRAVEL, STATIC_LOAD)
-_OF_MOUNTS = (*_RATED, COMBINED.kind, BOTTOMING.kind)
+_OF_MOUNTS = (RESTED, *_RATED, COMBINED.kind, BOTTOMING.kind)
 
 
 class Verdicts(tuple[Verdict, ...]):
@@ -163,4 +176,5 @@ def judge(
     contacts = require_over(response, contact_verdicts(response))
     if statics is None:
         return Verdicts((*begin, *starting_load_verdicts(response), *contacts))
-    return Verdicts((*begin, *contacts, *static_load_verdicts(statics), *missing_load_verdicts(statics)))
+    at_rest = (*rested_verdicts(statics), *static_load_verdicts(statics), *missing_load_verdicts(statics))
+    return Verdicts((*begin, *contacts, *at_rest))

@@ -9,6 +9,7 @@ from wirerope_mj.assessment.criteria.sampled import read_start
 from wirerope_mj.assessment.criteria.verdict import (
     CLEAR,
     CONTACT,
+    RESTED,
     STATIC_LOAD,
     STOP,
     STRUCK,
@@ -24,6 +25,8 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text, force_
 from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
 # Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g.
+AT_STOPS = 0.01  # of the weight that stops may carry at rest: less is a stop that is just reached
+_NAMED = 4  # stops that a sentence names
 AT_REST = 1e-3 * STANDARD_GRAVITY
 
 
@@ -55,6 +58,37 @@ def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
         for history, sag in table.sags.items()
         for name, mount in sag.listed.items()
     )
+
+
+def rested_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
+    """Return for each history in which stops or contacts carry weight at rest by how much, of the weight; () where none does.
+
+    Isolation is short-circuited there: what the base does goes through them.
+    """
+    verdicts = []
+    for history, sag in table.sags.items():
+        pressed = {name: mount.on_stops for name, mount in sag.mounts.items() if mount.on_stops > 0.0}
+        contacts = abs(sag.on_contacts)
+        share = (sum(pressed.values()) + contacts) / sag.weight if sag.weight else 0.0
+        if share > AT_STOPS:
+            names = [*sorted(pressed, key=lambda name: -pressed[name]), *(["contacts"] if contacts > 0.0 else [])]
+            some = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
+            when = {"virgin": "on the first loading", "relaxed": "after long vibration"}[history]
+            note = (
+                f"isolation is short-circuited at rest, {when}: {some} {'carries' if len(names) == 1 else 'carry'} "
+                f"{100.0 * share:.2g} % of the weight"
+            )
+            verdicts.append(
+                Verdict(
+                    criterion=Criterion(RESTED, sense=history),
+                    subject=names[0],
+                    value=share,
+                    limit=AT_STOPS,
+                    unit="",
+                    note=note,
+                )
+            )
+    return tuple(verdicts)
 
 
 def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:

@@ -16,6 +16,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     LARGEST,
     NOT_JUDGED,
     RATTLE_SPACE,
+    RESTED,
     RMS,
     SIGMA,
     STATIC_LOAD,
@@ -55,6 +56,11 @@ def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
         return []
     used = 100.0 * (worst.utilisation or 0.0)
     return [f"Static load: {worst.verdict}; most used {worst.subject}, {used:.0f} % of rated {worst.criterion}."]
+
+
+def rested_lines(verdicts: Sequence[Verdict]) -> list[str]:
+    """Return that stops or contacts carry weight at rest, history by history; nothing where none does."""
+    return [f"{row.note[:1].upper()}{row.note[1:]}." for row in verdicts if row.criterion.kind == RESTED]
 
 
 def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:

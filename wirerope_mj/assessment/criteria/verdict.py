@@ -18,6 +18,7 @@ SIGMA: Final = "3-sigma acceleration"
 LARGEST: Final = "largest acceleration"
 AMPLIFIED = 1.005  # Ratio to the base from which an amplification is said: less is 1.00
 STATIC_LOAD: Final = "static load in compression"
+RESTED: Final = "weight on stops"
 
 
 class Criterion(str):

@@ -8,13 +8,16 @@ import numpy as np
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.statics.find import equilibrium
-from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History
+from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History, MountLoad
 from wirerope_mj.engine.statics.payloads import Payload, payloads_in
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief, json_values
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import static_utilisation
+from wirerope_mj.mounts.laws import Stop
+from wirerope_mj.mounts.laws.stop_kernels import stop_force
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +32,7 @@ class MountSag:
     split: float
     compression: float  # axial load [N]; 0 in tension
     static_load: float | None  # rated load in compression [N]; None = not judged
+    on_stops: float = 0.0  # what bump stops in it push with [N], along all axes
     stop: bool = False  # whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`
 
     @property
@@ -130,7 +134,7 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         mounts[name] = MountSag(
             deflection=load.deflection, force=load.force, carries=lift, split=lift / weight if weight else np.nan,
             compression=max(-float(load.force[2]), 0.0), static_load=mount.isolator.limits.static_load,
-            stop=mount.isolator.is_stop,
+            on_stops=_on_stops(mount.isolator, load), stop=mount.isolator.is_stop,
         )  # fmt: skip
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
@@ -138,6 +142,15 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         payloads={p.name: _payload(unloaded, data, p, model.body_subtreemass) for p in payloads}, weight=weight,
         on_mounts=on_mounts, on_contacts=_on_contacts(model, data, carried, up), equilibrium=result,
     )  # fmt: skip
+
+
+def _on_stops(isolator: Isolator, load: MountLoad) -> float:
+    """Add up what the bump stops of an isolator push with at rest, all that it does where it is one [N]."""
+    if isolator.is_stop:
+        return float(np.linalg.norm(load.force))
+    parts = zip(load.deflection.tolist(), isolator.axes.values(), strict=True)
+    stops = [(at, part.kernel_parameters()) for at, law in parts if law for part in law.components if isinstance(part, Stop)]
+    return sum(abs(float(stop_force(numbers, 0, at, 0.0, 0.0))) for at, numbers in stops)
 
 
 def _payload(unloaded: mujoco.MjData, data: mujoco.MjData, payload: Payload, masses: Array) -> PayloadSag:
