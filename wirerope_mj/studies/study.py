@@ -8,7 +8,7 @@ from pathlib import Path
 from time import perf_counter
 
 from wirerope_mj.engine.simulation.progress import share_bar
-from wirerope_mj.engine.simulation.run import warn_of_aliasing
+from wirerope_mj.engine.simulation.run import warn_of_aliasing, warn_of_missing_modes
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
@@ -97,6 +97,7 @@ class Study(StudyDefinition):
         one_of("keep", keep, KEPT)
         self.table()  # every variant is checked before anything is written
         with study_folder(self, folder, keep=keep, resume=resume, force=force) as place:
+            warn_of_missing_modes(self.base, self.motions)
             if keep == RESPONSES:
                 warn_of_aliasing(self.motions, self.sample_rate)
             if not (place / TABLE).is_file():

@@ -114,7 +114,7 @@ def simulate_batch(
         threads: number of threads; None for one per processor.
         responses: whether whole responses are kept, too: in memory, those of all variants at once.
         engine: as `simulate` takes it, for each variant by itself.
-        judged: whether a step that is too long for friction is looked for, by one more run.
+        judged: whether warnings are given, a step that is too long for friction being looked for by one more run.
 
     Raises:
         ValueError: an argument is out of range.
@@ -156,10 +156,10 @@ def simulate_batch(
             motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
-        warn_of_missing_modes(systems[0], {id(motion): motion for motion in motions}.values())
-        for text in soft_equalities(systems[0]):
-            warnings.warn(text, ModelWarning, stacklevel=2)
         if judged:
+            warn_of_missing_modes(systems[0], {id(motion): motion for motion in motions}.values())
+            for text in soft_equalities(systems[0]):
+                warnings.warn(text, ModelWarning, stacklevel=2)
             came = [(one, v) for v in variants if isinstance(one := results[v.number], BatchResult)]
             _judge_step(came, timestep=timestep, duration=duration, sample_rate=sample_rate, engine=engine)
     if responses:
