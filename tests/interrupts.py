@@ -159,7 +159,7 @@ def faults(name: str, folder: Path, reference: Path, delay: float, number: int, 
     return wrong, seconds, ended
 
 
-def campaign(name: str, times: int, *, seed: int, place: Path) -> Counter[str]:
+def campaign(name: str, times: int, *, seed: int, place: Path, soon: float = SOON) -> Counter[str]:
     """Interrupt one command `times` times, print what is wrong, and return the counts."""
     command, chance = COMMANDS[name], random.Random(f"{seed} {name}")
     prepare(inputs := place / "inputs")
@@ -181,7 +181,7 @@ def campaign(name: str, times: int, *, seed: int, place: Path) -> Counter[str]:
             folder = place / f"{turn}-{attempt}"
             shutil.copytree(old if over else inputs, folder)
             wrong, late, ended = faults(name, folder, reference, delay, number, over=over)
-            if late <= SOON:
+            if late <= soon:
                 break
             print(f"{name}: ended {late:.2f} s after signal {number}, which came after {delay:.2f} s", flush=True)
         else:

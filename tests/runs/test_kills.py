@@ -1,7 +1,8 @@
-"""Commands that are killed at random leave nothing that the next command does not clear; `kills.py` does it often."""
+"""Commands that are killed or interrupted at random leave nothing; `kills.py` and `interrupts.py` do it often."""
 
 import sys
 
+import interrupts
 import pytest
 from kills import COMMANDS, campaign
 
@@ -15,3 +16,12 @@ def test_what_a_killed_command_leaves_the_next_one_clears(tmp_path, name):
     assert {what: counts[what] for what in ("complete and false", "left after the next command", "other results")} == {
         "complete and false": 0, "left after the next command": 0, "other results": 0,
     }  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for what is left as Linux lists processes")
+@pytest.mark.parametrize("name", ["run", "export", "study"])
+def test_an_interrupted_command_says_so_and_leaves_the_old_or_the_new(tmp_path, name):
+    counts = interrupts.campaign(name, 4, seed=1, place=tmp_path, soon=60.0)  # a busy machine is no fault here
+    assert counts["times"] == 4
+    assert counts["wrong"] == 0
