@@ -104,3 +104,9 @@ def test_a_job_of_no_duration_that_ends_is_refused_when_it_is_read(duration, her
     (here / "job.toml").write_text(text)
     with pytest.raises(wr.ModelError, match="`duration` must be"):
         wr.load_job(here / "job.toml")
+
+
+@pytest.mark.parametrize("make", [lambda: wr.Normal(1.0, 1e308, relative=True), lambda: wr.Uniform(-1e308, 1e308)])
+def test_a_distribution_whose_values_are_no_numbers_is_refused(make):
+    with pytest.raises(ValueError, match="small enough for numbers|apart, got"):
+        make()

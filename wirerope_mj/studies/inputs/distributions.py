@@ -47,6 +47,8 @@ class Normal:
                 f"`deviation` must be at least {NARROWEST:g} of the mean, got {self.deviation:g} and {self.mean:g}: no number "
                 "holds values so close together."
             )
+        if not math.isfinite(abs(self.mean) + FARTHEST * self.deviation):
+            raise ValueError(f"`mean` and `deviation` must be small enough for numbers, got {self.mean:g} and {self.deviation:g}.")
         low, high = self._ends
         if low > FARTHEST or high < -FARTHEST:
             raise ValueError(
