@@ -48,7 +48,7 @@ class Normal:
                 "holds values so close together."
             )
         if not math.isfinite(abs(self.mean) + FARTHEST * self.deviation):
-            raise ValueError(f"`mean` and `deviation` must be small enough for numbers, got {self.mean:g} and {self.deviation:g}.")
+            raise ValueError(f"`mean` and `deviation` are not small enough for numbers: {self.mean:g} and {self.deviation:g}.")
         low, high = self._ends
         if low > FARTHEST or high < -FARTHEST:
             raise ValueError(
