@@ -18,6 +18,7 @@ from wirerope_mj.foundation.arrays import AnyArray
 from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.interrupts import interrupts_held
+from wirerope_mj.foundation.plain_text import no_formula
 from wirerope_mj.foundation.unfailing_files import UnfailingFile
 
 if TYPE_CHECKING:
@@ -126,13 +127,17 @@ def write_export(table: Exported, path: str | Path, *, force: bool = False, kind
 
 
 def _write_csv(table: Exported, path: Path) -> None:
-    """Write numbers with as many digits as they have, a header of names with units."""
+    """Write numbers with as many digits as they have, a header of names with units, texts that no spreadsheet computes."""
     import pyarrow as pa
     import pyarrow.csv as pc
 
     writer = None
     for block in table.blocks():
-        batch = pa.table([pa.array(column) for column in block], names=table.headings)
+        typed = [
+            [no_formula(cell) if isinstance(cell, str) else cell for cell in column] if column.dtype.kind in "OUT" else column
+            for column in block
+        ]
+        batch = pa.table([pa.array(column) for column in typed], names=[no_formula(name) for name in table.headings])
         if writer is None:
             writer = pc.CSVWriter(path, batch.schema)
         writer.write_table(batch)

@@ -5,6 +5,8 @@ from unicodedata import category
 
 # Characters to which Markdown gives a meaning; an underscore inside a word has none.
 _SPECIAL = re.compile(r"[\\`*\[\]<>|&#~$!]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
+# Signs with which a formula of a spreadsheet begins.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 # Beginning of a line that is an item of a list, or makes a heading of the line above.
 _LIST = re.compile(r"^(\s*\d*)([-+=.)])(?=[\s=-]|$)")
 
@@ -27,6 +29,20 @@ def quoted(value: object, most: int = 200) -> str:
         return short(repr(value), most)
     except Exception:
         return f"a value of type {type(value).__name__}"
+
+
+def no_formula(text: str) -> str:
+    """Put an apostrophe before a text that a spreadsheet would compute when it opens a CSV file; -1.5 stays a number."""
+    try:
+        float(text)
+    except ValueError:
+        return f"'{text}" if text.startswith(_FORMULA) else text
+    return text
+
+
+def as_named(cell: str) -> str:
+    """Return the text of a cell without the apostrophe that `no_formula` puts before it."""
+    return cell[1:] if cell.startswith("'") and cell[1:].startswith(_FORMULA) else cell
 
 
 def plain_lines(text: str) -> str:

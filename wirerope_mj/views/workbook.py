@@ -5,11 +5,11 @@ import gc
 import re
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from wirerope_mj.content.blocks import Content, Statement
 from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, place_named
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import Exported
+from wirerope_mj.foundation.plain_text import no_formula, plain_lines
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.foundation.units import in_unit
 
@@ -64,26 +65,38 @@ def _full_disk_told() -> Iterator[None]:
 def _write(book: "openpyxl.Workbook", content: Content, samples: Exported | None, path: Path) -> None:
     page = _sheet(book, "summary", 2)
     for said in _said(content):
-        page.append(said)
+        _append(page, said)
     for table in content.blocks():
         if isinstance(table, Table):
             page = _sheet(book, table.id or table.title, len(table.columns))
-            page.append([table.title])
-            page.append([" ".join(column.title().split()) for column in table.columns])
+            _append(page, [table.title])
+            _append(page, [" ".join(column.title().split()) for column in table.columns])
             for cells in table.rows:
-                page.append([_value(*pair) for pair in zip(table.columns, cells, strict=True)])
-            page.append([table.note])
+                _append(page, [_value(*pair) for pair in zip(table.columns, cells, strict=True)])
+            _append(page, [table.note])
     if samples is not None:
         page = _sheet(book, "samples", len(samples.names))
-        page.append(samples.headings)
+        _append(page, samples.headings)
         for number, row in enumerate(_rows(samples), start=2):
             if number > _ROWS or len(row) > _COLUMNS:
                 raise RecordError(f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5.")
-            page.append(row)
+            _append(page, row)
     written = BytesIO()
     book.save(written)
     with atomic_file(path) as temporary:
         temporary.write_bytes(written.getvalue())
+
+
+def _append(page: "openpyxl.worksheet.worksheet.Worksheet", values: Sequence[str | float | None]) -> None:
+    """Append a row, every text typed as text: openpyxl makes formulas of what begins with =, and errors of #N/A."""
+    from openpyxl.cell import WriteOnlyCell
+
+    cells: list[Any] = list(values)
+    for number, value in enumerate(values):
+        if isinstance(value, str):
+            cells[number] = cell = WriteOnlyCell(page, plain_lines(value))  # no XML holds control characters
+            cell.data_type, cell.quotePrefix = "s", no_formula(value) != value  # the prefix keeps it text when it is edited
+    page.append(cells)
 
 
 def _sheet(book: "openpyxl.Workbook", name: str, columns: int) -> "openpyxl.worksheet.worksheet.Worksheet":

@@ -13,7 +13,7 @@ from wirerope_mj.engine.flexible.part import RESIDUAL, FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_folder
 from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.plain_text import as_named, no_formula, short
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.table_files import number_in
 from wirerope_mj.foundation.units import LENGTH_UNITS
@@ -34,9 +34,11 @@ def save_flexible(part: FlexiblePart, folder: str | Path, *, force: bool = False
         for name, f, d, gamma in zip(names, part.frequencies, part.damping, part.participation, strict=True)
     ]
     shapes = [
-        [point, name, *map(float, row)] for point, shape in part.shapes.items() for name, row in zip(names, shape, strict=True)
+        [no_formula(point), name, *map(float, row)]
+        for point, shape in part.shapes.items()
+        for name, row in zip(names, shape, strict=True)
     ]
-    points = [[name, *map(float, place)] for name, place in part.points.items()]
+    points = [[no_formula(name), *map(float, place)] for name, place in part.points.items()]
     with atomic_folder(Path(folder), force=force, kind=KIND, marks=(MODES, SHAPES, POINTS)) as temporary:
         for file, header, rows in ((MODES, MODE_COLUMNS, modes), (SHAPES, _SHAPES, shapes), (POINTS, _POINTS, points)):
             with (temporary / file).open("w", newline="", encoding="utf-8") as stream:
@@ -169,7 +171,7 @@ def read_rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str,
     for number, line in lines[1:]:
         if len(line) != len(header):
             raise RecordError(f"{path}, line {number}: expected {len(header)} cells, got {len(line)}.")
-        row = {name: cell.strip() for name, cell in zip(header, line, strict=True)}
+        row = {name: as_named(cell.strip()) for name, cell in zip(header, line, strict=True)}
         named = next((name for name in ("point", "mode") if not row.get(name, "-")), "")
         if named:
             raise RecordError(f'{path}, line {number}: column "{named}" is empty.')
