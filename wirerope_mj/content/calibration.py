@@ -7,7 +7,7 @@ from importlib.metadata import version
 import numpy as np
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
-from wirerope_mj.content.identification import record_warnings
+from wirerope_mj.content.identification import PARAMETER_UNITS, record_warnings
 from wirerope_mj.content.numbers import number, several, with_unit
 from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
@@ -66,10 +66,22 @@ def _headline(result: Calibration) -> Statement:
 
 def _value_text(result: Calibration, k: int) -> str:
     low, high = result.intervals()[k]
-    unit = result.units[k] if result.units[k] != "SI" else ""
+    unit = _unit(result, k)
     digits = _digits(result.values[k], 0.5 * (high - low))
     ends = f"{number(low, digits=digits)} to {number(high, digits=digits)}"
     return f"{result.names[k]} {number(result.values[k], digits=digits)} ({ends}) {unit}".rstrip()
+
+
+def _unit(result: Calibration, k: int) -> str:
+    """Return the unit of a value, that of its law's parameter or of its channels where it has no one name; "" of a factor."""
+    name, unit = result.names[k], result.units[k]
+    if unit != "SI":
+        return unit
+    if not name.startswith("channel/"):
+        parameter = name.rpartition("/")[2].rpartition(".")[2].partition("[")[0]
+        return unit if parameter in ("c", "d") else PARAMETER_UNITS.get(parameter, unit)  # laws use these two in several senses
+    units = {one.unit for one in result.problem.series}
+    return units.pop() if len(units) == 1 else unit
 
 
 def _digits(value: float, half: float) -> int:
@@ -92,7 +104,7 @@ def _values_table(result: Calibration) -> Table:
             note = Mark("the tests say little of it", "unjudged")
         elif name in result.insignificant:
             note = Mark("not significant; consider dropping it", "unjudged")
-        rows.append([name, value, low, high, result.units[k] or "factor", left, note])
+        rows.append([name, value, low, high, _unit(result, k) or "factor", left, note])
     percent = f"{100.0 * LEVEL:.0f} %"
     return Table(
         id="values", title=f"Values, and the interval that holds each with a probability of {percent}",
@@ -136,7 +148,8 @@ def _channel_table(result: Calibration) -> Table:
         in_time = one.across == "time"
         error = float(np.sqrt(np.mean((own - one.values) ** 2))) / one.rms
         peak = float(np.abs(own).max() / np.abs(one.values).max()) if in_time else None
-        white = with_unit(noise.white, one.unit, digits=2) if one.unit else f"{100.0 * noise.white:.2g} %"
+        of_sample = noise.white / one.averaged
+        white = with_unit(of_sample, one.unit, digits=2) if one.unit else f"{100.0 * of_sample:.2g} %"
         length = noise.length if in_time else None
         rows.append([one.name, peak, error, white, noise.discrepancy, length, one.frequency or None])
     return Table(
@@ -148,7 +161,8 @@ def _channel_table(result: Calibration) -> Table:
             Column("about", "Hz", ".3g"),
         ),
         rows=rows,
-        note="Model error: of the response where it is largest. Peaks are those of the smoothed samples that are compared.",
+        note="Noise: of a measured sample (standard deviation), of which those that are compared average several. Model error: "
+        "of the response where it is largest. Peaks are those of the smoothed samples that are compared.",
     )  # fmt: skip
 
 
@@ -193,17 +207,35 @@ def _correlation_table(result: Calibration) -> Table:
 
 def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) -> Iterator[Block]:
     """Yield the verdicts on limits, and the bands of a prediction's main measures."""
-    items, worst = [], 0.0
+    items, worst, beyond = [], 0.0, prediction.farthest.beyond
     for limit in limits:
         for name in limit.measures:
-            chance = prediction.exceedance(name, limit.limit)
+            chance, value = prediction.exceedance(name, limit.limit), limit.text.partition("=")[2].strip()
+            if math.isnan(chance):
+                items.append(f"{name}: {value} is not judged, since it is not predicted")
+                continue
             worst = max(worst, chance)
             said = "less than 0.1 %" if chance < _BEST else f"{100.0 * chance:.{3 if chance > 0.99 else 2}g} %"
             said = "more than 99.9 %" if chance > 1.0 - _BEST else said
-            items.append(f"{name}: {limit.text.partition('=')[2].strip()} is exceeded with a probability of {said}")
+            items.append(f"{name}: {value} is exceeded with a probability of {said}{', beyond the tests' if beyond else ''}")
     if items:
         tone = "exceeded" if worst > 0.5 else "near" if worst > 1.0 - LEVEL else "within"
+        if tone == "within" and (beyond or prediction.refused):
+            tone = "unjudged"
         yield Statement(id="exceedance", text=f"{prediction.motion}:", items=tuple(items), tone=tone)
+    if beyond:
+        yield Statement(
+            id="beyond-tests", tone="unjudged",
+            text=f"Prediction {prediction.farthest.text}. The band holds what laws may do there that follow the tests alike, "
+            "hardening free; test as far as that, or take it for an estimate.",
+        )  # fmt: skip
+    if prediction.refused:
+        kinds = dict.fromkeys(name.partition("/")[0] for name in prediction.refused if "/" in name)
+        yield Statement(
+            id="not-predicted", tone="unjudged",
+            text=f"Not predicted: {', '.join(kinds)} of what no test measured. The model does not follow the tests, and what "
+            "else gives way there, a fixture or another mode, decides them: measure them, or mend the model.",
+        )  # fmt: skip
     names = [
         name for name in prediction.names
         if name.partition("/")[0] in ("acceleration", "deflection", "force", "displacement")
@@ -216,12 +248,13 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
         rows.append([name, *(with_unit(value, unit) for value in (float(np.median(prediction.values(name))), low, high))])
     yield Table(
         id="prediction",
-        title=f"Predicted for {prediction.motion}",
+        title=f"Predicted for {prediction.motion}{', beyond the tests' if beyond else ''}",
         columns=(
             Column("measure", align="left"), Column("median", align="left"), Column("from", align="left"),
             Column("to", align="left"),
         ),
         rows=rows,
-        note=f"From and to hold {100.0 * LEVEL:.0f} %; errors of peaks of {100.0 * prediction.peak_error:.2g} % are in them.",
+        note=f"From and to hold {100.0 * LEVEL:.0f} %; errors of peaks of {100.0 * prediction.peak_error:.2g} % are in them, "
+        "and what the tests leave open of how the laws harden.",
         shown=12,
     )  # fmt: skip

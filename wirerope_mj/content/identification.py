@@ -11,7 +11,7 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
 from wirerope_mj.mounts.laws import Law, Stop
 
-_UNITS = {
+PARAMETER_UNITS = {
     "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
     "c": "1/m", "d": "N", "u_c": "m", "stiffness": "N/m", "slip_force": "N",
 }  # fmt: skip
@@ -207,7 +207,7 @@ def _singular_values(result: Identification) -> Statement:
 def _one_law(law: Law, result: Identification) -> str:
     """Return name and parameters of one of the laws on the axis; the last one was searched for."""
     values, fitted, texts = law.to_dict(), law is result.law.components[-1], []
-    units = _UNITS | _STOP_UNITS if isinstance(law, Stop) else _UNITS
+    units = PARAMETER_UNITS | _STOP_UNITS if isinstance(law, Stop) else PARAMETER_UNITS
     for name, value in values.items():
         if name == "law":
             continue

@@ -9,12 +9,13 @@ import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions.spectra.srs import shock_response_spectrum
 from wirerope_mj.studies.calibration.fit import Fit, Forward, Prior, Problem, fit
 from wirerope_mj.studies.calibration.forward import SystemForward, Test
 from wirerope_mj.studies.calibration.noise import DOMAINS, Domain, Series
+from wirerope_mj.studies.calibration.open_law import open_laws
 from wirerope_mj.studies.calibration.posterior import GOOD, Posterior, sample
 from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.vary_option import read_vary
@@ -61,20 +62,38 @@ class Calibrated(Summarised):
 
     @cached_property
     def normals(self) -> Array:
-        """Draws of the unknowns as standard normals before, (n, d), with the model's own error in them.
+        """Draws of the unknowns as standard normals before, (n, d), with the model's own error in them; see `owning`."""
+        return self.owning(self.embedded)
 
-        That error does not average out over a test as noise does. It is embedded (Sargsyan, Najm and Ghanem 2015): each unknown
-        is off by `embedded`, and the fit follows as far as the tests, and not the prior, say what it finds.
+    def owning(self, errors: Array) -> Array:
+        """Return draws of u, (n, d), where what tests say of each unknown is off by an error of the model (d,).
+
+        That error does not average out over a test as noise does. It is embedded (Sargsyan, Najm and Ghanem 2015): the tests
+        show u + e, so that what they say is worth less against what was stated before. Their information, the inverse of the
+        draws' covariance less 1, is that of u with the covariance of e added; draws are moved and widened to what follows.
         """
-        draws, told = self.posterior.normals, np.eye(len(self.names)) - self.fit.covariance
-        return draws + (self.embedded * np.random.default_rng(1).standard_normal(draws.shape)) @ told.T
+        draws, whole = self.posterior.normals, np.eye(len(self.names))
+        middle, sizes, axes = draws.mean(axis=0), *np.linalg.eigh(np.atleast_2d(np.cov(draws.T)))
+        covariance = axes * np.minimum(sizes, 1.0 - 1e-6) @ axes.T  # tests do not make less known
+        told, own = np.linalg.inv(covariance) - whole, np.diag(errors**2)
+        after = np.linalg.inv(whole + told @ np.linalg.inv(whole + own @ told))
+        moved = after @ np.linalg.solve(whole + told @ own, np.linalg.solve(covariance, middle))
+        widened = np.linalg.cholesky(after) @ np.linalg.inv(np.linalg.cholesky(covariance))
+        return moved + (draws - middle) @ widened.T
+
+    @cached_property
+    def chain(self) -> Booleans:
+        """Which unknowns are gains, delays and offsets of channels, (d,)."""
+        return np.array([name.startswith("channel/") for name in self.names])
 
     @cached_property
     def embedded(self) -> Array:
-        """Standard deviations of u that together would make the model's own error, of histories and of peaks, (d,); at most 1.
+        """Standard deviations of u that would make the model's own error, of histories and of peaks, (d,).
 
         A model that is off by a part x of the response looks x / (2 pi f) late; one whose peaks are off has as well a wrong
-        stiffness whose cycles fit. Unknowns that move peaks by less than `UNMOVED` have no part in the second.
+        stiffness whose cycles fit, or a gain. The system's unknowns share it. Of a channel's each could be the whole of it:
+        what a law does not follow and what a gain or a delay takes up instead cannot be told from each other. Unknowns that
+        move peaks by less than `UNMOVED` have no part in the error of peaks. Of the system's none is more than 1.
         """
         series, fit = self.problem.series, self.fit
         own, moved, slopes = 0.0, np.zeros(len(self.names)), []
@@ -86,8 +105,10 @@ class Calibrated(Summarised):
             slopes.append([(_peaks(one, model + STEP * column) - _peaks(one, model)) / STEP for column in slope.T])
         of_peaks = np.sqrt(np.mean(np.concatenate(slopes, axis=1) ** 2, axis=1))
         counts = of_peaks > UNMOVED
-        peaks = np.where(counts, self.peak_error[0] / np.maximum(of_peaks, UNMOVED), 0.0) ** 2 / max(counts.sum(), 1)
-        return np.minimum(np.sqrt(own / np.maximum(moved, 1e-12) / moved.size + peaks), 1.0)
+        shares, of_those = np.where(self.chain, 1, self.chain.size), np.where(self.chain, 1, max(counts.sum(), 1))
+        peaks = np.where(counts, self.peak_error[0] / np.maximum(of_peaks, UNMOVED), 0.0) ** 2 / of_those
+        sizes = np.sqrt(own / np.maximum(moved, 1e-12) / shares + peaks)
+        return np.minimum(sizes, np.where(self.chain, 100.0, 1.0))
 
     @cached_property
     def samples(self) -> Array:
@@ -206,17 +227,32 @@ class Calibration(Calibrated):
         """The system with the medians of what varies."""
         return self.forward.system_at(self.values)
 
+    @cached_property
+    def opened(self) -> "Calibration":
+        """The same tests with hardening and asymmetry of the laws free, see `open_laws`; itself where nothing can be opened."""
+        forward = self.forward
+        laws = open_laws(forward.system, forward.vary, forward.tested_travel(self.values))
+        if not laws.added:
+            return self
+        wider = SystemForward(laws.system, forward.tests, laws.vary, forward.domain)
+        problem, first = Problem(wider, wider.series, wider.prior), len(forward.columns)
+        start = np.insert(self.fit.normals, first, np.zeros(len(laws.added)))
+        found = fit(problem, begin=(start, self.fit.noises))
+        draws = sample(problem, found, draws=len(self.posterior.normals))
+        return Calibration(problem=problem, fit=found, posterior=draws, forward=wider)
+
     def lag(self, number: int) -> float:
         """Return by how much a measured history is later than the model [s]; 0 unless that explains half of what is left.
 
-        The model at the medians is moved by up to half of the measured history's length to either side.
+        The model at the most likely values is moved by up to half of the measured history's length to either side.
         """
         one = self.problem.series[number]
         if one.across != "time":
             return 0.0
         steps = 0.5 * (one.at - one.at[0])
         lags = np.concatenate([-steps[:0:-1], steps])
-        left = np.sum((self.forward.delayed(self.values, number, lags) - one.values) ** 2, axis=1)
+        values = self.problem.prior.values(self.fit.normals[np.newaxis])[0]
+        left = np.sum((self.forward.delayed(values, number, lags) - one.values) ** 2, axis=1)
         best = int(np.argmin(left))
         return float(lags[best]) if left[best] < 0.25 * left[steps.size - 1] else 0.0
 

@@ -45,7 +45,7 @@ class Prior:
 Forward = Callable[[Array], Array]
 DESIGN, STARTS = 64, 2  # Points of the coarse design, and how many of the best begin a search
 STEP = 0.02  # Step of the differences that make the Jacobian, in standard deviations of the prior
-ROUNDS = 4  # Times that the noise is estimated and the search goes on
+ROUNDS, SHORT = 4, 2  # Times that the noise is estimated and the search goes on, from anywhere and from a known beginning
 ROUGH, FINE = 1e-3, 1e-6  # Tolerances of searches with the noise guessed, and estimated
 REFUSED = 1e3  # Whitened residual where the model cannot be computed
 
@@ -113,26 +113,26 @@ class Problem:
         )
 
 
-def fit(problem: Problem, *, seed: int = 1) -> Fit:
+def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]] | None = None) -> Fit:
     """Return the most likely unknowns, the noise of every series estimated along with them.
+
+    Searches begin at the best points of a coarse design that a seed draws; short ones at a point to `begin` at, u (d,), with
+    the noise of every series.
 
     Raises:
         ConvergenceError: the model cannot be computed anywhere in the prior, or not beside the best point.
     """
-    noises: Sequence[Noise] = [first_noise(one) for one in problem.series]
-    found = None
-    for start in _starts(problem, noises, seed):
-        ended = _searched(problem, noises, start, ROUGH)
-        if found is None or ended.cost < found.cost:
-            found = ended
-    assert found is not None
-    for _ in range(ROUNDS):
+    noises: Sequence[Noise] = [first_noise(one) for one in problem.series] if begin is None else begin[1]
+    starts = _starts(problem, noises, seed) if begin is None else begin[0][np.newaxis]
+    found = min((_searched(problem, noises, start, ROUGH) for start in starts), key=lambda ended: float(ended.cost))
+    rounds, tolerance = (ROUNDS, FINE) if begin is None else (SHORT, ROUGH)
+    for _ in range(rounds):
         jacobian = problem.jacobian(found.x)
         model = problem.model(found.x[np.newaxis])[0]
         linear = problem.measured - model + jacobian @ found.x
         noises = estimate_noise(problem.series, noises, np.split(jacobian, problem.ends[:-1]), problem.split(linear))
         before = found.x
-        found = _searched(problem, noises, before, FINE)
+        found = _searched(problem, noises, before, tolerance)
         if np.abs(found.x - before).max() < 1e-3:
             break
     model, roots = problem.model(found.x[np.newaxis])[0], problem.roots(noises)

@@ -10,19 +10,22 @@ import numpy as np
 
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.foundation.errors import ConvergenceError, ModelError
+from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.studies.calibration.fit import Prior
 from wirerope_mj.studies.calibration.measured_test import MeasuredTest, TransientRuns
 from wirerope_mj.studies.calibration.noise import Domain, Series
 from wirerope_mj.studies.calibration.rig_tests import FrequencyRuns, FrequencyTest, LoopRuns, LoopTest
+from wirerope_mj.studies.engines.compute import DONE, Chunk, compute
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Uniform
 from wirerope_mj.studies.inputs.quantities import quantities
 from wirerope_mj.studies.inputs.sampling import values_at
-from wirerope_mj.studies.inputs.variants import Maker
+from wirerope_mj.studies.inputs.variants import Maker, Work
+from wirerope_mj.studies.measures import measure_names
 
 Test = MeasuredTest | FrequencyTest | LoopTest
+AnyRuns = TransientRuns | FrequencyRuns | LoopRuns
 # Names of such quantities; NAME may hold * and ? and matches channels with or without their test's name
 FORM = "channel/NAME/gain, channel/NAME/delay, channel/NAME/offset"
 UNITS = {"gain": "", "delay": "s", "offset": "SI"}
@@ -48,7 +51,7 @@ class SystemForward:
     def __init__(
         self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"
     ) -> None:
-        self.system, self.tests = system, tuple(tests)
+        self.system, self.tests, self.vary, self.domain = system, tuple(tests), dict(vary), domain
         own = {name: one for name, one in vary.items() if not name.startswith("channel/")}
         for name, one in vary.items():
             if isinstance(one, Choice | Isotropic):
@@ -104,6 +107,37 @@ class SystemForward:
         gain, delay, offset = (float(chain[kind][0, number]) for kind in UNITS)
         return np.array([runs.seen(number - first, raw[number - first], gain, delay + one, offset) for one in delays])
 
+    def measures(self, work: Work, values: Array) -> Array:
+        """Return the measures of a study at values of the unknowns (n, d), NaN of those that fail, (n, n_measures).
+
+        Raises:
+            ConvergenceError: all fail.
+        """
+        rows = [{"variant": k, **self._row(row)} for k, row in enumerate(values)]
+        table = compute(work, Chunk(number=0, rows=rows)).table
+        done = np.array(table["status"]) == DONE
+        if not done.any():
+            raise ConvergenceError(f"no draw of the posterior can be simulated: {table['message'][0]}")
+        found = np.stack([table[name].to_numpy() for name in measure_names(self.system)], axis=1)
+        return np.where(done[:, np.newaxis], found, np.nan)
+
+    def tested_travel(self, values: Array) -> dict[tuple[str, str], float]:
+        """Return how far the tests deflected mounts, as the model at values (d,) has it, by mount and axis [m]."""
+        names, found = (
+            measure_names(self.system),
+            dict.fromkeys(((one, axis) for one in self.system.mounts for axis in AXES), 0.0),
+        )
+        for runs in self._runs:
+            if isinstance(runs, LoopRuns):
+                key = runs.test.mount, runs.test.axis
+                found[key] = max(found[key], *(float(np.abs(loop.deflection).max()) for loop in runs.test.loops))
+                continue
+            for work in runs.works:
+                (row,) = self.measures(work, values[np.newaxis])
+                for key, reached in travel_of(names, row).items():
+                    found[key] = max(found[key], reached)
+        return found
+
     def system_at(self, values: Array) -> System:
         """Return the system with values of the unknowns, (d,)."""
         return self._maker.system(self._row(values))
@@ -120,10 +154,21 @@ class SystemForward:
         return {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
 
 
-def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...], domain: Domain) -> Runs:
+def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...], domain: Domain) -> AnyRuns:
     if isinstance(test, FrequencyTest):
         return FrequencyRuns(system, test, columns)
     return LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns, domain)
+
+
+def travel_of(names: Sequence[str], measures: Array) -> dict[tuple[str, str], float]:
+    """Return the largest deflections among measures (n_measures,), by mount and axis [m]; 0 where they are not known."""
+    found: dict[tuple[str, str], float] = {}
+    for name, value in zip(names, measures.tolist(), strict=True):
+        if name.startswith("deflection/"):
+            mount, _, side = name.removeprefix("deflection/").rpartition("/")
+            key = mount, side if side in AXES else "axial"
+            found[key] = max(found.get(key, 0.0), value)  # NaN is not larger
+    return found
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -96,7 +96,7 @@ class Comparable:
         size = np.sqrt(2.0 * np.maximum(power, math.ulp(1.0)))
         series = Series(
             name=name, at=at, values=smooth, size=size, frequency=frequency, unit=SI[channel.quantity], across="time",
-            smoothed=SMOOTH * step,
+            smoothed=SMOOTH * step, averaged=float(np.sqrt(np.mean(np.sum(weights**2, axis=1)))),
         )  # fmt: skip
         return cls(channel=channel, name=name, series=series, width=SMOOTH * step)
 
@@ -156,6 +156,7 @@ class TransientRuns:
         self._work = work_of(
             system, columns, test.motion, duration=math.ceil(rate * end) / rate, sample_rate=rate, initial=test.initial
         )
+        self.works = (self._work,)
 
     def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
         """Return the histories of every channel with the values of each row, (n_t,) each; None where one failed."""

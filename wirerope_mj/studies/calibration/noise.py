@@ -37,6 +37,7 @@ class Series:
     across: Literal["time", "logarithm of frequency", "loop", "other"] = "other"  # what `at` is
     # standard deviation of the smoothing of its samples [unit of `at`], which correlates their noise; 0 for none
     smoothed: float = 0.0
+    averaged: float = 1.0  # standard deviation of its noise over that of a measured sample, where the smoothing averages them
 
     @cached_property
     def rms(self) -> float:

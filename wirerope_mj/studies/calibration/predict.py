@@ -1,6 +1,7 @@
 """Peaks under another motion of the base, as a calibration predicts them, with bands."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,12 +13,15 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion, Scaled
-from wirerope_mj.studies.calibration.calibrate import LEVEL, Calibration
+from wirerope_mj.studies.calibration.calibrate import DISCREPANT, LEVEL, Calibration
+from wirerope_mj.studies.calibration.forward import SystemForward, travel_of
 from wirerope_mj.studies.calibration.measured_test import ACCURACY, MeasuredTest
-from wirerope_mj.studies.engines.compute import DONE, Chunk, compute
+from wirerope_mj.studies.calibration.open_law import LOOKED_AT
+from wirerope_mj.studies.calibration.rig_tests import FrequencyTest
 from wirerope_mj.studies.inputs.variants import Work
 from wirerope_mj.studies.measures import measure_names
 
+FARTHER = 1.05  # Predicted over tested deflection from which on the law there is not what was tested: 5 % is a peak's error
 DRAWS = 64  # Draws of the posterior that are run: a band's ends are then known to a sixth of its half width
 ERRORS = 16  # Errors of the model with which each draw is multiplied: they cost nothing
 SAMPLE_RATE = 1000.0  # Samples at which steps end [Hz]
@@ -28,6 +32,34 @@ LEAST = 0.1  # Least of these levels over the motion's own
 UNSCALED = ("mounts", "struck", "static_load")
 
 
+@dataclass(frozen=True, kw_only=True)
+class Travel:
+    """A deflection of a mount, predicted and tested."""
+
+    mount: str  #: whose; "" where nothing deflects
+    axis: str  #: "roll", "shear" or "axial"
+    reached: float  #: median of the prediction [m]
+    tested: float  #: largest in the tests, as the calibrated model has it [m]
+
+    @property
+    def ratio(self) -> float:
+        """Predicted over tested deflection, at least 1."""
+        return max(self.reached / self.tested, 1.0) if self.tested > 0.0 else 1.0 if self.reached == 0.0 else math.inf
+
+    @property
+    def beyond(self) -> bool:
+        """Whether it is farther than tests of this accuracy say anything of."""
+        return self.ratio > FARTHER
+
+    @property
+    def text(self) -> str:
+        """What is said of it."""
+        return (
+            f"beyond the tested {1e3 * self.tested:.3g} mm: mount {self.mount!r} deflects {1e3 * self.reached:.3g} mm "
+            f"{'axially' if self.axis == 'axial' else f'along its {self.axis} axis'}, and no test says what its law does there"
+        )
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Prediction(Summarised):
     """Measures of a study, `ERRORS` rows a draw of the posterior."""
@@ -35,7 +67,9 @@ class Prediction(Summarised):
     names: tuple[str, ...]  #: of the measures, as `Study` has them
     samples: Array  #: with the model's own error, (n, n_measures), SI
     peak_error: float  #: the model's own error of a peak, over it [-]
-    beyond: float  #: largest deflection over that in the tests, at least 1
+    farthest: Travel  #: the deflection that is farthest beyond those of the tests
+    #: measures that are not predicted: no test measured them, and the model does not follow what the tests measured
+    refused: tuple[str, ...]
     motion: str  #: of the base, in words
 
     def _summary(self) -> tuple[str, dict[str, str]]:
@@ -44,7 +78,8 @@ class Prediction(Summarised):
             if np.isfinite(self.samples[:, self.names.index(name)]).all():
                 low, high = self.band(name)
                 lines[name] = f"{low:.4g} to {high:.4g}"
-        return f"Prediction for {self.motion}: {len(self.samples) // ERRORS} draws, {100.0 * LEVEL:.0f} % bands", lines
+        beyond = f", {self.farthest.text}" if self.farthest.beyond else ""
+        return f"Prediction for {self.motion}{beyond}: {len(self.samples) // ERRORS} draws, {100.0 * LEVEL:.0f} % bands", lines
 
     def values(self, name: str) -> Array:
         """Return the draws of one measure [SI], (n,)."""
@@ -58,8 +93,9 @@ class Prediction(Summarised):
         return float(low), float(high)
 
     def exceedance(self, name: str, limit: float) -> float:
-        """Return the probability that a measure exceeds a limit [SI]."""
-        return float(np.mean(self.values(name) > limit))
+        """Return the probability that a measure exceeds a limit [SI]; NaN of one that is not predicted."""
+        values = self.values(name)
+        return math.nan if np.isnan(values).all() else float(np.mean(values[~np.isnan(values)] > limit))
 
 
 def predict(
@@ -68,17 +104,20 @@ def predict(
 ) -> Prediction:  # fmt: skip
     """Return the measures of draws of the posterior under a motion of the base.
 
-    Every draw is multiplied by 1 + e, where e is the model's own error of a peak: Student's t with as many degrees of freedom
-    as errors of peaks in the tests are known, and of their size. Where the mounts deflect farther than in the tests, it
-    grows in proportion. Where stops close, or would for an error of twice that size, peaks are not in proportion to each
-    other: e changes the level of the motion instead, and all peaks but forces are what follows from it. The model's own error
-    stands in these draws once: their values are those of the posterior, without the part that `Calibration.samples` add for it.
+    Draws are those of `Calibration.opened`, whose laws harden, and are unlike on their two sides, as far as the tests leave
+    that open: within the tested travel little, beyond it what such laws may do there. Each is multiplied by 1 + e, where e is
+    the model's own error of a peak: Student's t with as many degrees of freedom as errors of peaks in the tests are known, and
+    of their size. Where the mounts deflect farther than in the tests, it grows in proportion. Where stops close, or would for
+    an error of twice that size, peaks are not in proportion to each other: e changes the level of the motion instead, and all
+    peaks but forces are what follows from it. The model's own error stands in these draws once: of the values only what
+    channels may be off by has it.
 
     Raises:
         ConvergenceError: no draw could be simulated.
     """
-    forward, count = calibration.forward, integer("draws", draws, least=8)
-    generator = np.random.default_rng(seed)
+    opened, count = calibration.opened, integer("draws", draws, least=8)
+    forward, generator = opened.forward, np.random.default_rng(seed)
+    # of the laws as they are: among opened ones are such whose force falls, and which fail at any step
     start = initial_state(calibration.system, motion, initial)
     step = choose_timestep(
         calibration.system, motion, start, duration=duration, sample_rate=SAMPLE_RATE, accuracy=ACCURACY
@@ -87,42 +126,55 @@ def predict(
         system=forward.system, motions=(motion,), columns=forward.columns, duration=duration, timestep=step,
         sample_rate=SAMPLE_RATE, initial=initial, corners=motion.corners,
     )  # fmt: skip
-    posterior = calibration.posterior.values
+    posterior = opened.problem.prior.values(opened.owning(np.where(opened.chain, opened.embedded, 0.0)))
     chosen = posterior[generator.choice(len(posterior), count, replace=False)]
-    samples = _measures(work, chosen)
+    samples = forward.measures(work, chosen)
     measures = tuple(measure_names(forward.system))
-    tested = [
-        _measures(replace(work, motions=(test.motion,), initial=test.initial), calibration.values[np.newaxis])
-        for test in forward.tests
-        if isinstance(test, MeasuredTest)
-    ]
-    reached = [k for k, name in enumerate(measures) if name.startswith("deflection/")]
-    beyond = (
-        float(np.nanmedian(samples[:, reached].max(axis=1)) / max(np.max(one[:, reached]) for one in tested)) if tested else 1.0
-    )
-    beyond = max(beyond, 1.0)
-    size, peaks = calibration.peak_error
-    size = beyond * math.hypot(size, ACCURACY)  # of the peaks of runs and of those of tests alike
+    done = samples[~np.isnan(samples).all(axis=1)]
+    reached, tested = travel_of(measures, np.median(np.nan_to_num(done), axis=0)), forward.tested_travel(opened.values)
+    farthest = _farthest(reached, tested)
+    most, before = max(reached.values(), default=0.0), max(tested.values(), default=0.0)
+    size, peaks = opened.peak_error
+    # of the peaks of runs and of those of tests alike
+    size = (max(most / before, 1.0) if before > 0.0 else 1.0) * math.hypot(size, ACCURACY)
     error = generator.standard_t(peaks, count * ERRORS)
     scaled = [k for k, name in enumerate(measures) if name not in UNSCALED]
-    struck, farther = measures.index("struck"), _at_level(work, calibration.values[np.newaxis], 1.0 + size * STEPS[-1])
+    struck, farther = measures.index("struck"), _at_level(forward, work, opened.values[np.newaxis], 1.0 + size * STEPS[-1])
     own, stopped = samples, (samples[:, struck] > 0.0).any() or (farther[:, struck] > 0.0).any()
     samples = np.repeat(samples, ERRORS, axis=0)
     samples[:, scaled] *= np.maximum(1.0 + size * error, 0.0)[:, np.newaxis]
     if stopped:  # a mount's force is off by the error of its law at any deflection
-        levels = [own if step == 0.0 else _at_level(work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS]
+        levels = [own if step == 0.0 else _at_level(forward, work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS]
         between = _between(np.array(levels), error.reshape(count, ERRORS)).reshape(-1, len(measures))
         followed = [k for k in scaled if not measures[k].startswith("force/")]
         failed = np.isnan(between[:, followed])  # those draws stay multiplied
         samples[:, followed] = np.where(failed, samples[:, followed], between[:, followed])
     samples = samples[~np.isnan(samples).all(axis=1)]
-    return Prediction(names=measures, samples=samples, peak_error=size, beyond=beyond, motion=motion.description)
+    refused: tuple[str, ...] = ()
+    if calibration.discrepancies.max() > DISCREPANT:  # what was measured is known with that error, of the rest nothing is
+        channels = {
+            f"{one.quantity}/{one.subject.partition('/')[2]}"
+            for test in forward.tests if isinstance(test, MeasuredTest) for one in test.channels
+        } | {f"acceleration/{test.payload}" for test in forward.tests if isinstance(test, FrequencyTest)}  # fmt: skip
+        refused = tuple(one for one in measures if one not in UNSCALED and "/".join(one.split("/")[:2]) not in channels)
+    samples[:, [measures.index(name) for name in refused]] = np.nan
+    return Prediction(
+        names=measures, samples=samples, peak_error=size, farthest=farthest, refused=refused,
+        motion=motion.description,
+    )  # fmt: skip
 
 
-def _at_level(work: Work, values: Array, factor: float) -> Array:
+def _farthest(reached: Mapping[tuple[str, str], float], tested: Mapping[tuple[str, str], float]) -> Travel:
+    """Return the deflection that is farthest beyond the tests', of those that are not small beside the largest."""
+    counts = [key for key, value in reached.items() if value >= LOOKED_AT * max(reached.values()) > 0.0]
+    every = [Travel(mount=mount, axis=axis, reached=reached[mount, axis], tested=tested[mount, axis]) for mount, axis in counts]
+    return max(every, key=lambda one: one.ratio, default=Travel(mount="", axis="", reached=0.0, tested=0.0))
+
+
+def _at_level(forward: SystemForward, work: Work, values: Array, factor: float) -> Array:
     """Return measures as `_measures` does, of the motion times a factor; NaN if no draw can be simulated."""
     try:
-        return _measures(replace(work, motions=(Scaled(work.motions[0], factor),)), values)
+        return forward.measures(replace(work, motions=(Scaled(work.motions[0], factor),)), values)
     except ConvergenceError:
         return np.full((len(values), len(measure_names(work.system))), np.nan)
 
@@ -133,16 +185,3 @@ def _between(levels: Array, errors: Array) -> Array:
     draws = np.arange(len(errors))[:, np.newaxis]
     low, high = levels[left, draws], levels[left + 1, draws]
     return np.maximum(low + (high - low) * (errors - STEPS[left])[..., np.newaxis], 0.0)
-
-
-def _measures(work: Work, values: Array) -> Array:
-    """Return the measures of a study at values of the unknowns (n, d), NaN of those that fail, (n, n_measures)."""
-    names = [column.name for column in work.columns]
-    rows = [{"variant": k, **dict(zip(names, row.tolist(), strict=False))} for k, row in enumerate(values)]
-    table = compute(work, Chunk(number=0, rows=rows)).table
-    done = np.array(table["status"]) == DONE
-    if not done.any():
-        raise ConvergenceError(f"no draw of the posterior can be simulated: {table['message'][0]}")
-    return np.where(
-        done[:, np.newaxis], np.stack([table[name].to_numpy() for name in measure_names(work.system)], axis=1), np.nan
-    )

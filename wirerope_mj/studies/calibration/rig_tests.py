@@ -69,7 +69,7 @@ class FrequencyRuns:
         at = np.log(np.asarray(test.frequency, dtype=np.float64))
         values = np.log(np.asarray(test.transmissibility, dtype=np.float64))
         self.series = [Series(name=name, at=at, values=values, size=np.ones(at.size), across="logarithm of frequency")]
-        self._works = [
+        self.works = [
             work_of(
                 system, columns, Sine(frequency=float(one), acceleration=test.acceleration, direction=test.direction),
                 duration=(SETTLED + MEASURED) / float(one), sample_rate=_STEPS * float(one), initial=test.initial,
@@ -79,9 +79,9 @@ class FrequencyRuns:
 
     def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
         """Return the transmissibilities with the values of each row, (n,); None where one failed."""
-        found = np.full((len(rows), len(self._works)), np.nan)
+        found = np.full((len(rows), len(self.works)), np.nan)
         column = f"bodies/{self.test.payload}/acceleration/{self.test.direction}"
-        for k, (work, frequency) in enumerate(zip(self._works, self.test.frequency, strict=True)):
+        for k, (work, frequency) in enumerate(zip(self.works, self.test.frequency, strict=True)):
             time, done = histories(work, rows, [column])
             last = time >= SETTLED / frequency
             for i, one in enumerate(done):

@@ -1,0 +1,118 @@
+"""What tests leave open in the form of a law: how it hardens, and how unlike its sides are, free within what they exclude."""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wirerope_mj.engine.system import Changes, System, load_system
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.mounts.isolator import AXES, Isolator
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Parallel, SymmetricBoucWen
+from wirerope_mj.studies.inputs.distributions import Distribution, Normal
+
+HARDENING = 0.3  # Standard deviation, before the tests, of each term's force at the tested travel over the law's there
+LOOKED_AT = 0.2  # Travel over the largest that was tested from which on the law of an axis is opened
+FAINT = 1e-6  # Slope and bound of the hysteresis that the added terms have, over the law's: they are elastic
+_PARAMETER = re.compile(rf"mount/(.*)/({'|'.join(AXES)})/(?!laws\[)([^/]*)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpenLaws:
+    """A system whose laws have terms of free size beside what they are, and the priors of these."""
+
+    system: System
+    vary: Mapping[str, Distribution]  # what varied of the system, by its new names, and the terms
+    added: tuple[str, ...]  # names of the terms among them
+
+
+def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[tuple[str, str], float]) -> OpenLaws:
+    """Open the laws of isolators along the axes in which tests moved them.
+
+    F becomes F + K x (e^(q x) - 1) + k2 x |x| + k3 x^3: K is the law's secant stiffness at the tested travel d, and q d,
+    k2 d / K and k3 d^2 / K are normal before the tests, of a standard deviation of `HARDENING`, and 0. Mounts with one isolator
+    share them.
+
+    Args:
+        system: as it was calibrated.
+        vary: what of it varies.
+        travel: largest deflection in the tests by mount and axis [m].
+    """
+    largest, files = max(travel.values()), dict(system.isolators)
+    terms: dict[str, Distribution] = {}
+    alone: set[str] = set()  # axes whose laws have become the first of several
+    changed: dict[str, Isolator] = {}
+    for name, isolator in system.isolators.items():
+        mounts = [mount for mount, one in system.mounts.items() if one.isolator_name == name]
+        added: dict[str, tuple[Law, Law]] = {}
+        for axis, law in isolator.axes.items():
+            reached = max((travel.get((mount, axis), 0.0) for mount in mounts), default=0.0)
+            if law is None or isolator.is_stop or AXES.index(axis) in isolator.coupled_axes or reached < LOOKED_AT * largest:
+                continue
+            stiffness = secant_stiffness(law, reached)
+            added[axis] = _terms(stiffness, reached)
+            if not isinstance(law, Parallel):
+                alone.add(axis)
+            sizes = {"k2": stiffness / reached, "k3": stiffness / reached**2} | (
+                {"c": 1.0 / reached} if axis == "axial" else {}
+            )
+            for key, size in sizes.items():
+                number = len(law.components) + (key == "c")
+                terms[f"mount/{','.join(mounts)}/{axis}/laws[{number}].{key}"] = Normal(0.0, HARDENING * size)
+        files[name] = _with_terms(isolator, added)
+        changed |= {
+            mount: _with_terms(system.mounts[mount].written, added)
+            for mount in mounts
+            if added and system.mounts[mount].written != isolator
+        }
+    loaded = with_changes(load_system(system.path or system.mjcf, isolators=files), _moves(system, changed))
+    renamed = {_renamed(name, alone): one for name, one in vary.items() if not name.startswith("channel/")}
+    chain = {name: one for name, one in vary.items() if name.startswith("channel/")}
+    return OpenLaws(system=loaded, vary=renamed | terms | chain, added=tuple(terms))
+
+
+def _moves(system: System, isolators: Mapping[str, Isolator]) -> list[Changes]:
+    """Return the changes that were made to a system, with other isolators."""
+    moves = [replace(one, isolators={}) for one in system.changes]
+    return [one for one in (*moves, Changes(isolators=isolators)) if one != Changes()]
+
+
+def secant_stiffness(law: Law, reached: float) -> float:
+    """Return the stiffness of a law between a deflection and its mirror image on first loading [N/m]."""
+    path = reached * np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, -1.0, 100)])
+    force = law.trace(path, time=np.linspace(0.0, 1.0, path.size)).force
+    return float((force[49] - force[-1]) / (2.0 * reached))
+
+
+def _terms(stiffness: float, reached: float) -> tuple[Law, Law]:
+    """Return the added terms where they are 0, of a law with a stiffness [N/m] at a deflection [m]."""
+    faint = {"alpha": FAINT * stiffness, "beta": 1.0 / reached, "gamma": 0.0, "n": 1.0, "k2": 0.0, "k3": 0.0}
+    odd = SymmetricBoucWen(k1=-stiffness, **faint)
+    return odd, AsymmetricBoucWen(k1=stiffness, b=math.e, c=0.0, **faint)
+
+
+def _with_terms(isolator: Isolator, added: Mapping[str, tuple[Law, Law]]) -> Isolator:
+    """Return an isolator with terms beside the laws of some axes; its spread names their parameters anew."""
+    spread = isolator.spread
+    if spread is not None:
+        names = spread.parameters
+        for axis in added:
+            if not isinstance(isolator.axes[axis], Parallel):
+                names = tuple(re.sub(rf"^{axis}\.", f"{axis}.laws[0].", one) for one in names)
+        spread = replace(spread, parameters=names)
+    laws = {
+        axis: Parallel(laws=(*law.components, *added[axis])) for axis, law in isolator.axes.items() if law and axis in added
+    }
+    return replace(isolator, spread=spread, **laws)  # type: ignore[arg-type]
+
+
+def _renamed(name: str, alone: set[str]) -> str:
+    """Return the name of a quantity where laws that stood alone have become the first of several."""
+
+    def first(match: re.Match[str]) -> str:
+        pattern, axis, parameter = match.groups()
+        return f"mount/{pattern}/{axis}/laws[0].{parameter}" if axis in alone else match[0]
+
+    return " & ".join(_PARAMETER.sub(first, part) for part in name.split(" & "))
