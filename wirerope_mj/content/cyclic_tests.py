@@ -14,7 +14,7 @@ from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.identification.choice import LawComparison
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.device import amplitudes_of, distinct_axes, largest_amplitude
-from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
+from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening
 
@@ -65,8 +65,7 @@ def _test_blocks(tests: CyclicTests) -> Iterator[Block]:
     lines = []
     for title, law in tests.laws.items():
         lines.append(f"{title}: {law_text(law)}")
-        if isinstance(law, Hysteresis | EnhancedDryFriction) and law.z_max < math.inf:
-            form = law.normalised
+        if (form := law.normal_form) is not None:
             lines.append(
                 f"{title}, normalised: z_max = {form.z_max:.6g} N, x_y = {in_unit(form.x_y, 'mm'):.6g} mm, "
                 f"sigma = {form.sigma:.6g}, n = {form.n:.6g}"

@@ -9,14 +9,8 @@ from wirerope_mj.content.fitted_loops import fit_chart, measures_chart, residual
 from wirerope_mj.content.numbers import several
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
-from wirerope_mj.mounts.laws import Law, Stop
+from wirerope_mj.mounts.laws import Law
 
-PARAMETER_UNITS = {
-    "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
-    "c": "1/m", "d": "N", "u_c": "m", "stiffness": "N/m", "slip_force": "N",
-}  # fmt: skip
-# Of the parameters of laws in their isolator files, where these are not the coordinates of the search; b and n have none.
-_STOP_UNITS = {"gap_below": "m", "gap_above": "m", "k": "N/m^exponent", "rounding": "m", "reversal": "m", "c": "N s/m"}
 _BENT = 0.5  # Correlation of neighbouring residuals that white noise of a hundred samples never has
 _UNKNOWN = 100.0  # Relative standard error that is not worth showing
 
@@ -207,12 +201,11 @@ def _singular_values(result: Identification) -> Statement:
 def _one_law(law: Law, result: Identification) -> str:
     """Return name and parameters of one of the laws on the axis; the last one was searched for."""
     values, fitted, texts = law.to_dict(), law is result.law.components[-1], []
-    units = PARAMETER_UNITS | _STOP_UNITS if isinstance(law, Stop) else PARAMETER_UNITS
     for name, value in values.items():
         if name == "law":
             continue
         known = result.parameters.get(name) if fitted else None
-        unit = known.unit if known else units.get(name, "-")
+        unit = known.unit if known else law.units.get(name, "-")
         number = f"[{', '.join(f'{one:.6g}' for one in value)}]" if isinstance(value, list) else f"{value:.6g}"
         texts.append(f"{name} = {number} {unit}".removesuffix(" -"))
     return f"{values['law']}: {', '.join(texts)}"

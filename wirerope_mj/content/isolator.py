@@ -8,7 +8,7 @@ from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
-from wirerope_mj.mounts.laws import Law, Parallel, Stop
+from wirerope_mj.mounts.laws import Law
 
 _SOFTER = 0.05  # share of a mount's stiffness that a bracket takes before its figure is worth a word
 
@@ -63,7 +63,7 @@ def _bracket_words(device: Isolator) -> Iterator[str]:
 def _stop_words(axis: str, law: Law) -> str:
     """Return where the stops on an axis close and how stiff they are, "" without one."""
     text = ""
-    for stop in [part for part in law.components if isinstance(part, Stop)]:
+    for stop in law.stops:
         sides = ((stop.gap_below, "below"), (stop.gap_above, "above"))
         gaps = " and ".join(f"{with_unit(gap, 'm')} {side}" for gap, side in sides if gap is not None)
         if stop.k is None:
@@ -91,11 +91,11 @@ def isolator_blocks(device: Isolator) -> Iterator[Block]:
 
 def law_text(law: Law) -> str:
     """Return a law's name and parameters as text, those of several one after the other."""
-    if isinstance(law, Parallel):
-        return " and ".join(law_text(one) for one in law.components)
-    values = law.to_dict()
-    parameters = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
-    return f"{values['law']}: {', '.join(parameters)}"
+    texts = []
+    for values in (part.to_dict() for part in law.components):
+        parameters = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
+        texts.append(f"{values['law']}: {', '.join(parameters)}")
+    return " and ".join(texts)
 
 
 def _value(value: object) -> str:

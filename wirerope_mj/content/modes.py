@@ -17,7 +17,6 @@ from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.isolator.validity import BELOW
-from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 
 TIPS = "tips over"  # Stands for the frequency of a mode in which the weight wins over the mounts
 _SHIP_AXES: tuple[Direction, ...] = ("fore-and-aft", "athwartship", "vertical")
@@ -170,7 +169,7 @@ def about_small(system: System, small: Modes) -> Iterator[str]:
             "with an elastic part that bends, both can lie to one side of it."
         )
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
-    if any(getattr(law, "n", 1.0) < 1.0 for law in laws if isinstance(law, Hysteresis)):
+    if any(law.is_steep for law in laws if law is not None):
         yield (
             "A law with n < 1 is near the limit of small amplitude only at amplitudes that no rig shows: quote the frequency "
             "at an amplitude, which --amplitude-mm gives."

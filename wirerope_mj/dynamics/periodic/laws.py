@@ -27,8 +27,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import with_other_laws
 from wirerope_mj.foundation.arrays import AnyArray, Array, Entries, Integers
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.laws import Parallel, Smoothed
-from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, PARALLEL, SMOOTHED, TABULATED
+from wirerope_mj.mounts.laws.kernels import PARALLEL, SMOOTHED
 from wirerope_mj.mounts.laws.wrapped import with_width
 
 # Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f'
@@ -106,13 +105,12 @@ class ScaledStates:
             for axis, law in enumerate(mount.isolator.axes.values()):
                 if law is None or axis in mount.isolator.coupled_axes:
                     continue
-                state, offset = mount.states[axis].start, 1 + 3 * len(law.laws) if isinstance(law, Parallel) else 0
+                state, offset = mount.states[axis].start, law.parameters_before
                 for part in law.components:
-                    plain = part.law if isinstance(part, Smoothed) else part
-                    if plain.kernel in (*BOUC_WEN_LAWS, TABULATED):
+                    if part.bouc_wen_parameters is not None:
                         rows.append((state, number, axis))
-                        parameters.append(plain.kernel_parameters()[:4])
-                        smoothed.append(isinstance(part, Smoothed))
+                        parameters.append(part.bouc_wen_parameters)
+                        smoothed.append(not part.rate_independent)
                         offsets.append(offset)
                     state, offset = state + part.n_states, offset + part.kernel_parameters().size
         self._system = system

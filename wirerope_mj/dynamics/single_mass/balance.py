@@ -25,7 +25,7 @@ from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.arrays import Array, ArrayLike, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
-from wirerope_mj.mounts.laws import Law, Smoothed
+from wirerope_mj.mounts.laws import Law
 
 # Differences of the Jacobian relative to the deflection: far above rounding, far below what bends the force.
 _STEP = 1e-6
@@ -257,9 +257,12 @@ def orbit_of(balance: Balance, solution: Solution, omega: float, acceleration: f
 
 def _estimates(balance: Balance, omega: float, acceleration: float) -> list[Array]:
     """Return where to start from by equivalent linearisation, the smallest motion first; a smoothed law is near its law."""
-    law = balance.law.law if isinstance(balance.law, Smoothed) else balance.law
     orbits = linearised_orbits(
-        law, mass=balance.mass, frequency=omega / (2.0 * np.pi), acceleration=acceleration, gravity=balance.gravity
+        balance.law.unsmoothed,
+        mass=balance.mass,
+        frequency=omega / (2.0 * np.pi),
+        acceleration=acceleration,
+        gravity=balance.gravity,
     )
     return [balance.from_coefficients(np.array([orbit.oscillator.offset, orbit.phasor])) for orbit in orbits]
 

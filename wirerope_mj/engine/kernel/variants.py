@@ -19,17 +19,8 @@ from wirerope_mj.engine.system.varied import change_masses, moving_bodies, tune
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI
-from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, MASING
 from wirerope_mj.mounts.laws.law import Law
-from wirerope_mj.mounts.laws.parallel import Parallel
-from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN
-from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
-from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
-from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER
 
-# kernels none of whose parameters says how many there are or what is done with them: any values have the same structure
-_PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI, SCRAGGED_BOUC_WEN)
 NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 
 
@@ -185,12 +176,7 @@ class Numbers:
 
 def same_structure(law: Law | None, other: Law | None) -> bool:
     """Return whether two laws are certainly computed alike but for the values of their parameters."""
-    if law is None or other is None:
-        return law is other
-    if isinstance(law, Parallel) and isinstance(other, Parallel):
-        return len(law.laws) == len(other.laws) and all(map(same_structure, law.laws, other.laws))
-    alike = law.kernel in _PLAIN or (law.kernel == MASING and law.n_states == other.n_states)
-    return type(law) is type(other) and (alike or law == other)
+    return law is other if law is None else law.same_structure(other)
 
 
 @dataclass(frozen=True, kw_only=True)

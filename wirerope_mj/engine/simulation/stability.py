@@ -9,8 +9,6 @@ from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.statics.linear import linear_system
 from wirerope_mj.engine.system import System, mount_rates, once_per_system
 from wirerope_mj.foundation.arrays import Array, Booleans, ComplexArray
-from wirerope_mj.mounts.laws import OnBracket, Smoothed
-from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.mounts.laws.law import Law
 
 # RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used
@@ -62,11 +60,10 @@ def yield_rates(system: System, *, steep: bool = True) -> Array:
     rates = np.zeros((len(system.mounts), 3))
     for number, mount in enumerate(system.mounts.values()):
         for axis, law in enumerate(mount.isolator.axes.values()):
-            behind = law.law if isinstance(law, OnBracket) else law  # of whose rate a bracket takes some, at the bound little
-            for part in behind.components if behind is not None else ():
-                plain = part.law if isinstance(part, Smoothed) else part
-                if isinstance(plain, Hysteresis) and (steep or plain.n >= 1.0 or axis in mount.isolator.coupled_axes):
-                    rates[number, axis] = max(rates[number, axis], plain.n * plain.alpha / plain.z_max)
+            # of whose rate a bracket takes some, at the bound little
+            for part in law.behind_bracket.components if law is not None else ():
+                if steep or not part.unsmoothed.is_steep or axis in mount.isolator.coupled_axes:
+                    rates[number, axis] = max(rates[number, axis], part.unsmoothed.yield_rate)
     return rates
 
 

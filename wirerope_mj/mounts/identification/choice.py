@@ -17,7 +17,7 @@ from wirerope_mj.mounts.identification.left_out import amplitude_groups, criteri
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.identification.search import Method
-from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen, is_law
 
 DECIDED = 10.0  # Difference of the criterion from which on it is very strong evidence (Kass and Raftery 1995)
 FAR = 2.0  # Ratio of two laws' largest errors from which on one follows loops that the other does not
@@ -218,7 +218,7 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
         ValueError: the loops cannot be used, or there is no law to start at.
     """
     require_loops(loops)
-    if not isinstance(starts, Mapping) or not starts or not all(isinstance(law, Law) for law in starts.values()):
+    if not isinstance(starts, Mapping) or not starts or not all(map(is_law, starts.values())):
         raise ValueError(f"`starts` must hold at least one law by a name, such as {{'guess': law}}, got {starts!r}.")
     rows = []
     for (name, start), method in product(starts.items(), get_args(Method)):

@@ -8,6 +8,7 @@ deflections at which they slip, each further than the last.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -83,7 +84,8 @@ class Family:
 
     coordinates: Callable[[Scales], list[Coordinate]]  # the numbers, from the sizes of the measured loops
     make: Callable[[dict[str, float]], Law]  # the law of their values
-    read: Callable[[Law], dict[str, float]]  # the values of a law
+    # the values of a law
+    read: Callable[[Law], dict[str, float]] = attrgetter("coordinates")
     # values of coordinates that are given unless they are asked for, or a start has others
     usual: Mapping[str, float] = field(default_factory=dict)
 
@@ -131,26 +133,10 @@ def _asymmetry(s: Scales) -> Coordinate:
     return Coordinate("c_ln_b", "1/m", -5.0 / x, 5.0 / x, scale=1.0 / x, stiffness=True, grid=(-1.0 / x, 0.0, 1.0 / x))
 
 
-def _read_normalised(law: Law) -> dict[str, float]:
-    assert isinstance(law, BoucWen | Ozdemir | SymmetricBoucWen)
-    form = law.normalised
-    values = {"z_max": form.z_max, "x_y": form.x_y, "sigma": form.sigma, "n": form.n}
-    if isinstance(law, BoucWen | Ozdemir):
-        values["k"] = law.k
-    else:
-        values |= {"k1": law.k1, "k2": law.k2, "k3": law.k3}
-    if isinstance(law, AsymmetricBoucWen):
-        values["c_ln_b"] = law.asymmetry
-    if isinstance(law, Ozdemir):
-        del values["sigma"]
-    return values
-
-
 def _of_springs(kind: type[Hysteresis], *names: str, sigma: bool = True) -> Family:
     return Family(
         coordinates=lambda s: [*_hysteresis(s, sigma=sigma), *_elastic(s, *names)],
         make=lambda values: kind.from_normalised(**values),
-        read=_read_normalised,
     )
 
 
@@ -195,15 +181,9 @@ def _make_stop(values: dict[str, float]) -> Law:
     return Stop(**values)  # type: ignore[arg-type]
 
 
-def _reader(*names: str) -> Callable[[Law], dict[str, float]]:
-    """Return a function that reads these parameters of a law, as far as it has them."""
-    return lambda law: {name: value for name in names if (value := getattr(law, name)) is not None}
-
-
 # Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests.
 STOP = Family(
     coordinates=_stop, make=_make_stop, usual={"exponent": 1.0, "rounding": 0.0},
-    read=_reader("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal"),
 )  # fmt: skip
 
 
@@ -232,15 +212,7 @@ def masing_family(elements: int) -> Family:
         spring = {name: values[name] for name in ("k", "k2", "k3")}
         return Masing(stiffness=stiffness, slip_force=[c * x for c, x in zip(stiffness, slip, strict=True)], **spring)
 
-    def read(law: Law) -> dict[str, float]:
-        assert isinstance(law, Masing)
-        pairs = sorted(zip(law.stiffness, law.slip_force, strict=True), key=lambda pair: pair[1] / pair[0])
-        slip = [h / c for c, h in pairs]
-        values = {"k": law.k, "k2": law.k2, "k3": law.k3, "x1": slip[0]}
-        values |= {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)}
-        return values | {f"x{e + 1}/x{e}": slip[e] / slip[e - 1] for e in range(1, len(slip))}
-
-    return Family(coordinates=coordinates, make=make, read=read, usual={"k2": 0.0, "k3": 0.0})
+    return Family(coordinates=coordinates, make=make, usual={"k2": 0.0, "k3": 0.0})
 
 
 # The laws that cyclic tests can fix: rate-independent, without wear.
@@ -257,7 +229,6 @@ FAMILIES: dict[type[Law], Family] = {
         make=lambda values: AsymmetricBoucWen.from_normalised(
             **{key: value for key, value in values.items() if key != "c_ln_b"}, b=math.e, c=values["c_ln_b"]
         ),
-        read=_read_normalised,
     ),
     EnhancedDryFriction: Family(
         coordinates=lambda s: [
@@ -266,12 +237,10 @@ FAMILIES: dict[type[Law], Family] = {
             *_elastic(s, "k"),
         ],
         make=lambda values: EnhancedDryFriction(**values),
-        read=_reader("d", "u_c", "k"),
     ),
     VaianaRosati: Family(
         coordinates=_vaiana_rosati,
         make=lambda values: VaianaRosati(**values),
-        read=_reader("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3"),
     ),
 }
 

@@ -37,7 +37,7 @@ from wirerope_mj.mounts.identification.sufficient import (
     unknowns_of,
 )
 from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
-from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Parallel, Stop
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Parallel, Stop
 
 STARTS = 2  # Best points of the grid from which a search begins, beside the best one for each pattern of signs
 DEEPER = 2  # Times that a fit begins again where moving a value has shown a better one
@@ -121,7 +121,7 @@ def identify(
     if law is Stop:
         measured, sides = closing(measured, beside)
     measured = [ScaleLoop.of(loop) for loop in measured] if names else measured
-    elements = len(start.stiffness) if isinstance(start, Masing) else elements
+    elements = elements if start is None else start.n_states  # of Masing's law
     family = scales_family(law, names) if names else family_of(law, elements)
     coordinates = family.coordinates(replace(scales_of(measured), **sides))
     unknowns = unknowns_of(

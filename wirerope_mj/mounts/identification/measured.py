@@ -11,7 +11,8 @@ import scipy
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.families import Scales
-from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Loop, SymmetricBoucWen
+from wirerope_mj.mounts.laws import BoucWen, Law, Loop
+from wirerope_mj.mounts.laws.plane import asymmetry_of, elastic_of
 from wirerope_mj.mounts.laws.steady import follow_force, settle
 from wirerope_mj.mounts.test_rig.passive import require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import require_likely
@@ -214,14 +215,13 @@ class ScaleLoop(MeasuredLoop):
         if len(law.components) == 1:
             return super().model_force(law)
         x, z, elastic, asymmetry = self.deflection, np.zeros(1), np.zeros(1), 0.0
-        for one in law.components:
-            assert isinstance(one, BoucWen | SymmetricBoucWen)
-            form = one.normalised
+        for scale in law.components:
+            form = scale.normal_form
+            assert form is not None
+            k1, k2, k3 = elastic_of(scale)
             z = z + form.z_max * self.shape(form.x_y, form.sigma, form.n)
-            elastic = elastic + (
-                one.k * x if isinstance(one, BoucWen) else x * (one.k1 + x * (np.sign(x) * one.k2 + one.k3 * x))
-            )
-            asymmetry = one.asymmetry if isinstance(one, AsymmetricBoucWen) else 0.0
+            elastic = elastic + x * (k1 + x * (np.sign(x) * k2 + k3 * x))
+            asymmetry = asymmetry_of(scale)
         return self.as_measured(np.exp(asymmetry * x) * (z + elastic))
 
     def as_measured(self, forces: Array) -> Array:

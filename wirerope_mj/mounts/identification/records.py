@@ -14,7 +14,7 @@ from wirerope_mj.mounts.identification.result import Identification, fitted_loop
 from wirerope_mj.mounts.identification.sufficient import closes
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Validity
 from wirerope_mj.mounts.isolator.travel import falling_text
-from wirerope_mj.mounts.laws import AsymmetricBoucWen, Loop, Stop
+from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig import load_cycles
 from wirerope_mj.mounts.test_rig.faults import checked_file
 from wirerope_mj.mounts.test_rig.passive import is_level
@@ -64,7 +64,7 @@ def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict
     The second is, by file, the least lag between its channels that would have been named, as text behind its contents.
     """
     loops = [(path, loop) for path, loops in tests.items() for loop in loops]
-    if not isinstance(result.law, Stop):
+    if not result.law.only_stops:
         checked = {path: checked_file(path) for path in tests}
         faults = [text for one in checked.values() for text in one.faults]
         warnings = [*faults, *_unsteady(loops), *_unexplained(loops, result), *_level(loops), *_soft(tests)]
@@ -99,7 +99,7 @@ def _unexplained(loops: _Loops, result: Identification) -> list[str]:
     for path, loop in loops:
         if not (isinstance(loop, RecordedLoop) and loop.averaged > 1):
             continue
-        law_closure = prepare([loop], stop=isinstance(result.law, Stop))[0].law_closure(result.law)
+        law_closure = prepare([loop], stop=result.law.only_stops)[0].law_closure(result.law)
         # Besides its noise, which the residual is a measure of.
         if abs(loop.closure - law_closure) > _STEADY + result.residual:
             warnings.append(
@@ -215,6 +215,6 @@ def turned_round(result: Identification, axis: str) -> str:
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:
     """Return the assumptions of a fit, one text each."""
     texts = [f"{text}: given, not fitted" for text in given]
-    if isinstance(result.law.components[-1], AsymmetricBoucWen):
+    if "c_ln_b" in result.parameters:
         texts.append("b = e: of b and c only the product c ln b acts on the force")
     return [*texts, "the force's zero: the mean of each loop's force was free, so that the law has no force unloaded"]

@@ -17,7 +17,7 @@ from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
 from wirerope_mj.mounts.isolator import MeasuredRange
 from wirerope_mj.mounts.isolator.travel import falling_text
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop
-from wirerope_mj.mounts.laws.hysteresis import Hysteresis
+from wirerope_mj.mounts.laws.hysteresis import Normalised
 
 _WINDOW = 0.1  # of a cycle, over which a rate is taken: a sine's is 1.6 % less than at an instant, noise hardly shows
 
@@ -56,22 +56,22 @@ def validity_of(law: Law, loops: Sequence[MeasuredLoop]) -> str:
         f"valid for cycles of {measured.text}, which were tested{pace}, not below {least:.3g} mm; extrapolated beyond, where "
         "the error of the fit says nothing"
     )
-    sets = [one for one in law.components if isinstance(one, Hysteresis) and math.isfinite(one.z_max)]
-    if len(sets) < len(law.components):
+    forms = [form for scale in law.components if (form := scale.normal_form) is not None]
+    if len(forms) < len(law.components):
         return text
-    one = min(sets, key=_half_slope)  # of several scales the one that shows least
-    half = 1e3 * _half_slope(one)
+    form = min(forms, key=_half_slope)  # of several scales the one that shows least
+    half = 1e3 * _half_slope(form)
     if half > SEEN * least:
         return text
     return (
-        f"{text}. With n = {one.n:.3g} half of the slope alpha is lost within {half:.2g} mm, less than {100.0 * SEEN:g} % of "
+        f"{text}. With n = {form.n:.3g} half of the slope alpha is lost within {half:.2g} mm, less than {100.0 * SEEN:g} % of "
         "the least amplitude, which its samples do not show: the stiffness of smaller cycles is a guess"
     )
 
 
-def _half_slope(law: Hysteresis) -> float:
+def _half_slope(form: Normalised) -> float:
     """Return the deflection over which half of the slope at z = 0 is lost [m]."""
-    return law.normalised.x_y * 0.5 ** (1.0 / law.n)
+    return form.x_y * 0.5 ** (1.0 / form.n)
 
 
 BEYOND = 2.0  # Times the tested deflections up to which a law is looked at: a shock goes there

@@ -86,5 +86,5 @@ _SPRING = ("k", "k1", "k2", "k3", "c_ln_b")
 
 def yield_deflection(law: Law) -> float:
     """Return the yield deflection of one scale [m]."""
-    assert isinstance(law, BoucWen | SymmetricBoucWen)
-    return law.normalised.x_y
+    assert law.normal_form is not None
+    return law.normal_form.x_y

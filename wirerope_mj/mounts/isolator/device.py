@@ -24,7 +24,7 @@ from wirerope_mj.mounts.isolator.parts import (
 from wirerope_mj.mounts.isolator.tables import AXES, PARTS, read_tables, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
-from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, OnBracket, Stop, Tabulated, on_bracket
+from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, is_law, on_bracket
 from wirerope_mj.mounts.laws.stop import largest_gap
 
 COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axes that a coupling couples, by its name
@@ -61,7 +61,7 @@ class Isolator(Brief):
         if plain(self.name) != self.name:
             raise ValueError(f"`name` must be one line of visible characters, got {self.name!r}.")
         for axis, law in self.axes.items():
-            if law is not None and not isinstance(law, Law):
+            if law is not None and not is_law(law):
                 raise ValueError(f"`{axis}` must be a law or None, got {law!r}.")
         if not any(self.axes.values()):
             raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
@@ -128,8 +128,8 @@ class Isolator(Brief):
         if self.coupling is None:
             return None
         both = {axis: self.axes[axis] for axis in COUPLINGS[self.coupling]}
-        stiff = [law.stiffness if isinstance(law, OnBracket) else math.inf for law in both.values()]
-        laws: Entries = {axis: law.law if isinstance(law, OnBracket) else law for axis, law in both.items()}
+        stiff = [law.bracket_stiffness for law in both.values() if law is not None]
+        laws: Entries = {axis: law.behind_bracket for axis, law in both.items() if law is not None}
         laws["brackets"] = None if min(stiff) == math.inf else tuple(stiff)
         return BiaxialBoucWen(**laws) if self.loop is None else LoopBoucWen(**laws, loop=self.loop)
 
@@ -146,13 +146,12 @@ class Isolator(Brief):
     @cached_property
     def stops(self) -> tuple[str, ...]:
         """The axis of every stop among the laws, in their order."""
-        return tuple(axis for axis, law in self.axes.items() for part in _parts(law) if isinstance(part, Stop))
+        return tuple(axis for axis, law in self.axes.items() if law is not None for _ in law.stops)
 
     @cached_property
     def is_stop(self) -> bool:
         """True if all laws are stops and nothing is rated: listed with contacts, and not among the isolators."""
-        laws = (part for law in self.axes.values() for part in _parts(law))
-        return all(isinstance(law, Stop) for law in laws) and self.limits == Limits()
+        return all(law is None or law.only_stops for law in self.axes.values()) and self.limits == Limits()
 
     @cached_property
     def conditioned(self) -> "Isolator":
@@ -229,10 +228,6 @@ class Isolator(Brief):
             raise ModelError(f"{where}: {error}") from error
 
 
-def _parts(law: Law | None) -> tuple[Law, ...]:
-    return () if law is None else law.components
-
-
 _UNRATED_FRACTION = 0.05  # of the height, where no travel is rated: small enough for every mount
 _UNRATED = 0.005  # [m], where not even the height is known
 
@@ -257,7 +252,7 @@ def largest_amplitude(isolator: Isolator, axis: str) -> float:
     law, size = isolator.axes[axis], rated or (_UNRATED if height is None else _UNRATED_FRACTION * height)
     if law is None:
         return size
-    if rated is None and any(isinstance(one, Tabulated) for one in law.components) and law.finite_travel < math.inf:
+    if rated is None and law.finite_travel < math.inf and any(not part.needs_rating for part in law.components):
         return law.finite_travel
     return min(size if rated else largest_gap(law) + size, law.finite_travel)
 
@@ -265,7 +260,6 @@ def largest_amplitude(isolator: Isolator, axis: str) -> float:
 def amplitudes_of(isolator: Isolator, axis: str, fractions: Sequence[float]) -> list[float]:
     """Return fractions of the largest amplitude [m]; where an unrated axis has nothing but stops, of what is beyond the gap."""
     law, largest = isolator.axes[axis], largest_amplitude(isolator, axis)
-    only_stops = law is not None and all(isinstance(one, Stop) for one in law.components)
     rated = any(travel is not None for travel in isolator.rated_travel(axis))
-    start = largest_gap(law) if law is not None and only_stops and not rated else 0.0
+    start = largest_gap(law) if law is not None and law.only_stops and not rated else 0.0
     return [start + fraction * (largest - start) for fraction in fractions]

@@ -4,7 +4,7 @@ from wirerope_mj.mounts.laws.baber_noori import BoucWenBaberNoori
 from wirerope_mj.mounts.laws.bouc_wen import BoucWen, Ozdemir
 from wirerope_mj.mounts.laws.friction import EnhancedDryFriction, Masing
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, Normalised
-from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.law import Law, is_law
 from wirerope_mj.mounts.laws.loop import Loop
 from wirerope_mj.mounts.laws.loop_plane import LoopBoucWen, LoopCoupling
 from wirerope_mj.mounts.laws.ni import AsymmetricBoucWen, SymmetricBoucWen

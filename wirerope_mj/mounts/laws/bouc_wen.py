@@ -64,6 +64,11 @@ class Ozdemir(Hysteresis):
         """Return alpha, beta, 0, n, k."""
         return np.array([self.alpha, self.beta, 0.0, self.n, self.k])
 
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """The normalised form without sigma, which is 1, and the elastic part."""
+        return {name: value for name, value in super().coordinates.items() if name != "sigma"}
+
 
 @njit
 def bouc_wen(p, i, x, v, z, j, zdot, k):

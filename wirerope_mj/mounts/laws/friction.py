@@ -1,8 +1,8 @@
 """Laws made of dry friction: TNO's enhanced dry friction and the Masing model of Jenkin elements."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.hysteresis import Normalised
-from wirerope_mj.mounts.laws.law import Law, anywhere
+from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
 from wirerope_mj.mounts.laws.ni import polynomial
 
 MASING = 6
@@ -33,6 +33,8 @@ class EnhancedDryFriction(Law):
     kernel: ClassVar[int] = BOUC_WEN
     smoothable: ClassVar[bool] = True
     force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "d": 1.0}
+    faint_parameters: ClassVar[Mapping[str, float]] = {"k": 0.0, "d": 1.0, "u_c": 1.0 / FAINT}  # as `Hysteresis`
+    units: ClassVar[Mapping[str, str]] = {"k": "N/m", "d": "N", "u_c": "m"}
     yield_powers: ClassVar[Mapping[str, float]] = {"u_c": 1.0}
     state_names: ClassVar[tuple[str, ...]] = ("z",)
     damping_parameters: ClassVar[tuple[str, ...]] = ("d",)
@@ -57,6 +59,21 @@ class EnhancedDryFriction(Law):
     def normalised(self) -> Normalised:
         """The normalised form of the Bouc-Wen law that it is."""
         return Normalised(z_max=self.d, x_y=self.u_c, sigma=1.0, n=1.0)
+
+    @property
+    def normal_form(self) -> Normalised:
+        """The normalised form."""
+        return self.normalised
+
+    @property
+    def bouc_wen_parameters(self) -> Array:
+        """Those of Bouc-Wen's law that it is."""
+        return self.kernel_parameters()[:4]
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """Its own parameters."""
+        return {"d": self.d, "u_c": self.u_c, "k": self.k}
 
     @property
     def initial_stiffness(self) -> float:
@@ -89,6 +106,9 @@ class Masing(Law):
     elastic: ClassVar[tuple[str, ...]] = ("k", "k2", "k3")
     force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0, "k2": 1.0, "k3": 1.0}
     yield_powers: ClassVar[Mapping[str, float]] = {"stiffness": -1.0}
+    units: ClassVar[Mapping[str, str]] = {
+        "stiffness": "N/m", "slip_force": "N", "k": "N/m", "k2": "N/m^2", "k3": "N/m^3",
+    }  # fmt: skip
 
     stiffness: Sequence[float]
     slip_force: Sequence[float]
@@ -127,6 +147,24 @@ class Masing(Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, k plus all elements [N/m]."""
         return float(sum(self.stiffness) + self.k)
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """The spring, the elements' stiffnesses, and the deflections at which they slip, each over the one before."""
+        pairs = sorted(zip(self.stiffness, self.slip_force, strict=True), key=lambda pair: pair[1] / pair[0])
+        slip = [h / c for c, h in pairs]
+        values = {"k": self.k, "k2": self.k2, "k3": self.k3, "x1": slip[0]}
+        values |= {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)}
+        return values | {f"x{e + 1}/x{e}": slip[e] / slip[e - 1] for e in range(1, len(slip))}
+
+    def faint(self) -> Self:
+        """Return as many elements with hardly any force."""
+        faint = (FAINT,) * len(self.stiffness)
+        return replace(self, stiffness=faint, slip_force=faint, k=0.0, k2=0.0, k3=0.0)
+
+    def same_structure(self, other: Law | None) -> bool:
+        """Return whether the other one has as many elements."""
+        return type(self) is type(other) and self.n_states == other.n_states
 
 
 @njit

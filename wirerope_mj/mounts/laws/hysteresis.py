@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import inlined
 from wirerope_mj.foundation.lanes import power, where
-from wirerope_mj.mounts.laws.law import Law, anywhere
+from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
 
 # Least n of a law. States are followed to rounding below it too; but there (1/2)^(1/n), a millionth of its bound, is the z at
 # which half of the slope is gone, which no test shows, and 1 % of beta + gamma is 1 / n % of the bound, more than 20 %.
@@ -56,6 +57,13 @@ class Hysteresis(Law):
     """
 
     state_names: ClassVar[tuple[str, ...]] = ("z",)
+    units: ClassVar[Mapping[str, str]] = {
+        "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
+    }  # fmt: skip
+    # A bound of 1 N is never reached, and any two laws that have it can be coupled.
+    faint_parameters: ClassVar[Mapping[str, float]] = {"alpha": FAINT, "beta": FAINT, "n": 1.0} | dict.fromkeys(
+        ("gamma", "k", "k1", "k2", "k3", "c"), 0.0
+    )
     # Each law declares its parameters itself, in the order in which they are written; these are what all of them have.
     alpha: float
     beta: float
@@ -84,6 +92,33 @@ class Hysteresis(Law):
         if self._total <= 0.0:
             raise ValueError(f"`beta` + `gamma` must be > 0 for a normalised form, got {self._total}: z has no bound.")
         return Normalised(z_max=self.z_max, x_y=self.z_max / self.alpha, sigma=self.beta / self._total, n=self.n)
+
+    @property
+    def normal_form(self) -> Normalised | None:
+        """The normalised form; None if z is not bounded."""
+        return self.normalised if self._total > 0.0 else None
+
+    @property
+    def bouc_wen_parameters(self) -> Array | None:
+        """Those of z; None beside another state."""
+        return self.kernel_parameters()[:4] if self.n_states == 1 else None
+
+    @property
+    def is_steep(self) -> bool:
+        """True if n < 1."""
+        return self.n < 1.0
+
+    @property
+    def yield_rate(self) -> float:
+        """That of z, n alpha / z_max [1/m]."""
+        return self.n * self.alpha / self.z_max
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """The normalised form and the elastic part."""
+        form = self.normalised
+        elastic = {name: getattr(self, name) for name in _ELASTIC if hasattr(self, name)}
+        return {"z_max": form.z_max, "x_y": form.x_y, "sigma": form.sigma, "n": form.n, **elastic}
 
     def _validate(self) -> None:
         for name in ("alpha", "beta", "n"):

@@ -4,7 +4,7 @@ import math
 from abc import ABC
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -12,10 +12,16 @@ from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Entries
 from wirerope_mj.mounts.laws.loop import Loop
 
+if TYPE_CHECKING:
+    from wirerope_mj.mounts.laws.hysteresis import Normalised
+    from wirerope_mj.mounts.laws.stop import Stop
+
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
 ROUNDING = 1e-9
 # Factors on a law: on all its force, on that of friction, on the deflection over which it builds up to the same force.
 FACTORS = ("stiffness", "friction", "yield")
+# Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places.
+FAINT = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +61,9 @@ class Law(ABC):
     options: ClassVar[Mapping[str, type]] = {}  # parameters that are no numbers but choices, and their types
     lists: ClassVar[tuple[str, ...]] = ()  # parameters that are lists of numbers
     leaders: ClassVar[Mapping[str, str]] = {}  # the parameter that another one is equal to unless it is stated itself
+    units: ClassVar[Mapping[str, str]] = {}  # of the parameters; those without have none
+    factors: ClassVar[tuple[str, ...]] = ()  # names of factors on all of several laws in parallel
+    faint_parameters: ClassVar[Mapping[str, float]] = {}  # of a law that has failed, see `faint`
     # `wirerope_mj.mounts.laws.timed.trace`, which knows the kernels of all laws and so stands above them.
     _trace: ClassVar[Callable[..., Loop]]
 
@@ -87,6 +96,61 @@ class Law(ABC):
     def components(self) -> "tuple[Law, ...]":
         """The laws that make it up: itself, or those in parallel."""
         return (self,)
+
+    @property
+    def stops(self) -> "tuple[Stop, ...]":
+        """The stops among its components."""
+        return ()
+
+    @property
+    def only_stops(self) -> bool:
+        """True if it is a stop, or several."""
+        return len(self.stops) == len(self.components)
+
+    @property
+    def parameters_before(self) -> int:
+        """Number of kernel parameters before those of its first component."""
+        return 0
+
+    @property
+    def behind_bracket(self) -> "Law":
+        """The law that stands on a bracket; itself without one."""
+        return self
+
+    @property
+    def bracket_stiffness(self) -> float:
+        """Stiffness of the bracket that it stands on [N/m]; infinite without one."""
+        return math.inf
+
+    @property
+    def unsmoothed(self) -> "Law":
+        """The law whose slopes are blended; itself where none are."""
+        return self
+
+    @property
+    def normal_form(self) -> "Normalised | None":
+        """Bouc-Wen's normalised form; None of a law without one, or whose z has no bound."""
+        return None
+
+    @property
+    def bouc_wen_parameters(self) -> Array | None:
+        """Numbers alpha, beta, gamma, n of the Bouc-Wen equation of its only state, smoothed or not; None of other states."""
+        return None
+
+    @property
+    def is_steep(self) -> bool:
+        """True if the slope of a state has no limit as its deflections vanish: Bouc-Wen's n is below 1."""
+        return False
+
+    @property
+    def yield_rate(self) -> float:
+        """Rate over deflection at which a Bouc-Wen state near its bound goes back there, n alpha / z_max [1/m]."""
+        return 0.0
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """Values of the coordinates by which cyclic tests identify it, see `wirerope_mj.mounts.identification.families`."""
+        raise TypeError(f"{self.name} is no law that cyclic tests identify.")
 
     def kernel_parameters(self) -> Array:
         """Return the parameters in the order that the law's kernel reads, (n_p,): that of their declaration for most laws."""
@@ -123,13 +187,32 @@ class Law(ABC):
         """Number of internal states."""
         return len(self.state_names)
 
-    def certainly_valid(self, columns: Entries) -> bool:
+    def faint(self) -> "Law":
+        """Return a law with as many states and hardly any force, of the same class where that is possible: what has failed."""
+        if self.faint_parameters:
+            names = {field.name for field in fields(self)} & self.faint_parameters.keys()
+            return replace(self, **{name: self.faint_parameters[name] for name in names})
+        return self.scaled(FAINT / self.initial_stiffness)
+
+    def same_structure(self, other: "Law | None") -> bool:
+        """Return whether two laws are certainly computed alike but for the values of their parameters."""
+        counted = self.lists or self.options  # parameters that say how many there are, or what is done with them
+        return type(self) is type(other) and (not counted or self == other)
+
+    def unchecked(self, values: Entries) -> Self:
+        """Return the law with other parameters that are known to be valid."""
+        varied = object.__new__(type(self))
+        vars(varied).update(vars(self), **self.completed(values))
+        return varied
+
+    def certainly_valid(self, values: Entries) -> bool:
         """Return whether the law is valid, and at any deflection, with each entry of columns, (n,), of its parameters.
 
         False says nothing: each entry has to be tried. The law's own rules are asked, with columns in place of numbers; what
-        they cannot say of many numbers at once NumPy refuses to take for true or false. A parameter that is several numbers
-        has a tuple of columns.
+        they cannot say of many numbers at once NumPy refuses to take for true or false. Names as in `parameter`; a parameter
+        that is several numbers has a tuple of columns.
         """
+        columns = self.completed(values)
         for column in columns.values():
             if not all(np.isfinite(one).all() for one in (column if isinstance(column, tuple) else (column,))):
                 return False
@@ -234,6 +317,11 @@ class Law(ABC):
             raise ValueError(
                 f"`deflection` must be finite, got {path[~np.isfinite(path)][0]} in sample {np.argmin(np.isfinite(path))}."
             )
+
+
+def is_law(value: object) -> bool:
+    """Return whether a value is a law."""
+    return isinstance(value, Law)
 
 
 def anywhere(condition: bool | Booleans) -> bool:

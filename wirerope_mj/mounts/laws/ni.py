@@ -1,6 +1,7 @@
 """Ni's modifications of the Bouc-Wen law for wire-rope isolators."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -54,6 +55,7 @@ class AsymmetricBoucWen(SymmetricBoucWen):
 
     name: ClassVar[str] = "asymmetric-bouc-wen"
     kernel: ClassVar[int] = ASYMMETRIC_BOUC_WEN
+    units: ClassVar[Mapping[str, str]] = {**Hysteresis.units, "c": "1/m"}
 
     b: float
     c: float
@@ -71,6 +73,11 @@ class AsymmetricBoucWen(SymmetricBoucWen):
     def asymmetry(self) -> float:
         """Exponent lambda = c ln b of F2 = exp(lambda x) [1/m], the only identifiable combination of b and c."""
         return self.c * math.log(self.b)
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """The normalised form, the elastic part, and c ln b."""
+        return {**super().coordinates, "c_ln_b": self.asymmetry}
 
 
 @inlined

@@ -5,12 +5,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import accumulate
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.laws.law import FACTORS, Law
+
+if TYPE_CHECKING:
+    from wirerope_mj.mounts.laws.stop import Stop
 
 PARALLEL = 14
 
@@ -65,7 +68,7 @@ class Parallel(Law):
     def kernel_parameters(self) -> Array:
         """Return how many laws there are, number, first parameter and first state of each, and their parameters."""
         parameters = [law.kernel_parameters() for law in self.laws]
-        first = accumulate((p.size for p in parameters[:-1]), initial=1 + 3 * len(self.laws))
+        first = accumulate((p.size for p in parameters[:-1]), initial=self.parameters_before)
         state = accumulate((law.n_states for law in self.laws[:-1]), initial=0)
         rows = [float(v) for row in zip((law.kernel for law in self.laws), first, state, strict=True) for v in row]
         return np.concatenate([[float(len(self.laws))], rows, *parameters])
@@ -74,6 +77,40 @@ class Parallel(Law):
     def components(self) -> tuple[Law, ...]:
         """The laws."""
         return self.laws
+
+    @property
+    def stops(self) -> "tuple[Stop, ...]":
+        """The stops among the laws."""
+        return tuple(stop for law in self.laws for stop in law.stops)
+
+    @property
+    def parameters_before(self) -> int:
+        """How many there are, and three numbers of each."""
+        return 1 + 3 * len(self.laws)
+
+    @property
+    def is_steep(self) -> bool:
+        """True if any of them is."""
+        return any(law.is_steep for law in self.laws)
+
+    def faint(self) -> Self:
+        """Return as many laws with hardly any force."""
+        return replace(self, laws=tuple(law.faint() for law in self.laws))
+
+    def same_structure(self, other: Law | None) -> bool:
+        """Return whether the other ones are as many, and computed alike one by one."""
+        if other is None or type(self) is not type(other) or len(self.laws) != len(other.components):
+            return False
+        return all(law.same_structure(same) for law, same in zip(self.laws, other.components, strict=True))
+
+    def unchecked(self, values: Entries) -> Self:
+        """Return the laws with other parameters that are known to be valid."""
+        if set(values) & set(FACTORS):
+            return super().unchecked(values)
+        varied = object.__new__(type(self))
+        parts = zip(self.laws, self.composed(values), strict=True)
+        vars(varied)["laws"] = tuple(law.unchecked(own) for law, own in parts)
+        return varied
 
     @property
     def travel_rule(self) -> str:  # type: ignore[override]
@@ -100,17 +137,17 @@ class Parallel(Law):
         """True if one of them that ends somewhere asks for a rated travel."""
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
-    def certainly_valid(self, columns: Entries) -> bool:
-        """Return whether each law is certainly valid with what the columns make of its parameters; False says nothing."""
+    def certainly_valid(self, values: Entries) -> bool:
+        """Return whether each law is certainly valid with what columns of values make of its parameters; False says nothing."""
         if not all(law.force_powers for law in self.laws):  # a law around another one is tried entry by entry
             return False
-        for law, own in zip(self.laws, self.composed(columns), strict=True):
+        for law, own in zip(self.laws, self.composed(values), strict=True):
             whole = law.completed(own)
             for name in FACTORS:
-                factor = np.asarray(columns.get(name, 1.0))
+                factor = np.asarray(values.get(name, 1.0))
                 if not (np.isfinite(factor) & (factor > 0.0)).all():
                     return False
-                for key, power in law.powers_of(name).items() if name in columns else ():
+                for key, power in law.powers_of(name).items() if name in values else ():
                     value = whole.get(key, getattr(law, key))
                     many = isinstance(value, tuple)
                     whole[key] = tuple(one * factor**power for one in value) if many else value * factor**power
@@ -119,7 +156,7 @@ class Parallel(Law):
         return True
 
     @cached_property
-    def factors(self) -> tuple[str, ...]:
+    def factors(self) -> tuple[str, ...]:  # type: ignore[override]
         """Names of factors on all laws: `FACTORS`, and of laws of one kind the numbers that are not all 0, as "alpha"."""
         if len({type(law) for law in self.laws}) > 1:
             return FACTORS

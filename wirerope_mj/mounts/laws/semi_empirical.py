@@ -10,7 +10,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import raised, some, where
-from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.law import FAINT, Law
 
 TINKER_CUTCHINS = 5
 
@@ -37,6 +37,10 @@ class TinkerCutchins(Law):
     kernel: ClassVar[int] = TINKER_CUTCHINS
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = dict.fromkeys(("k1", "k2", "k3", "c", "f0", "f1", "f2"), 1.0)
+    faint_parameters: ClassVar[Mapping[str, float]] = dict.fromkeys(force_powers, FAINT)
+    units: ClassVar[Mapping[str, str]] = {
+        "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3", "c": "N (s/m)^n", "f0": "N", "f1": "N/m", "f2": "N/m^2", "smoothing": "m/s",
+    }  # fmt: skip
     damping_parameters: ClassVar[tuple[str, ...]] = ("c", "f0", "f1", "f2")
     not_negative: ClassVar[tuple[str, ...]] = ("k1", "k3", "c", "f0", "f1", "f2")
     above_zero: ClassVar[tuple[str, ...]] = ("n", "smoothing")
@@ -75,6 +79,10 @@ class EquivalentViscous(Law):
     kernel: ClassVar[int] = TINKER_CUTCHINS
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = dict.fromkeys(("k1", "k2", "k3", "energy"), 1.0)
+    faint_parameters: ClassVar[Mapping[str, float]] = dict.fromkeys(force_powers, FAINT)
+    units: ClassVar[Mapping[str, str]] = {
+        "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3", "energy": "J", "amplitude": "m", "frequency": "Hz",
+    }  # fmt: skip
     damping_parameters: ClassVar[tuple[str, ...]] = ("energy",)
     not_negative: ClassVar[tuple[str, ...]] = ("energy",)
     above_zero: ClassVar[tuple[str, ...]] = ("amplitude", "frequency")

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 import scipy
@@ -11,6 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
 from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
+from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS
 
 STOP = 13
 NEVER = 1e300  # Gap of a side without a stop [m]
@@ -45,6 +46,10 @@ class Stop(Law):
     smoothable: ClassVar[bool] = True
     lists: ClassVar[tuple[str, ...]] = ("depths", "forces")
     not_negative: ClassVar[tuple[str, ...]] = ("rounding", "loss", "c")
+    units: ClassVar[Mapping[str, str]] = {
+        "gap_below": "m", "gap_above": "m", "k": "N/m^exponent", "depths": "m", "forces": "N", "rounding": "m", "reversal": "m",
+        "c": "N s/m",
+    }  # fmt: skip
 
     gap_below: float | None = None
     gap_above: float | None = None
@@ -97,6 +102,21 @@ class Stop(Law):
                         f"`{name}` must grow from above 0 on, got {value} after {before}: the origin is the first point."
                     )
                 before = value
+
+    @property
+    def stops(self) -> tuple[Self]:
+        """Itself."""
+        return (self,)
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """Its own parameters, as far as they are stated."""
+        names = ("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal")
+        return {name: value for name in names if (value := getattr(self, name)) is not None}
+
+    def faint(self) -> Law:
+        """Return what has as many states."""
+        return FAINT_LAWS[self.n_states]
 
     def kernel_parameters(self) -> Array:
         """Return what `wirerope_mj.mounts.laws.stop_kernels.stop` reads."""

@@ -13,6 +13,7 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed
+from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS
 
 TABULATED = 12
 _FARTHEST_YIELD = 100.0  # times the travel, at which a loop has no width any more that a number could say
@@ -56,6 +57,9 @@ class Tabulated(AsCall, Law):
     lists: ClassVar[tuple[str, ...]] = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
     options: ClassVar[Mapping[str, type]] = {"curve": str, "symmetric": bool, "extrapolate": bool}
     force_powers: ClassVar[Mapping[str, float]] = {"upper": 1.0, "lower": 1.0, "force": 1.0, "areas": 1.0}
+    units: ClassVar[Mapping[str, str]] = {
+        "deflection": "m", "upper": "N", "lower": "N", "force": "N", "amplitudes": "m", "areas": "J", "yield_deflection": "m",
+    }  # fmt: skip
 
     deflection: Sequence[float]
     upper: Sequence[float] = ()
@@ -181,7 +185,16 @@ class Tabulated(AsCall, Law):
     def _parameters(self) -> Array:
         return packed(*self._curves, self.yield_deflection or 1.0)  # without hysteresis any length will do
 
-    def certainly_valid(self, columns: Mapping[str, object]) -> bool:
+    @property
+    def bouc_wen_parameters(self) -> Array:
+        """z_max / x_y, 1 / x_y, 0, 1."""
+        return self._parameters[:4]
+
+    def faint(self) -> Law:
+        """Return what has as many states."""
+        return FAINT_LAWS[self.n_states]
+
+    def certainly_valid(self, values: Mapping[str, object]) -> bool:
         """Return False: a table is tried entry by entry."""
         return False
 

@@ -11,7 +11,7 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import where
-from wirerope_mj.mounts.laws.law import Law, anywhere
+from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
 
 VAIANA_ROSATI = 7
 _NAMES = ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")
@@ -47,6 +47,12 @@ class VaianaRosati(Law):
     leaders: ClassVar[Mapping[str, str]] = {f"{name}_minus": name for name in _NAMES}
     force_powers: ClassVar[Mapping[str, float]] = {
         name + side: 1.0 for name in ("kb", "f0", "b1", "g1") for side in ("", "_minus")
+    }
+    faint_parameters: ClassVar[Mapping[str, float]] = dict.fromkeys(force_powers, FAINT)
+    units: ClassVar[Mapping[str, str]] = {
+        name + side: unit
+        for side in ("", "_minus")
+        for name, unit in zip(_NAMES, ("N/m", "N", "1/m", "N", "1/m", "N", "1/m", "m"), strict=True)
     }
 
     kb: float
@@ -142,6 +148,11 @@ class VaianaRosati(Law):
                 crossing = scipy.optimize.brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15)
                 crossings.append(float(crossing))
         return min(crossings, default=math.inf)
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """The parameters of the upper curve, which are those of both where a law is identified."""
+        return {name: getattr(self, name) for name in _NAMES}
 
     def check_path(self, path: Array) -> None:
         """Raise ValueError also if a path leads to where the limit curves cross."""

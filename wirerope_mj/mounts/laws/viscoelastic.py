@@ -9,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.law import Law, anywhere
+from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
 
 KELVIN_VOIGT = 3
 ZENER = 4
@@ -23,6 +23,8 @@ class KelvinVoigt(Law):
     kernel: ClassVar[int] = KELVIN_VOIGT
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "c": 1.0}
+    faint_parameters: ClassVar[Mapping[str, float]] = {"k": 0.0, "c": FAINT}
+    units: ClassVar[Mapping[str, str]] = {"k": "N/m", "c": "N s/m"}
     damping_parameters: ClassVar[tuple[str, ...]] = ("c",)
     not_negative: ClassVar[tuple[str, ...]] = ("k", "c")
     tangents: ClassVar[tuple[str, ...]] = ("k",)
@@ -56,6 +58,8 @@ class Zener(Law):
     kernel: ClassVar[int] = ZENER
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = {"k0": 1.0, "k1": 1.0, "c": 1.0}
+    faint_parameters: ClassVar[Mapping[str, float]] = {"k0": 0.0, "k1": FAINT, "c": FAINT}
+    units: ClassVar[Mapping[str, str]] = {"k0": "N/m", "k1": "N/m", "c": "N s/m"}
     state_names: ClassVar[tuple[str, ...]] = ("z",)  # the force of the branch with the damper
     damping_parameters: ClassVar[tuple[str, ...]] = ("k1", "c")  # that branch, whose force decays as fast as before
     not_negative: ClassVar[tuple[str, ...]] = ("k0",)
@@ -75,6 +79,13 @@ class Zener(Law):
     def relaxation_rate(self) -> float:  # type: ignore[override]
         """Rate k1 / c at which the damper lets its branch's force decay [1/s]."""
         return self.k1 / self.c
+
+
+# What is left of a law that has failed and cannot be made faint itself, by its number of states.
+FAINT_LAWS = (
+    KelvinVoigt(**KelvinVoigt.faint_parameters),
+    Zener(**Zener.faint_parameters),
+)
 
 
 @njit

@@ -14,7 +14,7 @@ from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.parallel import Parallel
 from wirerope_mj.mounts.laws.tabulated import TABULATED
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
-from wirerope_mj.mounts.laws.viscoelastic import KelvinVoigt, Zener
+from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS, KelvinVoigt, Zener
 
 SMOOTHED = 10
 ON_BRACKET = 16
@@ -42,9 +42,13 @@ class _Wrapped(Law):
     state_names = _of_law("state_names", "Those of the law.")
     damping_parameters = _of_law("damping_parameters", "Those of the law.")
 
-    def certainly_valid(self, columns: Entries) -> bool:
-        """Return whether there are no columns: each entry has to be tried."""
-        return not columns
+    def certainly_valid(self, values: Entries) -> bool:
+        """Return whether there are no values: each entry has to be tried."""
+        return not values
+
+    def same_structure(self, other: Law | None) -> bool:
+        """Return whether it is the same law."""
+        return self == other
 
     def multiplied(self, name: str, factor: float) -> Self:
         """Return the same around the law with a factor of `FACTORS`."""
@@ -82,6 +86,20 @@ class Smoothed(_Wrapped):
             got = self.law.name if isinstance(self.law, Law) else repr(self.law)
             raise ValueError(f"`law` must have one state whose rate is a slope times the velocity, got {got}.")
         object.__setattr__(self, "width", positive("width", self.width))
+
+    @property
+    def unsmoothed(self) -> Law:
+        """The law."""
+        return self.law
+
+    @property
+    def bouc_wen_parameters(self) -> Array | None:
+        """Those of the law."""
+        return self.law.bouc_wen_parameters
+
+    def faint(self) -> Law:
+        """Return what has as many states."""
+        return FAINT_LAWS[self.n_states]
 
     def kernel_parameters(self) -> Array:
         """Return the width, the law's kernel and its parameters."""
@@ -131,6 +149,20 @@ class OnBracket(_Wrapped):
                 "its own, without a bracket."
             )
         object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness, unit="N/m"))
+
+    @property
+    def behind_bracket(self) -> Law:
+        """The law."""
+        return self.law
+
+    @property
+    def bracket_stiffness(self) -> float:
+        """K [N/m]."""
+        return self.stiffness
+
+    def faint(self) -> Law:
+        """Return the law with hardly any force, without the bracket."""
+        return self.law.faint()
 
     def kernel_parameters(self) -> Array:
         """Return K, the number of states, and the laws as several in parallel have them."""

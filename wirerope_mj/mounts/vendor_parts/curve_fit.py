@@ -16,6 +16,7 @@ taken.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -178,8 +179,8 @@ def curve_values(sheet: CurveSheet, isolator: Isolator) -> list[ComparedValue]:
         rows.append(ComparedValue(axis=name, name=text, unit=unit, vendor=stated, fitted=fitted))
 
     for name, side in sheet.sides.items():
-        law, sign = isolator.axes["axial" if name in ("compression", "tension") else name], _SIGNS[name]
-        assert isinstance(law, Tabulated)
+        # the laws that `fit_curves` made of the sheet
+        law, sign = cast("Tabulated", isolator.axes["axial" if name in ("compression", "tension") else name]), _SIGNS[name]
         for kind, points in side.curves.items():
             for x, force in points:
                 if x <= law.travel_ends[int(sign > 0.0)]:

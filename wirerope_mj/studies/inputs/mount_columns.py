@@ -12,7 +12,6 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import AnyArray
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
-from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.parallel import part_of
 from wirerope_mj.mounts.vendor_parts import catalogue, load_isolator
 from wirerope_mj.studies.inputs.column import WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor
@@ -61,8 +60,7 @@ class LawParameter(MountColumn, ValueOrFactor):
         if law is None:
             there = [axis for axis, law in isolator.axes.items() if law is not None]
             raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}.")
-        if isinstance(law, Parallel):
-            whole = law
+        if (whole := law).factors:
             if parameter in whole.factors:
                 return 1.0
             try:

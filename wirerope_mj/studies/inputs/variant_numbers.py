@@ -16,8 +16,7 @@ from wirerope_mj.foundation.arrays import Array, Entries, Integers
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator
-from wirerope_mj.mounts.laws import Parallel
-from wirerope_mj.mounts.laws.law import FACTORS, Law
+from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.plane import Form, form_of, rates_in_plane
 from wirerope_mj.studies.inputs.column import Draft
 from wirerope_mj.studies.inputs.variants import Maker, Work, systems_valid
@@ -134,7 +133,7 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
             assert law is not None  # the column has seen to it
             key = (id(law), tuple(sorted(values.items())))
             if key not in laws:
-                varied = _unchecked(law, values)
+                varied = law.unchecked(values)
                 laws[key] = _numbers_of(varied, coupled=place in isolator.coupled_axes)
             parameters, rates[:, 3 * number + place], forms[place] = laws[key]
             writer.write_law(numbers, mount, place, parameters)
@@ -142,17 +141,6 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
             one, other = (forms.get(place) or _forms(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes)
             scales = map(rates_in_plane, one, other)
             writer.write_coupling(numbers, mount, np.array([value for scale in scales for value in scale]))
-
-
-def _unchecked(law: Law, values: Entries) -> Law:
-    """Return a law with other parameters, whole columns of which are known to be valid."""
-    varied: Law = object.__new__(type(law))
-    if isinstance(law, Parallel) and not set(values) & set(FACTORS):
-        parts = zip(law.laws, law.composed(values), strict=True)
-        vars(varied)["laws"] = tuple(_unchecked(one, own) for one, own in parts)
-    else:
-        vars(varied).update(vars(law), **law.completed(values))
-    return varied
 
 
 def _numbers_of(law: Law, *, coupled: bool) -> tuple[Array, tuple[float, ...], _Forms]:

@@ -15,7 +15,6 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Limits
-from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.studies.inputs.column import WHOLE, Draft, InputColumn
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
@@ -212,9 +211,7 @@ def _law_valid(system: System, mount: str, axis: str, parameters: Entries) -> bo
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
     if coupled and (isolator.coupling != "loop" or {name.rpartition(".")[2] for name in parameters} & _SHARED_IN_A_LOOP):
         return False
-    if isinstance(law, Parallel):
-        return law.certainly_valid(parameters)
-    return law is not None and law.certainly_valid(law.completed(parameters))
+    return law is not None and law.certainly_valid(parameters)
 
 
 def _motions_valid(system: System, columns: Sequence[InputColumn], block: pa.Table, check: Check) -> bool:

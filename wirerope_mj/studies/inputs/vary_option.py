@@ -12,7 +12,7 @@ from wirerope_mj.engine.system.varied import centre_of_mass, sprung_joints
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.laws import Law, Parallel
+from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.laws.law import FACTORS
 from wirerope_mj.studies.inputs.body_columns import bodies_of
 from wirerope_mj.studies.inputs.column import WORLD
@@ -30,11 +30,11 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
     for mounts, laws in _identical(system):
         lines.append(f"mounts {', '.join(mounts)}:")
         for axis, law in laws.items():
-            if isinstance(law, Parallel):
+            if law.factors:
                 lines.append(f"  {', '.join(f'mount/NAME/{axis}/{one}' for one in FACTORS)}  factor on all its laws")
                 if shared := law.factors[len(FACTORS) :]:
                     lines.append(f"  mount/NAME/{axis}/PARAMETER  factor in all its laws: {', '.join(shared)}")
-                lines += [_law_line(f"{axis}/laws[{number}].PARAMETER", one) for number, one in enumerate(law.laws)]
+                lines += [_law_line(f"{axis}/laws[{number}].PARAMETER", one) for number, one in enumerate(law.components)]
             else:
                 lines.append(_law_line(f"{axis}/PARAMETER", law))
         devices = [system.mounts[mount].written for mount in mounts]
