@@ -13,7 +13,7 @@ from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.laws.kernels import asymmetric_bouc_wen
+from wirerope_mj.mounts.laws.registry import asymmetric_bouc_wen
 from wirerope_mj.mounts.rope_loop import RopeLoop
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import load_isolator

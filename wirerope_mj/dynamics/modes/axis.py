@@ -6,7 +6,7 @@ import scipy
 from wirerope_mj.dynamics.single_mass.cycle import cycle_force, require_steady
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
-from wirerope_mj.mounts.laws.kernels import evaluate
+from wirerope_mj.mounts.laws.registry import evaluate
 
 SAMPLES = 256  # samples of a closed cycle: the area of a loop with sharp tips is then right to 1e-6
 # Step [m] of the elastic part's central difference: its error is below 1e-9 of the slope for travels of millimetres.

@@ -27,7 +27,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import with_other_laws
 from wirerope_mj.foundation.arrays import AnyArray, Array, Entries, Integers
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.laws.kernels import PARALLEL, SMOOTHED
+from wirerope_mj.mounts.laws.registry import PARALLEL, SMOOTHED
 from wirerope_mj.mounts.laws.wrapped import with_width
 
 # Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f'

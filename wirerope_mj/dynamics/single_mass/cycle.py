@@ -12,8 +12,8 @@ from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws import BoucWenBaberNoori, Law, Loop
 from wirerope_mj.mounts.laws.cubic import position, reversals
-from wirerope_mj.mounts.laws.kernels import PARALLEL, component, evaluate
 from wirerope_mj.mounts.laws.power import ORDER
+from wirerope_mj.mounts.laws.registry import PARALLEL, component, evaluate
 from wirerope_mj.mounts.laws.steady import carry, next_start
 from wirerope_mj.mounts.laws.timed import follow_time
 

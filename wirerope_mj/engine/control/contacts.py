@@ -8,7 +8,7 @@ or in parallel with others, has a row, in the order of mounts, axes and laws. Wi
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.mounts import bent, point_velocity, turned
 from wirerope_mj.foundation.jit import index, inlined, njit
-from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
+from wirerope_mj.mounts.laws.registry import PARALLEL, STOP
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, LOSS, stop_force
 
 # mjCNSTR_CONTACT_FRICTIONLESS and _PYRAMIDAL: how the forces of a contact stand in efc_force, else as of an elliptic cone

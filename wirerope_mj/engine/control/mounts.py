@@ -23,9 +23,9 @@ orientations need no branch. The torque is -dU for a small turn dtheta of the pa
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.foundation.jit import index, inlined, njit
-from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, evaluate, hold_slips
 from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER, on_brackets
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
+from wirerope_mj.mounts.laws.registry import MASING, PARALLEL, evaluate, hold_slips
 
 AXIAL = 2  # index of the axial axis
 

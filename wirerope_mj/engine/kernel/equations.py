@@ -14,8 +14,8 @@ from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.friction import ELEMENTS
-from wirerope_mj.mounts.laws.kernels import HEAD, MASING, ON_BRACKET, OWN, PARALLEL, SMOOTHED, STOP, TABULATED
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS
+from wirerope_mj.mounts.laws.registry import HEAD, MASING, ON_BRACKET, OWN, PARALLEL, SMOOTHED, STOP, TABULATED
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
 # places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes

@@ -17,9 +17,9 @@ from wirerope_mj.engine.kernel.links import (
     vector,
 )
 from wirerope_mj.foundation.jit import inlined, njit
-from wirerope_mj.mounts.laws.kernels import evaluate
 from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER, on_brackets
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
+from wirerope_mj.mounts.laws.registry import evaluate
 
 
 @njit

@@ -29,7 +29,7 @@ from wirerope_mj.engine.kernel.observe import EVENT, HISTORY, TIME_1, TIME_2, me
 from wirerope_mj.engine.kernel.solve import accelerate
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, rows, spread, table, where, with_lane
-from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, hold_slips
+from wirerope_mj.mounts.laws.registry import MASING, PARALLEL, hold_slips
 
 BEYOND = 1e10  # acceleration beyond which MuJoCo takes a state for invalid (mjMAXVAL), and so does this
 NO_SAMPLES = np.zeros((0, 0, 0))  # room for the samples that are not wanted

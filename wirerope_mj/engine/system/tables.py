@@ -14,8 +14,8 @@ from wirerope_mj.engine.system.modal import DeclaredMode
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
 from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER
+from wirerope_mj.mounts.laws.registry import MASING, PARALLEL
 
 MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
 # inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2

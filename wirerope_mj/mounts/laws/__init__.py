@@ -11,6 +11,7 @@ from wirerope_mj.mounts.laws.ni import AsymmetricBoucWen, SymmetricBoucWen
 from wirerope_mj.mounts.laws.own import OwnLaw
 from wirerope_mj.mounts.laws.parallel import Parallel
 from wirerope_mj.mounts.laws.plane import BiaxialBoucWen
+from wirerope_mj.mounts.laws.registry import LAWS
 from wirerope_mj.mounts.laws.scragged import ScraggedBoucWen
 from wirerope_mj.mounts.laws.semi_empirical import EquivalentViscous, TinkerCutchins
 from wirerope_mj.mounts.laws.stop import Stop
@@ -20,12 +21,4 @@ from wirerope_mj.mounts.laws.vaiana_rosati import VaianaRosati
 from wirerope_mj.mounts.laws.viscoelastic import KelvinVoigt, Zener
 from wirerope_mj.mounts.laws.wrapped import OnBracket, Smoothed, on_bracket
 
-# The laws by the name that an isolator file calls them.
-LAWS: dict[str, type[Law]] = {
-    law.name: law
-    for law in (
-        BoucWen, Ozdemir, AsymmetricBoucWen, SymmetricBoucWen, BoucWenBaberNoori, ScraggedBoucWen, VaianaRosati,
-        EnhancedDryFriction, Masing, TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener, Stop, Tabulated,
-    )
-}  # fmt: skip
 Law._trace = trace  # follows the kernels of all laws, which their common base cannot import

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import raised, some, where
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
@@ -34,6 +35,10 @@ class BoucWenBaberNoori(Hysteresis):
 
     name: ClassVar[str] = "bouc-wen-baber-noori"
     kernel: ClassVar[int] = BABER_NOORI
+    example: ClassVar[Entries] = {
+        "alpha": 1e5, "beta": 250.0, "gamma": 100.0, "n": 1.0, "k": 4e4, "delta_alpha": 200.0, "delta_nu": 0.1,
+        "delta_eta": 0.05, "zeta": 0.6, "q": 0.1, "p": 1.0, "psi": 60.0, "delta_psi": 5.0, "lam": 0.5,
+    }  # fmt: skip
     state_names: ClassVar[tuple[str, ...]] = ("z", "e")  # the hysteretic force [N] and its work [J]
     not_negative: ClassVar[tuple[str, ...]] = (
         "k", "delta_alpha", "delta_nu", "delta_eta", "zeta", "q", "p", "psi", "delta_psi", "lam",

@@ -5,7 +5,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, Normalised, bouc_wen_rate
 
@@ -21,6 +21,7 @@ class BoucWen(Hysteresis):
 
     name: ClassVar[str] = "bouc-wen"
     kernel: ClassVar[int] = BOUC_WEN
+    example: ClassVar[Entries] = {"alpha": 1e5, "beta": 75.0, "gamma": 30.0, "n": 1.2, "k": 2e4}
     smoothable: ClassVar[bool] = True
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     elastic: ClassVar[tuple[str, ...]] = ("k",)
@@ -42,6 +43,7 @@ class Ozdemir(Hysteresis):
 
     name: ClassVar[str] = "ozdemir"
     kernel: ClassVar[int] = BOUC_WEN
+    example: ClassVar[Entries] = {"alpha": 1e5, "beta": 300.0, "n": 1.0, "k": 2e4}
     smoothable: ClassVar[bool] = True
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     elastic: ClassVar[tuple[str, ...]] = ("k",)

@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
@@ -31,6 +31,7 @@ class EnhancedDryFriction(Law):
 
     name: ClassVar[str] = "enhanced-dry-friction"
     kernel: ClassVar[int] = BOUC_WEN
+    example: ClassVar[Entries] = {"k": 5e4, "d": 300.0, "u_c": 3e-3}
     smoothable: ClassVar[bool] = True
     force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "d": 1.0}
     faint_parameters: ClassVar[Mapping[str, float]] = {"k": 0.0, "d": 1.0, "u_c": 1.0 / FAINT}  # as `Hysteresis`
@@ -100,6 +101,9 @@ class Masing(Law):
 
     name: ClassVar[str] = "masing"
     kernel: ClassVar[int] = MASING
+    example: ClassVar[Entries] = {
+        "stiffness": [6e4, 4e4, 3e4], "slip_force": [60.0, 100.0, 200.0], "k": 2e4, "k2": 1e5, "k3": 2e7,
+    }  # fmt: skip
     lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
     damping_parameters: ClassVar[tuple[str, ...]] = lists
     not_negative: ClassVar[tuple[str, ...]] = ("k",)

@@ -32,7 +32,8 @@ class Law(ABC):
     """
 
     name: ClassVar[str]  # in an isolator file
-    kernel: ClassVar[int]  # its number in `wirerope_mj.mounts.laws.kernels`
+    kernel: ClassVar[int]  # its number in `wirerope_mj.mounts.laws.registry`
+    example: ClassVar[Entries]  # parameters in SI units for a mass of about 20 kg that moves by about 10 mm
     # Whether the force depends on the path of deflections alone, and not on how fast it is run through.
     rate_independent: ClassVar[bool] = True
     # Whether its kernel is one of those that `Smoothed` takes: one state, its rate a slope for each direction times xdot.

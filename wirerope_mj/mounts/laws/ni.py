@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, bouc_wen
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
@@ -29,6 +29,7 @@ class SymmetricBoucWen(Hysteresis):
 
     name: ClassVar[str] = "symmetric-bouc-wen"
     kernel: ClassVar[int] = SYMMETRIC_BOUC_WEN
+    example: ClassVar[Entries] = {"alpha": 1e5, "beta": 0.6, "gamma": -0.2, "n": 2.0, "k1": 8e4, "k2": 1e5, "k3": 2e7}
     smoothable: ClassVar[bool] = True
     tangents: ClassVar[tuple[str, ...]] = ("alpha", "k1")
 
@@ -55,6 +56,9 @@ class AsymmetricBoucWen(SymmetricBoucWen):
 
     name: ClassVar[str] = "asymmetric-bouc-wen"
     kernel: ClassVar[int] = ASYMMETRIC_BOUC_WEN
+    example: ClassVar[Entries] = {
+        "alpha": 1e5, "beta": 150.0, "gamma": 30.0, "n": 1.0, "k1": 8e4, "k2": 1e5, "k3": 2e7, "b": 2.0, "c": 6.0,
+    }  # fmt: skip
     units: ClassVar[Mapping[str, str]] = {**Hysteresis.units, "c": "1/m"}
 
     b: float

@@ -16,9 +16,9 @@ from numba.core.dispatcher import Dispatcher
 
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.c_functions import SIGNATURE
-from wirerope_mj.mounts.laws.kernels import OWN
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.path import follow_path
+from wirerope_mj.mounts.laws.registry import OWN
 
 TRAVEL = 0.01  # deflection over which a law is tried unless it says its own [m]
 RATE = 0.1  # deflection rate at which it is tried [m/s]

@@ -6,7 +6,11 @@ import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.adaptive import integrate
-from wirerope_mj.mounts.laws.kernels import (
+from wirerope_mj.mounts.laws.ni import polynomial
+from wirerope_mj.mounts.laws.plane_brackets import LINE, ON_BRACKETS, on_brackets
+from wirerope_mj.mounts.laws.plane_kernels import LOOP, loop_plane_force
+from wirerope_mj.mounts.laws.power import advance_power
+from wirerope_mj.mounts.laws.registry import (
     BOUC_WEN_LAWS,
     HEAD,
     ON_BRACKET,
@@ -19,10 +23,6 @@ from wirerope_mj.mounts.laws.kernels import (
     has_closed_form,
     on_bracket,
 )
-from wirerope_mj.mounts.laws.ni import polynomial
-from wirerope_mj.mounts.laws.plane_brackets import LINE, ON_BRACKETS, on_brackets
-from wirerope_mj.mounts.laws.plane_kernels import LOOP, loop_plane_force
-from wirerope_mj.mounts.laws.power import advance_power
 
 # Scratch numbers for each state and the work: seven slopes of a step, or the series of a Bouc-Wen law and one more.
 SCRATCH = 18

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import where
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
@@ -41,6 +41,10 @@ class ScraggedBoucWen(Hysteresis):
 
     name: ClassVar[str] = "scragged-bouc-wen"
     kernel: ClassVar[int] = SCRAGGED_BOUC_WEN
+    example: ClassVar[Entries] = {
+        "alpha": 1e5, "beta": 250.0, "gamma": 100.0, "n": 1.0, "softening": 0.4, "reach": 4e-3, "k1": 8e4, "k2": -1e6,
+        "k3": 2e7,
+    }  # fmt: skip
     # z before its softening [N], the deflection that is remembered [m]
     state_names: ClassVar[tuple[str, ...]] = ("z", "m")
     not_negative: ClassVar[tuple[str, ...]] = ("softening", "k1", "k3")

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import raised, some, where
 from wirerope_mj.mounts.laws.law import FAINT, Law
@@ -35,6 +35,9 @@ class TinkerCutchins(Law):
 
     name: ClassVar[str] = "tinker-cutchins"
     kernel: ClassVar[int] = TINKER_CUTCHINS
+    example: ClassVar[Entries] = {
+        "k1": 8e4, "k2": 2e5, "k3": 2e7, "c": 200.0, "n": 1.5, "f0": 40.0, "f1": 2e3, "f2": 1e5, "smoothing": 0.02,
+    }  # fmt: skip
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = dict.fromkeys(("k1", "k2", "k3", "c", "f0", "f1", "f2"), 1.0)
     faint_parameters: ClassVar[Mapping[str, float]] = dict.fromkeys(force_powers, FAINT)
@@ -77,6 +80,7 @@ class EquivalentViscous(Law):
 
     name: ClassVar[str] = "equivalent-viscous"
     kernel: ClassVar[int] = TINKER_CUTCHINS
+    example: ClassVar[Entries] = {"k1": 8e4, "k2": 2e5, "k3": 2e7, "energy": 2.0, "amplitude": 0.01, "frequency": 12.0}
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = dict.fromkeys(("k1", "k2", "k3", "energy"), 1.0)
     faint_parameters: ClassVar[Mapping[str, float]] = dict.fromkeys(force_powers, FAINT)

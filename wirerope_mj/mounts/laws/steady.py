@@ -9,7 +9,9 @@ import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.adaptive import integrate
-from wirerope_mj.mounts.laws.kernels import (
+from wirerope_mj.mounts.laws.path import SCRATCH, segment_on_bracket
+from wirerope_mj.mounts.laws.power import ORDER, carry_power, follow_power
+from wirerope_mj.mounts.laws.registry import (
     BOUC_WEN_LAWS,
     ON_BRACKET,
     PARALLEL,
@@ -18,8 +20,6 @@ from wirerope_mj.mounts.laws.kernels import (
     evaluate,
     has_closed_form,
 )
-from wirerope_mj.mounts.laws.path import SCRATCH, segment_on_bracket
-from wirerope_mj.mounts.laws.power import ORDER, carry_power, follow_power
 
 
 @njit

@@ -7,7 +7,7 @@ from typing import ClassVar, Self
 import numpy as np
 import scipy
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
 from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
@@ -43,6 +43,10 @@ class Stop(Law):
 
     name: ClassVar[str] = "stop"
     kernel: ClassVar[int] = STOP
+    example: ClassVar[Entries] = {
+        "gap_below": 2e-3, "gap_above": 4e-3, "k": 4e6, "exponent": 1.5, "rounding": 2e-3, "loss": 0.4,
+        "reversal": 5e-4, "c": 200.0,
+    }  # fmt: skip
     smoothable: ClassVar[bool] = True
     lists: ClassVar[tuple[str, ...]] = ("depths", "forces")
     not_negative: ClassVar[tuple[str, ...]] = ("rounding", "loss", "c")

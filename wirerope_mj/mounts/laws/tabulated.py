@@ -50,6 +50,11 @@ class Tabulated(AsCall, Law):
 
     name: ClassVar[str] = "tabulated"
     kernel: ClassVar[int] = TABULATED
+    example: ClassVar[Entries] = {
+        "deflection": [-0.06, -0.02, -5e-3, 0.0, 5e-3, 0.02, 0.06],
+        "upper": [-1.5e3, -1.1e3, -150.0, 150.0, 600.0, 2.5e3, 9e3],
+        "lower": [-2.0e3, -1.6e3, -450.0, -150.0, 200.0, 1.7e3, 8e3], "yield_deflection": 2e-3,
+    }  # fmt: skip
     smoothable: ClassVar[bool] = True
     state_names: ClassVar[tuple[str, ...]] = ("z",)  # the hysteretic force where the loop is widest
     travel_rule: ClassVar[str] = "its table ends (`extrapolate = true` goes on with its end slope)"

@@ -9,10 +9,10 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS, position, reversals, shifted, speed, zero_between
-from wirerope_mj.mounts.laws.kernels import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_one
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop import Loop
 from wirerope_mj.mounts.laws.path import SCRATCH, follow_path, segment_of_one
+from wirerope_mj.mounts.laws.registry import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_one
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
 from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import VISCOUS, stop_work

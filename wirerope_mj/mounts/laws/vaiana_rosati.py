@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import where
 from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
@@ -41,6 +41,10 @@ class VaianaRosati(Law):
 
     name: ClassVar[str] = "vaiana-rosati"
     kernel: ClassVar[int] = VAIANA_ROSATI
+    example: ClassVar[Entries] = {
+        "kb": 3e4, "f0": 150.0, "alpha": 300.0, "b1": 20.0, "b2": 60.0, "g1": 15.0, "g2": 300.0, "g3": 0.0,
+        "f0_minus": 100.0, "alpha_minus": 450.0,
+    }  # fmt: skip
     smoothable: ClassVar[bool] = True
     state_names: ClassVar[tuple[str, ...]] = ("z",)  # the force from the mean of the limit curves
     travel_rule: ClassVar[str] = "its limit curves cross"

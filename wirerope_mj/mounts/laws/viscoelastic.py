@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
 
@@ -21,6 +21,7 @@ class KelvinVoigt(Law):
 
     name: ClassVar[str] = "kelvin-voigt"
     kernel: ClassVar[int] = KELVIN_VOIGT
+    example: ClassVar[Entries] = {"k": 1e5, "c": 300.0}
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "c": 1.0}
     faint_parameters: ClassVar[Mapping[str, float]] = {"k": 0.0, "c": FAINT}
@@ -56,6 +57,7 @@ class Zener(Law):
 
     name: ClassVar[str] = "zener"
     kernel: ClassVar[int] = ZENER
+    example: ClassVar[Entries] = {"k0": 5e4, "k1": 5e4, "c": 800.0}
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = {"k0": 1.0, "k1": 1.0, "c": 1.0}
     faint_parameters: ClassVar[Mapping[str, float]] = {"k0": 0.0, "k1": FAINT, "c": FAINT}

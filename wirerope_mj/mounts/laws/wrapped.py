@@ -8,19 +8,13 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.law import Law
-from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.parallel import Parallel
-from wirerope_mj.mounts.laws.tabulated import TABULATED
-from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
 from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS, KelvinVoigt, Zener
 
 SMOOTHED = 10
 ON_BRACKET = 16
 HEAD = 2  # parameters of a bracketed law before those of the laws, which stand as in `Parallel`
-# One state whose rate is a slope for each direction times that of the deflection, and a force that depends on no rate.
-_BEHIND = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN, TABULATED, VAIANA_ROSATI)
 
 
 def _of_law(name: str, doc: str) -> Any:
@@ -142,7 +136,7 @@ class OnBracket(_Wrapped):
     stiffness: float  # K [N/m]
 
     def __post_init__(self) -> None:
-        refused = [one.name for one in self.law.components if one.kernel not in _BEHIND]
+        refused = [part.name for part in self.law.components if not part.smoothable or part.stops]
         if refused:
             raise ValueError(
                 f"a bracket can hold a linear law, Bouc-Wen's, Ni's, a tabulated one, not {refused[0]}: make that a mount of "

@@ -1,121 +1,113 @@
-"""The registry of kernels: from a law's number to its force and to its closed form, for callbacks, traces and statics.
+"""The registry of laws: every law's class and kernel, and from a law's number to its force and to its closed form.
 
-Every law's file holds its kernel beside its class. All of them have the same signature
+A kernel is a law's force, one source for one system and for several side by side. All of them have the same signature
 
     force = kernel(p, i, x, v, z, j, zdot, k)
 
 with the parameters in `p[i:]`, deflection `x` [m], deflection rate `v` [m/s] and internal states in `z[j:]`; it writes the
-states' rates to `zdot[k:]` and returns the force [N]. With JIT disabled the kernels are plain Python. Each serves one system
-and several side by side, see `wirerope_mj.foundation.lanes`: no branch may depend on a number that lanes can differ in, and
-integers among the parameters, in which they cannot, are read by `count`.
+states' rates to `zdot[k:]` and returns the force [N]. With JIT disabled the kernels are plain Python. In lanes (see
+`wirerope_mj.foundation.lanes`) no branch may depend on a number that lanes can differ in, and integers among the parameters,
+in which they cannot, are read by `count`.
 
-A law of its own kernel needs a number that no other has, and a line in `evaluate_rarer`; one that depends on the rate is named
-in `RATE_DEPENDENT`, one with a closed form in the three functions at the end. Without a closed form it is integrated.
+A law joins by its line in `REGISTERED`. One with a closed form is named in the three functions at the end, too; without one
+it is integrated.
 """
 
 import math
+from collections.abc import Callable
+from enum import IntEnum, unique
+from typing import Any
 
 import numpy as np
 
 from wirerope_mj.foundation.c_functions import called
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import count, some, where
-from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, baber_noori
-from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, bouc_wen
+from wirerope_mj.mounts.laws.baber_noori import BoucWenBaberNoori, baber_noori
+from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, BoucWen, Ozdemir, bouc_wen
 from wirerope_mj.mounts.laws.exact import advance_bouc_wen, carry_bouc_wen
-from wirerope_mj.mounts.laws.friction import MASING, hold_slip, masing, masing_increment
+from wirerope_mj.mounts.laws.friction import MASING, EnhancedDryFriction, Masing, hold_slip, masing, masing_increment
 from wirerope_mj.mounts.laws.hysteresis import bouc_wen_rate
-from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN, asymmetric_bouc_wen, symmetric_bouc_wen
-from wirerope_mj.mounts.laws.parallel import PARALLEL
-from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN, scragged_bouc_wen
-from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS, tinker_cutchins
-from wirerope_mj.mounts.laws.stop import STOP
+from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.ni import (
+    ASYMMETRIC_BOUC_WEN,
+    SYMMETRIC_BOUC_WEN,
+    AsymmetricBoucWen,
+    SymmetricBoucWen,
+    asymmetric_bouc_wen,
+    symmetric_bouc_wen,
+)
+from wirerope_mj.mounts.laws.parallel import PARALLEL, Parallel
+from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP
+from wirerope_mj.mounts.laws.scragged import ScraggedBoucWen, scragged_bouc_wen
+from wirerope_mj.mounts.laws.semi_empirical import EquivalentViscous, TinkerCutchins, tinker_cutchins
+from wirerope_mj.mounts.laws.stop import STOP, Stop
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, advance_stop, stop, turned
 from wirerope_mj.mounts.laws.table_kernels import advance_table, tabulated
-from wirerope_mj.mounts.laws.tabulated import TABULATED
-from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI, approach, approach_work, vaiana_rosati
-from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, kelvin_voigt, zener
-from wirerope_mj.mounts.laws.wrapped import HEAD, ON_BRACKET, SMOOTHED
+from wirerope_mj.mounts.laws.tabulated import TABULATED, Tabulated
+from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI, VaianaRosati, approach, approach_work, vaiana_rosati
+from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, KelvinVoigt, Zener, kelvin_voigt, zener
+from wirerope_mj.mounts.laws.wrapped import HEAD, ON_BRACKET, SMOOTHED, OnBracket, Smoothed
 
-# Kernels whose force depends on the deflection rate, those of the laws with `rate_independent` False; a stop's may, too.
-RATE_DEPENDENT = (KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, SMOOTHED)
-OWN = 17  # The function of a law that a program brings along, by its address: see `OwnLaw`.
+# The laws of isolator files, each with its kernel.
+REGISTERED: tuple[tuple[type[Law], Callable[..., Any]], ...] = (
+    (BoucWen, bouc_wen),
+    (Ozdemir, bouc_wen),
+    (AsymmetricBoucWen, asymmetric_bouc_wen),
+    (SymmetricBoucWen, symmetric_bouc_wen),
+    (BoucWenBaberNoori, baber_noori),
+    (ScraggedBoucWen, scragged_bouc_wen),
+    (VaianaRosati, vaiana_rosati),
+    (EnhancedDryFriction, bouc_wen),
+    (Masing, masing),
+    (TinkerCutchins, tinker_cutchins),
+    (EquivalentViscous, tinker_cutchins),
+    (KelvinVoigt, kelvin_voigt),
+    (Zener, zener),
+    (Stop, stop),
+    (Tabulated, tabulated),
+)
+# The laws by the name that an isolator file calls them.
+LAWS: dict[str, type[Law]] = {law.name: law for law, _ in REGISTERED}
+OWN = 17  # the function of a law that a program brings along, by its address: see `OwnLaw`
+_OTHERS = {law.name.upper().replace("-", "_"): law.kernel for law in (Parallel, Smoothed, OnBracket)} | {
+    "OWN": OWN, "BIAXIAL": BIAXIAL, "LOOP": LOOP, "ON_BRACKETS": ON_BRACKETS,
+}  # fmt: skip
+# Every kernel by its number, which is its law's `kernel`: ValueError names two that have one.
+Kernel = unique(IntEnum("Kernel", {kernel.__name__.upper(): law.kernel for law, kernel in REGISTERED} | _OTHERS))  # type: ignore[type-var]
+# Kernels whose force depends on the deflection rate; a stop's may, too.
+RATE_DEPENDENT = (*sorted({law.kernel for law, _ in REGISTERED if law.rate_independent is False}), SMOOTHED)
 # Kernels whose parameters begin with alpha, beta, gamma, n and whose only state follows Bouc-Wen's equation.
 BOUC_WEN_LAWS = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN)
 
 
-@inlined
-def evaluate(law, p, i, x, v, z, j, zdot, k):
-    """Return the force [N] of the law with this number and write the rates of its states."""
-    if law <= KELVIN_VOIGT:
-        return common(law, p, i, x, v, z, j, zdot, k)
-    if law == PARALLEL:
-        return parallel(p, i, x, v, z, j, zdot, k)
-    return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
-
-
 @njit
-def evaluate_one(law, p, i, x, v, z, j, zdot, k):
-    """Do what `evaluate` does for every law but several in parallel."""
-    if law <= KELVIN_VOIGT:
-        return common(law, p, i, x, v, z, j, zdot, k)
-    return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
-
-
-@inlined
-def common(law, p, i, x, v, z, j, zdot, k):
-    """Do the same for the laws that most mounts have."""
-    if law == ASYMMETRIC_BOUC_WEN:
-        return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
-    if law == SYMMETRIC_BOUC_WEN:
-        return symmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
-    if law == BOUC_WEN:
-        return bouc_wen(p, i, x, v, z, j, zdot, k)
-    return kelvin_voigt(p, i, x, v, z, j, zdot, k)
-
-
-@njit
-def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
-    """Do the same for the laws that few mounts have: inlined, they would slow down the others."""
-    if law == ZENER:
-        return zener(p, i, x, v, z, j, zdot, k)
-    if law == TINKER_CUTCHINS:
-        return tinker_cutchins(p, i, x, v, z, j, zdot, k)
-    if law == MASING:
-        return masing(p, i, x, v, z, j, zdot, k)
-    if law == VAIANA_ROSATI:
-        return vaiana_rosati(p, i, x, v, z, j, zdot, k)
-    if law == BABER_NOORI:
-        return baber_noori(p, i, x, v, z, j, zdot, k)
-    if law == SMOOTHED:
-        return smoothed(p, i, x, v, z, j, zdot, k)
-    if law == STOP:
-        return stop(p, i, x, v, z, j, zdot, k)
-    if law == TABULATED:
-        return tabulated(p, i, x, v, z, j, zdot, k)
-    if law == SCRAGGED_BOUC_WEN:
-        return scragged_bouc_wen(p, i, x, v, z, j, zdot, k)
-    if law == ON_BRACKET:
-        return on_bracket(p, i, x, v, z, j, zdot, k)
-    if law == OWN:
-        return called(p, i, x, v, z, j, zdot, k)
+def unknown(law, p, i, x, v, z, j, zdot, k):
+    """Return the force of a law that no kernel is known of."""
     return np.nan
 
 
-@njit
-def smoothable(law, p, i, x, v, z, j, zdot, k):
-    """Do what `evaluate` does for the laws with one state whose rate is a slope for v > 0 and another for v < 0, times v."""
-    if law == BOUC_WEN:
-        return bouc_wen(p, i, x, v, z, j, zdot, k)
-    if law == SYMMETRIC_BOUC_WEN:
-        return symmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
-    if law == ASYMMETRIC_BOUC_WEN:
-        return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
-    if law == STOP:
-        return stop(p, i, x, v, z, j, zdot, k)
-    if law == TABULATED:
-        return tabulated(p, i, x, v, z, j, zdot, k)
-    return vaiana_rosati(p, i, x, v, z, j, zdot, k)
+def chosen(kernels):
+    """Make the function that calls, of kernels by their numbers, that of its first argument, the law's number."""
+    choice = unknown
+    for number, kernel in reversed(kernels.items()):
+        choice = _choice(number, kernel, choice)
+    return choice
+
+
+def _choice(number, kernel, otherwise):
+    @njit
+    def choose(law, p, i, x, v, z, j, zdot, k):
+        if law == number:
+            return kernel(p, i, x, v, z, j, zdot, k)
+        return otherwise(law, p, i, x, v, z, j, zdot, k)
+
+    return choose
+
+
+# The laws with one state whose rate is a slope for v > 0 and another for v < 0, times v.
+smoothable = chosen({law.kernel: kernel for law, kernel in REGISTERED if law.smoothable})
 
 
 @njit
@@ -181,6 +173,33 @@ def on_bracket(p, i, x, v, z, j, zdot, k):
     return force
 
 
+@inlined
+def common(law, p, i, x, v, z, j, zdot, k):
+    """Return the force [N] of one of the laws that most mounts have, and write the rates of its states."""
+    if law == ASYMMETRIC_BOUC_WEN:
+        return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
+    if law == SYMMETRIC_BOUC_WEN:
+        return symmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
+    if law == BOUC_WEN:
+        return bouc_wen(p, i, x, v, z, j, zdot, k)
+    return kelvin_voigt(p, i, x, v, z, j, zdot, k)
+
+
+# The laws that few mounts have: inlined, they would slow down the others.
+evaluate_rarer = chosen(
+    {law.kernel: kernel for law, kernel in REGISTERED if law.kernel > KELVIN_VOIGT}
+    | {SMOOTHED: smoothed, ON_BRACKET: on_bracket, OWN: called}
+)
+
+
+@njit
+def evaluate_one(law, p, i, x, v, z, j, zdot, k):
+    """Return the force [N] of a law that is not several in parallel, as `evaluate` does."""
+    if law <= KELVIN_VOIGT:
+        return common(law, p, i, x, v, z, j, zdot, k)
+    return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
+
+
 @njit
 def parallel(p, i, x, v, z, j, zdot, k):
     """Return the sum of the forces of several laws [N].
@@ -193,6 +212,16 @@ def parallel(p, i, x, v, z, j, zdot, k):
         state = count(p, row + 2)
         force += evaluate_one(count(p, row), p, i + count(p, row + 1), x, v, z, j + state, zdot, k + state)
     return force
+
+
+@inlined
+def evaluate(law, p, i, x, v, z, j, zdot, k):
+    """Return the force [N] of the law with this number and write the rates of its states."""
+    if law <= KELVIN_VOIGT:
+        return common(law, p, i, x, v, z, j, zdot, k)
+    if law == PARALLEL:
+        return parallel(p, i, x, v, z, j, zdot, k)
+    return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
 
 
 @njit
