@@ -170,8 +170,8 @@ import json, sys
 import numpy as np
 sys.path.insert(0, sys.argv[1])
 from laws_for_tests import example, smooth_path
-from wirerope_mj.mounts.laws import LAWS, kernels
-assert not hasattr(kernels.evaluate, "py_func")
+from wirerope_mj.mounts.laws import LAWS, registry
+assert not hasattr(registry.evaluate, "py_func")
 x, time, rate = smooth_path([1.0, -0.7, 0.9, -1.0], per_segment=6)
 loops = {}
 for name in LAWS:

@@ -58,7 +58,9 @@ def test_no_force_is_made_up_for_a_number_without_a_kernel():
 def test_a_law_answers_every_question(law):
     example = law(**law.example)
     assert example.faint().n_states == example.n_states
-    assert example.faint().initial_stiffness <= 1e-8  # exponential springs of 1e-12 N grow by 1e3 over a metre; ropes have 1e4 N/m
+    assert (
+        example.faint().initial_stiffness <= 1e-8
+    )  # exponential springs of 1e-12 N grow by 1e3 over a metre; ropes have 1e4 N/m
     assert example.same_structure(law(**law.example))
     assert not example.same_structure(None)
     assert example.unchecked({}) == example

@@ -10,7 +10,8 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from scipy.special import hyp2f1
 
-from wirerope_mj.mounts.laws import LAWS, AsymmetricBoucWen, BoucWen, KelvinVoigt, Ozdemir, SymmetricBoucWen, kernels
+from wirerope_mj.mounts.laws import LAWS, AsymmetricBoucWen, BoucWen, KelvinVoigt, Ozdemir, SymmetricBoucWen
+from wirerope_mj.mounts.laws.registry import REGISTERED, evaluate
 from wirerope_mj.mounts.laws.stop_kernels import N_POINTS, POINTS
 from wirerope_mj.mounts.laws.table_kernels import ROW
 from wirerope_mj.mounts.test_rig import cyclic_test
@@ -189,14 +190,6 @@ def test_law_rejects_what_is_not_passive(arguments, message):
         BoucWen(**{"alpha": 1.0, "beta": 0.8, "gamma": 0.2, "n": 1.0} | arguments)
 
 
-KERNELS = {
-    kernels.BOUC_WEN: kernels.bouc_wen,
-    kernels.ASYMMETRIC_BOUC_WEN: kernels.asymmetric_bouc_wen,
-    kernels.SYMMETRIC_BOUC_WEN: kernels.symmetric_bouc_wen,
-    kernels.KELVIN_VOIGT: kernels.kelvin_voigt,
-}
-
-
 @pytest.mark.parametrize(
     "law",
     [
@@ -210,12 +203,12 @@ KERNELS = {
 )
 def test_native_kernel_equals_plain_python(law):
     rng = np.random.default_rng(5)
-    p = law.kernel_parameters()
+    p, kernel = law.kernel_parameters(), dict(REGISTERED)[type(law)]
     for x, v, z in zip(rng.normal(0, 0.02, 50), rng.normal(0, 1, 50), rng.normal(0, 500, 50), strict=True):
         states, rates = np.array([z]), np.zeros((3, 1))
-        native = KERNELS[law.kernel](p, 0, x, v, states, 0, rates[0], 0)
-        plain = KERNELS[law.kernel].py_func(p, 0, x, v, states, 0, rates[1], 0)
-        dispatched = kernels.evaluate(law.kernel, p, 0, x, v, states, 0, rates[2], 0)
+        native = kernel(p, 0, x, v, states, 0, rates[0], 0)
+        plain = kernel.py_func(p, 0, x, v, states, 0, rates[1], 0)
+        dispatched = evaluate(law.kernel, p, 0, x, v, states, 0, rates[2], 0)
         # pow and exp of the compiler's library may differ from Python's in the last digit.
         assert native == pytest.approx(plain, rel=1e-13)
         assert dispatched == native

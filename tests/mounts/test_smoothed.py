@@ -14,7 +14,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.single_mass.balance import harmonic_balance
-from wirerope_mj.mounts.laws import LAWS, BoucWen, Masing, Zener, kernels
+from wirerope_mj.mounts.laws import LAWS, BoucWen, Masing, Zener, registry
 from wirerope_mj.mounts.laws.wrapped import Smoothed
 
 NAMES = [
@@ -147,12 +147,12 @@ def test_its_work_along_a_path_does_not_depend_on_how_finely_the_path_is_cut():
 
 def test_compiled_and_plain_kernels_agree():
     law = Smoothed(law=example("asymmetric-bouc-wen"), width=0.02)
-    if not hasattr(kernels.smoothed, "py_func"):
+    if not hasattr(registry.smoothed, "py_func"):
         pytest.skip("the compiler is off")
     p, z, fast, plain = law.kernel_parameters(), np.array([120.0]), np.zeros(1), np.zeros(1)
     for v in (-0.3, -0.01, 0.0, 0.02, 1.0):
-        force = kernels.evaluate(kernels.SMOOTHED, p, 0, 0.004, v, z, 0, fast, 0)
-        assert kernels.smoothed.py_func(p, 0, 0.004, v, z, 0, plain, 0) == pytest.approx(force, rel=1e-14)
+        force = registry.evaluate(registry.SMOOTHED, p, 0, 0.004, v, z, 0, fast, 0)
+        assert registry.smoothed.py_func(p, 0, 0.004, v, z, 0, plain, 0) == pytest.approx(force, rel=1e-14)
         assert plain == pytest.approx(fast, rel=1e-14)
         assert v != 0.0 or fast[0] == 0.0  # no creep
 
