@@ -23,7 +23,7 @@ import numpy.typing as npt
 from rounds import interleaved
 from scipy.integrate import solve_ivp
 
-from wirerope_mj.mounts.laws import LAWS, Law, kernels
+from wirerope_mj.mounts.laws import LAWS, Law, registry
 
 Array = npt.NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def rates(kernel, p, t, y, begin, rise, out):
     """Write the rates of the states and the power on the law to `out`."""
     n = y.size - 1
     x, v = begin + rise * t * t * (3.0 - 2.0 * t), rise * 6.0 * t * (1.0 - t)
-    out[n] = v * kernels.evaluate(kernel, p, 0, x, v, y, 0, out, 0)
+    out[n] = v * registry.evaluate(kernel, p, 0, x, v, y, 0, out, 0)
 
 
 @numba.njit
@@ -96,7 +96,7 @@ def forces(kernel, p, x, v, states):
     """Return the force at every sample."""
     out, unused = np.empty(x.size), np.empty(states.shape[1] + 1)
     for t in range(x.size):
-        out[t] = kernels.evaluate(kernel, p, 0, x[t], v[t], states[t], 0, unused, 0)
+        out[t] = registry.evaluate(kernel, p, 0, x[t], v[t], states[t], 0, unused, 0)
     return out
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from tests.laws_for_tests import PARAMETERS, example
 from wirerope_mj.foundation.lanes import WIDTH, count, lane, picked, power, raised, ranked, rows, some, where, with_lane
-from wirerope_mj.mounts.laws import LAWS, Parallel, kernels
+from wirerope_mj.mounts.laws import LAWS, Parallel, registry
 from wirerope_mj.mounts.laws.plane_kernels import biaxial_rates, loop_force
 from wirerope_mj.mounts.laws.wrapped import Smoothed
 
@@ -238,13 +238,13 @@ CASES |= {
 def of_lanes(law, p, x, v, z, force, rates):
     one, deflection, rate, result = rows(p), rows(x), rows(v), rows(force)
     for n in range(x.shape[0]):
-        result[n] = kernels.evaluate(law, one, 0, deflection[n], rate[n], rows(z[n]), 0, rows(rates[n]), 0)
+        result[n] = registry.evaluate(law, one, 0, deflection[n], rate[n], rows(z[n]), 0, rows(rates[n]), 0)
 
 
 @numba.njit
 def of_one(law, p, x, v, z, force, rates):
     for n in range(x.size):
-        force[n] = kernels.evaluate(law, p, 0, x[n], v[n], z[n], 0, rates[n], 0)
+        force[n] = registry.evaluate(law, p, 0, x[n], v[n], z[n], 0, rates[n], 0)
 
 
 def states_for(law, corners):
@@ -322,12 +322,12 @@ def test_sliders_are_held_in_lanes(name):
     @numba.njit
     def hold(law, p, z):
         for n in range(z.shape[0]):
-            kernels.hold_slips(law, rows(p), 0, rows(z[n]), 0)
+            registry.hold_slips(law, rows(p), 0, rows(z[n]), 0)
 
     @numba.njit
     def hold_one(law, p, z):
         for n in range(z.shape[0]):
-            kernels.hold_slips(law, p, 0, z[n], 0)
+            registry.hold_slips(law, p, 0, z[n], 0)
 
     kernel, p, _, _, z = case(name)
     held = z.copy()

@@ -7,11 +7,12 @@ from importlib.metadata import version
 import numpy as np
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
-from wirerope_mj.content.identification import PARAMETER_UNITS, record_warnings
+from wirerope_mj.content.identification import record_warnings
 from wirerope_mj.content.numbers import number, several, with_unit
 from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.foundation.units import duration_text, in_unit, shown_in
+from wirerope_mj.mounts.laws import LAWS
 from wirerope_mj.studies.calibration.calibrate import DISCREPANT, LEVEL, LITTLE, Calibration
 from wirerope_mj.studies.calibration.predict import Prediction
 from wirerope_mj.studies.results.stated_limits import StatedLimit
@@ -79,7 +80,8 @@ def _unit(result: Calibration, k: int) -> str:
         return unit
     if not name.startswith("channel/"):
         parameter = name.rpartition("/")[2].rpartition(".")[2].partition("[")[0]
-        return unit if parameter in ("c", "d") else PARAMETER_UNITS.get(parameter, unit)  # laws use these two in several senses
+        of_laws = {law.units[parameter] for law in LAWS.values() if parameter in law.units}
+        return of_laws.pop() if len(of_laws) == 1 else unit  # laws use some names in several senses
     units = {one.unit for one in result.problem.series}
     return units.pop() if len(units) == 1 else unit
 

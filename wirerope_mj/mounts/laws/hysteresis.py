@@ -2,14 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import inlined
 from wirerope_mj.foundation.lanes import power, where
-from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
+from wirerope_mj.mounts.laws.law import FAINT, Law, Normalised, anywhere
 
 # Least n of a law. States are followed to rounding below it too; but there (1/2)^(1/n), a millionth of its bound, is the z at
 # which half of the slope is gone, which no test shows, and 1 % of beta + gamma is 1 / n % of the bound, more than 20 %.
@@ -21,25 +19,6 @@ LARGEST_EXPONENT = 100.0
 # deflections a step z then stays within as many bounds, and an error of percents is left; beyond that the run ends as before,
 # in infinity.
 OVERSHOOT, FAR = 2.0, 1000.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Normalised:
-    """Bouc-Wen's parameters in a form whose shape does not depend on units.
-
-        dw/dx = (1 / x_y) {1 - [sigma sgn(xdot w) + 1 - sigma] |w|^n},   w = z / z_max
-
-    Source: Ikhouane and Rodellar's form of the law; beta of the thesis multiplies the dissipative term.
-    """
-
-    z_max: float  #: bound of z, (alpha / (beta + gamma))^(1/n) [N]
-    x_y: float  #: yield deflection z_max / alpha [m]
-    sigma: float  #: beta / (beta + gamma) [-]; with 1/2 the unloading branch leaves with the slope alpha
-    n: float  #: sharpness of the transition [-]
-
-    def __post_init__(self) -> None:
-        for name in ("z_max", "x_y", "sigma", "n"):
-            positive(name, getattr(self, name))
 
 
 _ELASTIC = ("k", "k1", "k2", "k3")  # Parameters of the elastic force beside z

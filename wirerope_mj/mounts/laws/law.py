@@ -4,7 +4,7 @@ import math
 from abc import ABC
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -12,16 +12,31 @@ from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Entries
 from wirerope_mj.mounts.laws.loop import Loop
 
-if TYPE_CHECKING:
-    from wirerope_mj.mounts.laws.hysteresis import Normalised
-    from wirerope_mj.mounts.laws.stop import Stop
-
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
 ROUNDING = 1e-9
 # Factors on a law: on all its force, on that of friction, on the deflection over which it builds up to the same force.
 FACTORS = ("stiffness", "friction", "yield")
 # Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places.
 FAINT = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Normalised:
+    """Bouc-Wen's parameters in a form whose shape does not depend on units.
+
+        dw/dx = (1 / x_y) {1 - [sigma sgn(xdot w) + 1 - sigma] |w|^n},   w = z / z_max
+
+    Source: Ikhouane and Rodellar's form of the law; beta of the thesis multiplies the dissipative term.
+    """
+
+    z_max: float  #: bound of z, (alpha / (beta + gamma))^(1/n) [N]
+    x_y: float  #: yield deflection z_max / alpha [m]
+    sigma: float  #: beta / (beta + gamma) [-]; with 1/2 the unloading branch leaves with the slope alpha
+    n: float  #: sharpness of the transition [-]
+
+    def __post_init__(self) -> None:
+        for name in ("z_max", "x_y", "sigma", "n"):
+            positive(name, getattr(self, name))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +114,7 @@ class Law(ABC):
         return (self,)
 
     @property
-    def stops(self) -> "tuple[Stop, ...]":
+    def stops(self) -> tuple[Any, ...]:
         """The stops among its components."""
         return ()
 
@@ -129,7 +144,7 @@ class Law(ABC):
         return self
 
     @property
-    def normal_form(self) -> "Normalised | None":
+    def normal_form(self) -> Normalised | None:
         """Bouc-Wen's normalised form; None of a law without one, or whose z has no bound."""
         return None
 
@@ -206,14 +221,13 @@ class Law(ABC):
         vars(varied).update(vars(self), **self.completed(values))
         return varied
 
-    def certainly_valid(self, values: Entries) -> bool:
+    def certainly_valid(self, columns: Entries) -> bool:
         """Return whether the law is valid, and at any deflection, with each entry of columns, (n,), of its parameters.
 
         False says nothing: each entry has to be tried. The law's own rules are asked, with columns in place of numbers; what
-        they cannot say of many numbers at once NumPy refuses to take for true or false. Names as in `parameter`; a parameter
-        that is several numbers has a tuple of columns.
+        they cannot say of many numbers at once NumPy refuses to take for true or false. A parameter that is several numbers
+        has a tuple of columns.
         """
-        columns = self.completed(values)
         for column in columns.values():
             if not all(np.isfinite(one).all() for one in (column if isinstance(column, tuple) else (column,))):
                 return False

@@ -5,15 +5,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.laws.law import FACTORS, Law
-
-if TYPE_CHECKING:
-    from wirerope_mj.mounts.laws.stop import Stop
 
 PARALLEL = 14
 
@@ -79,7 +76,7 @@ class Parallel(Law):
         return self.laws
 
     @property
-    def stops(self) -> "tuple[Stop, ...]":
+    def stops(self) -> tuple[Any, ...]:
         """The stops among the laws."""
         return tuple(stop for law in self.laws for stop in law.stops)
 
@@ -137,17 +134,17 @@ class Parallel(Law):
         """True if one of them that ends somewhere asks for a rated travel."""
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
-    def certainly_valid(self, values: Entries) -> bool:
-        """Return whether each law is certainly valid with what columns of values make of its parameters; False says nothing."""
+    def certainly_valid(self, columns: Entries) -> bool:
+        """Return whether each law is certainly valid with what the columns make of its parameters; False says nothing."""
         if not all(law.force_powers for law in self.laws):  # a law around another one is tried entry by entry
             return False
-        for law, own in zip(self.laws, self.composed(values), strict=True):
+        for law, own in zip(self.laws, self.composed(columns), strict=True):
             whole = law.completed(own)
             for name in FACTORS:
-                factor = np.asarray(values.get(name, 1.0))
+                factor = np.asarray(columns.get(name, 1.0))
                 if not (np.isfinite(factor) & (factor > 0.0)).all():
                     return False
-                for key, power in law.powers_of(name).items() if name in values else ():
+                for key, power in law.powers_of(name).items() if name in columns else ():
                     value = whole.get(key, getattr(law, key))
                     many = isinstance(value, tuple)
                     whole[key] = tuple(one * factor**power for one in value) if many else value * factor**power

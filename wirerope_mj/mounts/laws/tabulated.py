@@ -199,7 +199,7 @@ class Tabulated(AsCall, Law):
         """Return what has as many states."""
         return FAINT_LAWS[self.n_states]
 
-    def certainly_valid(self, values: Mapping[str, object]) -> bool:
+    def certainly_valid(self, columns: Mapping[str, object]) -> bool:
         """Return False: a table is tried entry by entry."""
         return False
 

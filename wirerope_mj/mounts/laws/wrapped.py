@@ -36,9 +36,9 @@ class _Wrapped(Law):
     state_names = _of_law("state_names", "Those of the law.")
     damping_parameters = _of_law("damping_parameters", "Those of the law.")
 
-    def certainly_valid(self, values: Entries) -> bool:
-        """Return whether there are no values: each entry has to be tried."""
-        return not values
+    def certainly_valid(self, columns: Entries) -> bool:
+        """Return whether there are no columns: each entry has to be tried."""
+        return not columns
 
     def same_structure(self, other: Law | None) -> bool:
         """Return whether it is the same law."""

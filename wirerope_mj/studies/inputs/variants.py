@@ -211,7 +211,8 @@ def _law_valid(system: System, mount: str, axis: str, parameters: Entries) -> bo
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
     if coupled and (isolator.coupling != "loop" or {name.rpartition(".")[2] for name in parameters} & _SHARED_IN_A_LOOP):
         return False
-    return law is not None and law.certainly_valid(parameters)
+    # several laws complete what each of them has
+    return law is not None and law.certainly_valid(parameters if law.factors else law.completed(parameters))
 
 
 def _motions_valid(system: System, columns: Sequence[InputColumn], block: pa.Table, check: Check) -> bool:
