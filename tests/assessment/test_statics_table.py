@@ -208,7 +208,7 @@ def test_the_command_prints_both_histories_and_writes_plain_figures(capsys, tmp_
     assert main(["statics", "shock_table", "--json", str(path)]) == 0
     shown = capsys.readouterr().out
     words = " ".join(shown.split())
-    assert "m1 virgin -1.985 0.000 -0.490 0.490 100.0 45.9 within m1 relaxed -4.695" in words
+    assert "m1 virgin -1.985 0.000 -490.3 490.3 100.0 45.9 within m1 relaxed -4.695" in words
     assert "Stability: stable, large margin." in shown
     content = json.loads(path.read_text())
     assert content["virgin"]["mounts"]["m1"]["deflection_m"][2] == pytest.approx(-1.98511e-3, rel=1e-5)

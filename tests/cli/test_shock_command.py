@@ -143,7 +143,7 @@ def test_doubts_are_one_line_each_on_standard_error(record, asked, capsys):
         ),
         (["--record", "deck.csv", "--channels", "a"], "`channels` are NAME=DIRECTION, for instance ch3=z, got 'a'"),
         (["--record", "deck.csv", "--channels", "q=z"], 'there is no column "q"; the columns are a, b'),
-        (["--record", "deck.csv"], "(--channels b=z)"),
+        (["--record", "deck.csv"], "(--channels a=z)"),
         (["--record", "still.csv"], "still.csv: all of its samples are zero, so that the base would not move"),
         (["--record", "z.csv", "--start", "-1"], "the record end at -0.8005 s, before the simulation begins at 0 s"),
         (

@@ -280,7 +280,7 @@ BAD = {
     "an unknown column": ("mounts", f"{MOUNTS}, colour", [f"{row}, red" for row in FEET],
                           r'line 1: unknown column "colour"\. Known columns: name, x \[mm\]'),
     "a column twice": ("mounts", MOUNTS.replace("y [mm]", "x [mm]"), FEET, r'line 1: column "x" stands there twice'),
-    "a column missing": ("mounts", MOUNTS.replace(", isolator", ""), [changed(row, c4="0") for row in FEET],
+    "a column missing": ("mounts", MOUNTS.replace(", isolator", ""), [row.replace(" enidine_wr16_400,", "") for row in FEET],
                          r'line 1: column "isolator" is missing'),
     "NaN": ("mounts", MOUNTS, [changed(FEET[0], c1="nan"), *FEET[1:]], r'line 2: nan in column "x"'),
     "infinity": ("masses", MASSES, [changed(PARTS[0], c1="inf"), PARTS[1]], r'line 2: inf in column "mass"'),
@@ -332,7 +332,7 @@ def test_tables_that_agree_on_a_unit_and_are_both_wrong_are_questioned(here, cap
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ([], "mounts.xlsx: the sheet is empty"),
+        ([], "mounts.xlsx: the sheet Sheet is empty"),
         ([MOUNTS, changed(FEET[0], c1="left")], 'mounts.xlsx, sheet Sheet, row 2: "left" in column "x" is not a number'),
         ([MOUNTS.replace("isolator", "rope")], "mounts.xlsx, sheet Sheet, row 1: unknown column"),
         ([MOUNTS, "", f"{FEET[0]}, 7"], "mounts.xlsx, sheet Sheet, row 3: 8 cells where the header has 7 columns"),

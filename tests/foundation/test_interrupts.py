@@ -15,8 +15,8 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has nei
 STUCK = {
     "lost in a library": "while True:\n        try:\n            print('here', flush=True)\n            time.sleep(60)\n"
     "        except BaseException:\n            pass",
-    "waits": "lock = threading.Lock()\n    lock.acquire()\n    print('here', flush=True)\n    try:\n        lock.acquire()\n"
-    "    finally:\n        lock.acquire()",
+    "waits": "lock = threading.Lock()\n    lock.acquire()\n    try:\n        print('here', flush=True)\n"
+    "        lock.acquire()\n    finally:\n        lock.acquire()",
     "computes": "print('here', flush=True)\n    hashlib.pbkdf2_hmac('sha256', b'', b'', 2**31 - 1)",
 }
 PROCESS = """

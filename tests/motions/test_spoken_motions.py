@@ -198,7 +198,7 @@ def test_random_vibration_has_the_density_of_its_file(tmp_path):
 @pytest.mark.parametrize(
     ("kind", "phrase", "said"),
     [
-        ("half-sine", "15 g z", "a time must stand there (s, ms), and there is none"),
+        ("half-sine", "15 g z", "a time must stand there (s, ms, us, min, h), and there is none"),
         ("half-sine", "11 ms z", "an acceleration must stand there"),
         ("half-sine", "15 g 11 ms", "a direction must stand there"),
         ("half-sine", "15 11 ms z", '"15" has no unit'),

@@ -305,7 +305,7 @@ def test_the_recording_holds_every_case(done):
         ('model = "shock_table"\n[[case]]\nname = "a"\nhalfsine = "5 g"', "Did you mean `half-sine`?"),
         ('model = "shock_table"\n[[case]]\nhalf-sine = "5 g 11 ms z"', "case 1: `name` is missing"),
         ('model = "shock_table"\n[[case]]\nname = "a"', "case 1 'a': it says no motion: one of half-sine"),
-        ('model = "shock_table"\n[[case]]\nname = "a"\nhalf-sine = "5 g z"', "a time must stand there (s, ms)"),
+        ('model = "shock_table"\n[[case]]\nname = "a"\nhalf-sine = "5 g z"', "a time must stand there (s, ms, us, min, h)"),
         ('model = "shock_table"\n[[case]]\nname = "a"\nhalf-sine = 5', "`half-sine` must be a text or a list of texts, got 5"),
         (
             'model = "shock_table"\n[[case]]\nname = "A b"\nsine = "1 g 9 Hz 1 s z"\n'

@@ -193,8 +193,8 @@ def test_the_screen_the_page_the_summary_and_labels_say_what_stands_in_the_model
         "distribution": "normal, mean 0, standard deviation 0.03",
     }  # fmt: skip
     labels = summary_of(done).labels
-    assert labels["body/genset/centre_shift/z"] == "body/genset/centre_shift/z [m]"
-    assert labels["mount/m1/axial/alpha"] == "mount/m1/axial/alpha [factor]"
+    assert labels["body/genset/centre_shift/z"] == "body genset centre_shift z [m]"
+    assert labels["mount/m1/axial/alpha"] == "mount m1 axial alpha [factor]"
 
 
 def test_the_listing_says_kinds_units_and_centres():

@@ -196,7 +196,7 @@ def test_mounts_isolators_and_their_provenance_are_named(page):
 
 def test_sag_and_modes_are_those_of_statics_and_modes(page):
     system = wr.load_system("shock_table")
-    assert "Virgin: of 0.4903 kN of weight the mounts carry 0.4903 kN." in page.words  # 50 kg, guided: no contact carries
+    assert "Virgin: of 490.3 N of weight the mounts carry 490.3 N." in page.words  # 50 kg, guided: no contact carries
     for history in ("virgin", "relaxed"):
         sag = 1e3 * wr.equilibrium(system, history=history).mounts["m1"].deflection[2]
         assert fixed(sag, 3) in page.cells

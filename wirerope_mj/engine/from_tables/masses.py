@@ -44,13 +44,13 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
         }  # fmt: skip
         rows = read_sheet(path, kind="table of masses", needed=needed, further=further)
         masses = tuple(_mass(row, -1.0 if products == POSITIVE else 1.0) for row in _without_totals(rows))
-    sums = [sum(other.properties.mass for other in masses if other is not mass) for mass in masses]
-    for mass, others in zip(masses, sums, strict=True):
-        if len(masses) > 2 and abs(mass.properties.mass - others) < _SAME * others:
-            warnings.warn(
-                f'{mass.location}: "{short(mass.name)}" weighs what all others weigh together, {others:.6g} kg: if it is their '
-                "total, leave it out.", RecordWarning, stacklevel=2,
-            )  # fmt: skip
+    last = masses[-1]  # where a total stands; another part may well weigh as much as the rest
+    others = sum(mass.properties.mass for mass in masses[:-1])
+    if len(masses) > 2 and abs(last.properties.mass - others) < _SAME * others:
+        warnings.warn(
+            f'{last.location}: "{short(last.name)}" weighs what all others weigh together, {others:.6g} kg: if it is their '
+            "total, leave it out.", RecordWarning, stacklevel=2,
+        )  # fmt: skip
     return masses
 
 

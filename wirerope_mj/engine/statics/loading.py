@@ -122,8 +122,8 @@ class Loading:
                 if self.tried > self.most and not (carried and trial_load == 1.0):
                     raise ConvergenceError(
                         f"the search for the equilibrium was ended after {self.tried} trial positions, with {100 * load:.3g} % "
-                        "of the weight in equilibrium: it may exist. Use fewer modes of flexible parts, or laws that yield "
-                        "less suddenly under the weight."
+                        f"of the weight in equilibrium and body {self._fastest(trial)!r} accelerating by {residual:.3g} m/s^2: "
+                        "it may exist. Use fewer modes of flexible parts, or laws that yield less suddenly under the weight."
                     )
                 if not carried and step < 2.0 * SMALLEST_LOAD_STEP:
                     self._accelerations(qpos)  # back to the last load that was carried
@@ -211,6 +211,11 @@ class Loading:
         """Return deflection and force of every mount in the last position, (n_mounts, 2, 3)."""
         return self.system.assembly.tables.user.mount_rows(self.system.assembly.user(self.data.userdata))
 
+    def _fastest(self, qpos: Array) -> str:
+        """Name the body that accelerates most in a position."""
+        fastest = self.free[int(np.argmax(np.abs(self._accelerations(qpos))))]
+        return str(self.model.body(self.model.dof_bodyid[fastest]).name)
+
     def _diagnosis(self, load: float, residual: float) -> str:
         """Return the reason why the weight cannot be carried; `load` is the fraction of it that failed."""
         # What would rest on each under the whole weight:
@@ -231,8 +236,7 @@ class Loading:
                     "mounts, or a law with an elastic part."
                 )
         qpos = self.data.qpos.copy()
-        fastest = self.free[int(np.argmax(np.abs(self._accelerations(qpos))))]
-        body = self.model.body(self.model.dof_bodyid[fastest]).name
+        body = self._fastest(qpos)
         free = " ".join(self._unresisted(qpos))
         return (
             f"no equilibrium was found beyond {100 * load:.3g} % of the weight: body {body!r} still accelerates by "
