@@ -209,7 +209,7 @@ def test_the_report_of_a_study_is_one_page_that_needs_nothing_else(done, capsys)
 def test_a_report_looks_at_the_measure_that_is_asked_for(done, tmp_path):
     _, folder = done
     (page,) = write_study_report(folder, by="force/m1", out=tmp_path / "page.html")
-    assert "Worst variants by force/m1" in page.read_text(encoding="utf-8")
+    assert "Worst variants by force, m1" in page.read_text(encoding="utf-8")
     with pytest.raises(RecordError, match="exists already"):
         write_study_report(folder, out=page)
 
