@@ -24,7 +24,9 @@ from typing import Any
 
 HERE = Path(__file__).parent
 IMAGES, MANIFEST = HERE / "img", HERE / "img" / "pictures.json"
-_ELSEWHERE = re.compile("verdict after| in all|written|opens the|real time|steps|computed|[.](parquet|json|rrd|html)")
+_ELSEWHERE = re.compile(
+    "verdict after| in all| s together|written|opens the|real time|steps|computed|[.](parquet|json|rrd|html)"
+)
 """In lines of a command that say how long it took, how it computed, and where it wrote."""
 
 
@@ -191,7 +193,7 @@ def first_model() -> Made:
     from wirerope_mj.views.plots.model_plan import _figure, save_plan
 
     tables = tables_in(HERE.parent / "models" / "templates" / "genset")
-    layout = read_layout("genset", tables, positive_products=False)
+    layout = read_layout("genset", tables)
     texts = {text.get_text() for text in _figure(layout).findobj(Text)}
     return Made(sorted(filter(None, texts)), lambda picture: save_plan(layout, picture))
 

@@ -14,8 +14,8 @@ import wirerope_mj
 from wirerope_mj.cli import main
 
 PACKAGE = Path(wirerope_mj.__file__).parent
-APART = {"engine.control.install", "foundation.lanes"}
-"""The callback in Python, of which nothing ships; and a table of kernels for kernels."""
+APART = {"engine.control.install", "foundation.lanes", "mounts.laws.registry"}
+"""The callback in Python, of which nothing ships; and tables of kernels for kernels."""
 
 CALLBACKS = {"_control": "control", "_act_dyn": "act_dyn", "_sensor": "sensor"}
 """Kernels that C functions around them call, and those."""

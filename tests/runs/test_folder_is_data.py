@@ -69,7 +69,7 @@ def test_commands_execute_nothing_of_a_folder(copy, tmp_path, monkeypatch):
         (folder / "state.pkl").write_bytes(b"cposix\nsystem\n(S'touch executed'\ntR.")
     opened = []
     monkeypatch.setattr(viewer, "has_display", lambda: True)
-    monkeypatch.setattr(viewer, "_run", opened.append)
+    monkeypatch.setattr(viewer, "_run", lambda command, _: opened.append(command))
     monkeypatch.chdir(copy)
     with AUDIT, redirect_stdout(StringIO()) as screen, redirect_stderr(screen):
         for command in (
@@ -80,8 +80,9 @@ def test_commands_execute_nothing_of_a_folder(copy, tmp_path, monkeypatch):
         ):
             assert main(command) == 0, screen.getvalue()
     assert list(tmp_path.rglob("executed")) == []
-    assert opened[0][-1] == "run.rrd"  # one argument of the viewer that rerun brought along, no shell
-    assert opened[0][0] == str(viewer.viewer_binary())
+    command = opened[0]
+    assert command[-1] == "run.rrd"  # one argument of the viewer that rerun brought along, no shell
+    assert command[0] == str(viewer.viewer_binary())
     of_folder = [
         (event, arguments)
         for event, arguments in AUDIT.events

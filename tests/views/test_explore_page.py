@@ -85,7 +85,11 @@ def reset(page):
 def test_the_level_slider_changes_the_verdict(browser, floor):
     with shown(browser, floor) as page:
         reset(page)
-        for position, words in ((200, "PASS of the mounts: all 132 checks"), (400, "FAIL"), (200, "PASS: all 132 checks")):
+        for position, words in (
+            (200, "PASS of the mounts: all 132 checks"),
+            (400, "FAIL"),
+            (200, "PASS of the mounts: all 132 checks"),
+        ):
             move(page, LEVEL, position)
             rested(page)
             assert words in headline(page)
