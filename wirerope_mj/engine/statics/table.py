@@ -16,8 +16,6 @@ from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief, json_values
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import static_utilisation
-from wirerope_mj.mounts.laws import Stop
-from wirerope_mj.mounts.laws.stop_kernels import stop_force
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,9 +146,12 @@ def _on_stops(isolator: Isolator, load: MountLoad) -> float:
     """Add up what the bump stops of an isolator push with at rest, all that it does where it is one [N]."""
     if isolator.is_stop:
         return float(np.linalg.norm(load.force))
-    parts = zip(load.deflection.tolist(), isolator.axes.values(), strict=True)
-    stops = [(at, part.kernel_parameters()) for at, law in parts if law for part in law.components if isinstance(part, Stop)]
-    return sum(abs(float(stop_force(numbers, 0, at, 0.0, 0.0))) for at, numbers in stops)
+    axes = zip(load.deflection.tolist(), isolator.axes.values(), strict=True)
+    stops = [(x, stop) for x, law in axes if law is not None for stop in law.stops]
+    sides = [
+        (stop, out - gap) for x, stop in stops for out, gap in ((-x, stop.gap_below), (x, stop.gap_above)) if gap is not None
+    ]
+    return sum(stop.pressed(depth) for stop, depth in sides)
 
 
 def _payload(unloaded: mujoco.MjData, data: mujoco.MjData, payload: Payload, masses: Array) -> PayloadSag:
