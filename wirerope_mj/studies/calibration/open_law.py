@@ -53,7 +53,7 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
                 continue
             stiffness = secant_stiffness(law, reached)
             added[axis] = _terms(stiffness, reached)
-            if not isinstance(law, Parallel):
+            if not law.factors:
                 alone.add(axis)
             sizes = {"k2": stiffness / reached, "k3": stiffness / reached**2} | (
                 {"c": 1.0 / reached} if axis == "axial" else {}
@@ -99,7 +99,7 @@ def _with_terms(isolator: Isolator, added: Mapping[str, tuple[Law, Law]]) -> Iso
     if spread is not None:
         names = spread.parameters
         for axis in added:
-            if not isinstance(isolator.axes[axis], Parallel):
+            if (law := isolator.axes[axis]) is not None and not law.factors:
                 names = tuple(re.sub(rf"^{axis}\.", f"{axis}.laws[0].", one) for one in names)
         spread = replace(spread, parameters=names)
     laws = {
