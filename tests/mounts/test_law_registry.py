@@ -1,5 +1,6 @@
 """The registry of laws: every law stands there, with a number of its own, and is computed by its own kernel."""
 
+from dataclasses import dataclass
 from enum import IntEnum, unique
 
 import numpy as np
@@ -66,3 +67,24 @@ def test_a_law_answers_every_question(law):
     assert example.unchecked({}) == example
     assert example.behind_bracket is example
     assert (example.normal_form is None) or example.normal_form.z_max == pytest.approx(example.z_max)  # a power and its root
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friction(laws.OwnLaw):
+    name = "friction"
+    state_names = ("z",)
+    alpha: float
+    beta: float
+
+    @staticmethod
+    def force(p, x, v, z, zdot):
+        zdot[0] = p[0] * v - p[1] * abs(v) * z[0]
+        return z[0]
+
+
+def test_a_law_of_a_program_can_fail_without_stating_its_powers_of_force():
+    friction = Friction(alpha=1e5, beta=200.0)
+    assert friction.faint().n_states == 1
+    assert friction.faint().initial_stiffness <= 1e-8  # as above
+    assert friction.same_structure(Friction(alpha=1e5, beta=200.0))
+    assert not friction.same_structure(Friction(alpha=2e5, beta=200.0))
