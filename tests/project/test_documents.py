@@ -1,5 +1,6 @@
-"""The blocks of Python in the documents run as they stand."""
+"""The blocks of Python in the documents run as they stand, and all that users of Python meet is described."""
 
+import inspect
 import re
 import runpy
 from pathlib import Path
@@ -21,6 +22,16 @@ def blocks(name, heading=""):
     text = (ROOT / name).read_text(encoding="utf-8")
     assert heading in text
     return "\n".join(re.findall(r"```python\n(.*?)```", text[text.index(heading) :], flags=re.DOTALL))
+
+
+@pytest.mark.parametrize("name", sorted(wr.__all__))
+def test_public_names_have_docstrings(name):
+    public = getattr(wr, name)
+    members = dir(public) if inspect.isclass(public) else []
+    described = {f"{name}.{key}": getattr(public, key) for key in members if key in vars(public) and not key.startswith("_")}
+    described[name] = public
+    callable_or_property = {key: one for key, one in described.items() if callable(one) or isinstance(one, property)}
+    assert not [key for key, one in callable_or_property.items() if not inspect.getdoc(one)]
 
 
 @pytest.mark.slow
