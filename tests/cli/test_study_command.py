@@ -10,8 +10,8 @@ from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.runs.study import write_study_report, write_worst
 from wirerope_mj.runs.study_file import load_study_file, shipped_studies
-from wirerope_mj.studies.inputs.motion_columns import direction
 from wirerope_mj.studies.results.measure import row_of, worst
+from wirerope_mj.studies.vary.motion_settings import direction
 
 ANGLES = ("motion/azimuth", "motion/elevation")
 

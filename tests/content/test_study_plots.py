@@ -13,9 +13,9 @@ from wirerope_mj.content.study_charts import (
     sensitivity_chart,
     study_charts,
 )
-from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.results.effects import Effect, effects
 from wirerope_mj.studies.results.study_summary import StudySummary
+from wirerope_mj.studies.vary.sampling import LISTED
 from wirerope_mj.views.pictures import save_pictures
 from wirerope_mj.views.plots.svg_chart import chart_svg
 

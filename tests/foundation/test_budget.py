@@ -12,7 +12,7 @@ from wirerope_mj.foundation import budget
 from wirerope_mj.foundation.errors import BudgetError
 from wirerope_mj.motions import HalfSine, Sweep
 from wirerope_mj.motions.spectrum_match import match_spectrum
-from wirerope_mj.studies.inputs.distributions import Choice, Uniform
+from wirerope_mj.studies.vary.distributions import Choice, Uniform
 
 pytestmark = pytest.mark.quick
 

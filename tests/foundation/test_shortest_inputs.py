@@ -22,8 +22,8 @@ from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import read_judge_table
 from wirerope_mj.runs.sliders import checked_values, sliders_of
 from wirerope_mj.runs.write import checked_arguments
-from wirerope_mj.studies.inputs.vary_option import read_vary
 from wirerope_mj.studies.inputs_file import STUDY, identity, write_inputs
+from wirerope_mj.studies.vary.vary_option import read_vary
 
 PSD = "frequency [Hz],psd [g^2/Hz]\n5,0.01\n100,0.01\n"
 

@@ -30,7 +30,7 @@ from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.measured import read_map
 from wirerope_mj.studies.calibration.forward import SystemForward
 from wirerope_mj.studies.calibration.measured_test import MeasuredTest
-from wirerope_mj.studies.inputs.vary_option import read_vary
+from wirerope_mj.studies.vary.vary_option import read_vary
 
 SPELLED = {
     "length": LENGTH_UNITS, "mass": {"kg": 1.0, "t": 1e3}, "time": TIME_UNITS, "frequency": {"Hz": 1.0, "kHz": 1e3},

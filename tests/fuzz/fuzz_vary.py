@@ -6,8 +6,8 @@ from hostile import pick
 from words import NUMBERS, ignored, muddled
 
 import wirerope_mj as wr
-from wirerope_mj.studies.inputs.distributions import distribution_to_dict
-from wirerope_mj.studies.inputs.vary_option import read_vary
+from wirerope_mj.studies.vary.distributions import distribution_to_dict
+from wirerope_mj.studies.vary.vary_option import read_vary
 
 EXAMPLES = (
     "mount/m*/axial/alpha = Normal( 1 , 0.1 , relative, each)",

@@ -15,7 +15,7 @@ from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
 from wirerope_mj.mounts.laws.wrapped import with_width
 from wirerope_mj.studies.engines import compute as engine
 from wirerope_mj.studies.engines.together import NONE
-from wirerope_mj.studies.inputs.vary_option import available_lines
+from wirerope_mj.studies.vary.vary_option import available_lines
 
 TWO = wr.Parallel(
     laws=[

@@ -23,9 +23,9 @@ from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws.wrapped import smoothable
 from wirerope_mj.runs.repeat import replay
-from wirerope_mj.studies.inputs.failure import acts, without_force
-from wirerope_mj.studies.inputs.vary_option import available_lines
 from wirerope_mj.studies.measures import measures
+from wirerope_mj.studies.vary.failure import acts, without_force
+from wirerope_mj.studies.vary.vary_option import available_lines
 
 G = wr.STANDARD_GRAVITY
 ROPE = wr.BoucWen(alpha=2e4, beta=30.0, gamma=10.0, n=1.0, k=5e3)

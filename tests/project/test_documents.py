@@ -10,9 +10,9 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.studies.inputs.quantities import KINDS
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.results.measure import kinds_of
+from wirerope_mj.studies.vary.quantities import KINDS
 
 ROOT = Path(__file__).parents[2]
 

@@ -37,7 +37,7 @@ HOUSE = {
     ),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
     "assessment": (("criteria",), ("comfort", "comparison", "correlation", "selection", "durability")),
-    "studies": (("inputs",), ("engines",), ("results",), ("search", "calibration")),
+    "studies": (("vary",), ("engines",), ("results",), ("search", "calibration")),
     "content": (),
     "views": (("plots", "recording"), ("report",), ("explore",), ("share",)),
     "runs": (),

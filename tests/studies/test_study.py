@@ -11,8 +11,8 @@ from one_scale import one_scale
 
 import wirerope_mj as wr
 from wirerope_mj.foundation.resources import models_folder
-from wirerope_mj.studies.inputs.distributions import distribution_from_dict, distribution_to_dict
 from wirerope_mj.studies.results.varied import distribution_text
+from wirerope_mj.studies.vary.distributions import distribution_from_dict, distribution_to_dict
 
 G = wr.STANDARD_GRAVITY
 PULSE = wr.HalfSine(peak=10.0 * G, duration=0.011, direction="z", start=0.01)

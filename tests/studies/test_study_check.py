@@ -13,7 +13,7 @@ from test_study import PULSE, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.laws import LAWS
-from wirerope_mj.studies.inputs import variants as making
+from wirerope_mj.studies.vary import variants as making
 
 pytestmark = pytest.mark.quick
 

@@ -5,7 +5,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.studies.inputs.vary_option import read_vary
+from wirerope_mj.studies.vary.vary_option import read_vary
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 

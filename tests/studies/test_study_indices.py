@@ -16,10 +16,10 @@ from wirerope_mj.cli import main
 from wirerope_mj.content.study import effects_table, indices_tables
 from wirerope_mj.content.study_charts import indices_chart
 from wirerope_mj.content.study_statements import of_indices, statements
-from wirerope_mj.studies.inputs.sampling import OF_INDICES, factors, saltelli_points
 from wirerope_mj.studies.results.effects import RESAMPLES, Effect, indices_of
 from wirerope_mj.studies.results.measure import exceedance, values_of
 from wirerope_mj.studies.results.study_summary import StudySummary
+from wirerope_mj.studies.vary.sampling import OF_INDICES, factors, saltelli_points
 
 SINGLE = [[0], [1], [2]]
 

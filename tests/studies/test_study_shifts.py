@@ -18,10 +18,10 @@ from wirerope_mj.content.study_statements import statements
 from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.study import write_study_report
 from wirerope_mj.studies.folder import TABLE
-from wirerope_mj.studies.inputs.vary_option import read_vary
 from wirerope_mj.studies.inputs_file import STUDY, identity
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.results.varied import varied_of
+from wirerope_mj.studies.vary.vary_option import read_vary
 from wirerope_mj.views.terminal import print_table
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps

@@ -11,7 +11,7 @@ from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system.varied import sprung_joints
 from wirerope_mj.studies.engines import compute as engine
 from wirerope_mj.studies.engines.together import NONE, together
-from wirerope_mj.studies.inputs.variants import Maker
+from wirerope_mj.studies.vary.variants import Maker
 
 SHOCK = wr.HalfSine(peak=60.0, duration=0.011, direction="z", start=0.005)
 STUDIES = {

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 from wirerope_mj.cli.options import Flag, Repeated, RepeatedPaths, Texts
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.studies.inputs.vary_option import EXAMPLE
+from wirerope_mj.studies.vary.vary_option import EXAMPLE
 
 if TYPE_CHECKING:
     from wirerope_mj.engine.system import System

@@ -25,9 +25,6 @@ from wirerope_mj.runs.scenario import Scenario, ScenarioFile, defines, load_scen
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.study_file import StudyFile, load_study_file, shipped_studies
 from wirerope_mj.studies.folder import dead
-from wirerope_mj.studies.inputs.distributions import Distribution
-from wirerope_mj.studies.inputs.sampling import SAMPLINGS
-from wirerope_mj.studies.inputs.vary_option import EXAMPLE, read_vary
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
@@ -35,6 +32,9 @@ from wirerope_mj.studies.results.measure import unknown_measure
 from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
+from wirerope_mj.studies.vary.distributions import Distribution
+from wirerope_mj.studies.vary.sampling import SAMPLINGS
+from wirerope_mj.studies.vary.vary_option import EXAMPLE, read_vary
 from wirerope_mj.views.terminal import console, print_block, print_warnings, show_answer
 
 # Options of the computation of a study, and of a study that a scenario does not have.

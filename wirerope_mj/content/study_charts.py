@@ -15,7 +15,6 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect, SobolIndices
 from wirerope_mj.studies.results.measure import (
     Measure,
@@ -28,6 +27,7 @@ from wirerope_mj.studies.results.measure import (
     values_of,
 )
 from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary
+from wirerope_mj.studies.vary.sampling import LISTED, OF_INDICES
 
 # Inputs in one chart: those below explain next to nothing; inputs that are drawn with all their variants.
 MOST_BARS, MOST_SCATTERS = 12, 3

@@ -11,8 +11,6 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.studies.ended import ended_early, still_growing, why_early
-from wirerope_mj.studies.inputs.sampling import OF_INDICES
-from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import SobolIndices, directions_text, fraction_of_directions, sobol_indices
 from wirerope_mj.studies.results.measure import (
@@ -32,6 +30,8 @@ from wirerope_mj.studies.results.measure import (
 )
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 from wirerope_mj.studies.results.varied import value_text
+from wirerope_mj.studies.vary.sampling import OF_INDICES
+from wirerope_mj.studies.vary.specimens import specimen_messages
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers

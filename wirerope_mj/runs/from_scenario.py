@@ -19,12 +19,12 @@ from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import subjects_of
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.study import CONTENT
-from wirerope_mj.studies.inputs.distributions import Distribution
-from wirerope_mj.studies.inputs.vary_option import EXAMPLE, available_lines, signatures
 from wirerope_mj.studies.measures import measure_names, payload_points
 from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
 from wirerope_mj.studies.results.study_summary import StudySummary, summary_of
 from wirerope_mj.studies.study import Study
+from wirerope_mj.studies.vary.distributions import Distribution
+from wirerope_mj.studies.vary.vary_option import EXAMPLE, available_lines, signatures
 
 VARIANTS = 256  # Variants unless it is said how many: a power of two, of which Sobol points are balanced
 _COUNTED = ("sobol", "latin-hypercube", "random")  # Samplings of which any number of variants is a study

@@ -26,13 +26,13 @@ from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.restore import check_records, motion_from_dict
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.studies.inputs.column import InputColumn
-from wirerope_mj.studies.inputs.distributions import Distribution, distribution_from_dict
-from wirerope_mj.studies.inputs.motion_columns import MotionSettings
-from wirerope_mj.studies.inputs.mount_columns import OtherIsolator
-from wirerope_mj.studies.inputs.quantities import quantities
-from wirerope_mj.studies.inputs.sampling import inputs
-from wirerope_mj.studies.inputs.variants import Maker, Row, Work, check_variants
+from wirerope_mj.studies.vary.distributions import Distribution, distribution_from_dict
+from wirerope_mj.studies.vary.motion_settings import MotionSettings
+from wirerope_mj.studies.vary.mount_quantities import OtherIsolator
+from wirerope_mj.studies.vary.quantities import quantities
+from wirerope_mj.studies.vary.quantity import InputColumn
+from wirerope_mj.studies.vary.sampling import inputs
+from wirerope_mj.studies.vary.variants import Maker, Row, Work, check_variants
 
 STARTS = ("settled", "relaxed", "unloaded")
 GIVEN = "given"  # Value of `sampling` of a study whose variants were not sampled, but given

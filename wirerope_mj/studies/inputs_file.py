@@ -21,8 +21,8 @@ from wirerope_mj.foundation.resources import version_of
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.studies.definition import StudyDefinition
-from wirerope_mj.studies.inputs.distributions import Distribution, distribution_to_dict
 from wirerope_mj.studies.responses import PEAKS
+from wirerope_mj.studies.vary.distributions import Distribution, distribution_to_dict
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")  # Packages on which the last bit of a number may depend
 _SHOWS = ("cli", "views", "runs")  # Wings that show what is there, and compute no row

@@ -21,7 +21,7 @@ from wirerope_mj.foundation.payload_limits import SIDES
 from wirerope_mj.foundation.state import State
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
-from wirerope_mj.studies.inputs.failure import acts
+from wirerope_mj.studies.vary.failure import acts
 
 NAN = math.nan
 

@@ -8,7 +8,7 @@ from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.studies.inputs.variants import Work
+from wirerope_mj.studies.vary.variants import Work
 
 RESPONSES = "responses"  # Folder of the responses, in that of the study
 PEAKS = "peaks"

@@ -21,7 +21,6 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import FAILED, nominal
 from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_table
-from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES, factors
 from wirerope_mj.studies.inputs_file import STUDY, todays_table
 from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response
 from wirerope_mj.studies.results.measure import (
@@ -35,6 +34,7 @@ from wirerope_mj.studies.results.measure import (
     values_of,
     worst,
 )
+from wirerope_mj.studies.vary.sampling import LISTED, OF_INDICES, factors
 
 NOT_COMPUTED = (
     "Some were not computed, since their processes died or found no memory, threads or files: go on with --resume "

@@ -17,8 +17,8 @@ from wirerope_mj.studies.calibration.forward import SystemForward, Test
 from wirerope_mj.studies.calibration.noise import DOMAINS, Domain, Series
 from wirerope_mj.studies.calibration.open_law import open_laws
 from wirerope_mj.studies.calibration.posterior import GOOD, Posterior, sample
-from wirerope_mj.studies.inputs.distributions import Distribution
-from wirerope_mj.studies.inputs.vary_option import read_vary
+from wirerope_mj.studies.vary.distributions import Distribution
+from wirerope_mj.studies.vary.vary_option import read_vary
 
 LEVEL = 0.9  # Probability of the intervals that are stated
 LITTLE = 0.7  # Standard deviation after the tests over that before from which on they say little of an unknown

@@ -10,7 +10,7 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.studies.calibration.noise import Noise, Series, estimate_noise, first_noise
-from wirerope_mj.studies.inputs.distributions import LARGEST, SMALLEST, Normal, Uniform
+from wirerope_mj.studies.vary.distributions import LARGEST, SMALLEST, Normal, Uniform
 
 
 @dataclass(frozen=True, kw_only=True)

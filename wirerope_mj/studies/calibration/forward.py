@@ -17,12 +17,12 @@ from wirerope_mj.studies.calibration.measured_test import MeasuredTest, Transien
 from wirerope_mj.studies.calibration.noise import Domain, Series
 from wirerope_mj.studies.calibration.rig_tests import FrequencyRuns, FrequencyTest, LoopRuns, LoopTest
 from wirerope_mj.studies.engines.compute import DONE, Chunk, compute
-from wirerope_mj.studies.inputs.column import InputColumn
-from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Uniform
-from wirerope_mj.studies.inputs.quantities import quantities
-from wirerope_mj.studies.inputs.sampling import values_at
-from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import measure_names
+from wirerope_mj.studies.vary.distributions import Choice, Distribution, Isotropic, Normal, Uniform
+from wirerope_mj.studies.vary.quantities import quantities
+from wirerope_mj.studies.vary.quantity import InputColumn
+from wirerope_mj.studies.vary.sampling import values_at
+from wirerope_mj.studies.vary.variants import Maker, Work
 
 Test = MeasuredTest | FrequencyTest | LoopTest
 AnyRuns = TransientRuns | FrequencyRuns | LoopRuns

@@ -18,8 +18,8 @@ from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.studies.calibration.noise import Domain, Series, Spectral
 from wirerope_mj.studies.engines.together import histories
-from wirerope_mj.studies.inputs.column import InputColumn
-from wirerope_mj.studies.inputs.variants import Work
+from wirerope_mj.studies.vary.quantity import InputColumn
+from wirerope_mj.studies.vary.variants import Work
 
 SAMPLES = 250  # Samples of a channel that a fit compares at most: the covariance of their errors is a matrix
 SMOOTH = 0.6  # Standard deviation of the smoothing before samples are thinned, in intervals of the thinned ones

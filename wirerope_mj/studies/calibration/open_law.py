@@ -11,7 +11,7 @@ from wirerope_mj.engine.system import Changes, System, load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Parallel, SymmetricBoucWen
-from wirerope_mj.studies.inputs.distributions import Distribution, Normal
+from wirerope_mj.studies.vary.distributions import Distribution, Normal
 
 HARDENING = 0.3  # Standard deviation, before the tests, of each term's force at the tested travel over the law's there
 LOOKED_AT = 0.2  # Travel over the largest that was tested from which on the law of an axis is opened

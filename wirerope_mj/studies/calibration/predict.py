@@ -18,8 +18,8 @@ from wirerope_mj.studies.calibration.forward import SystemForward, travel_of
 from wirerope_mj.studies.calibration.measured_test import ACCURACY, MeasuredTest
 from wirerope_mj.studies.calibration.open_law import LOOKED_AT
 from wirerope_mj.studies.calibration.rig_tests import FrequencyTest
-from wirerope_mj.studies.inputs.variants import Work
 from wirerope_mj.studies.measures import measure_names
+from wirerope_mj.studies.vary.variants import Work
 
 FARTHER = 1.05  # Predicted over tested deflection from which on the law there is not what was tested: 5 % is a peak's error
 DRAWS = 64  # Draws of the posterior that are run: a band's ends are then known to a sixth of its half width

@@ -19,8 +19,8 @@ from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.studies.calibration.measured_test import work_of
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.engines.together import histories
-from wirerope_mj.studies.inputs.column import InputColumn
-from wirerope_mj.studies.inputs.variants import Maker
+from wirerope_mj.studies.vary.quantity import InputColumn
+from wirerope_mj.studies.vary.variants import Maker
 
 # Cycles before the amplitude is taken, and in which it is, behind a Hann window: it hides what still swings beside
 SETTLED, MEASURED = 20, 12

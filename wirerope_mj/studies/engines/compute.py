@@ -14,9 +14,9 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.ended import Lengths, growth_text
 from wirerope_mj.studies.engines.together import NONE, Together, go_alone, together, together_again
-from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import NAN, late, measure_names, measures, needs_samples
 from wirerope_mj.studies.responses import packed
+from wirerope_mj.studies.vary.variants import Maker, Work
 
 UNLOADED = "unloaded"  # The start of a variant that does not begin at rest
 DONE, FAILED = "done", "failed"  # Values of `status`

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from wirerope_mj.foundation.errors import ClusterWarning, SimulationError
 from wirerope_mj.foundation.processes import environment_of_children, processors
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
-from wirerope_mj.studies.inputs.variants import Work
 from wirerope_mj.studies.inputs_file import versions
+from wirerope_mj.studies.vary.variants import Work
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.processes import environment_of_children, processors
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
-from wirerope_mj.studies.inputs.variants import Work
+from wirerope_mj.studies.vary.variants import Work
 
 TRIES = 2  # Tries of a chunk whose process dies: the first death may have been an accident
 

@@ -25,9 +25,9 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.law import ROUNDING
-from wirerope_mj.studies.inputs.variant_numbers import Variants, variants_of
-from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import Extremes, measures_together
+from wirerope_mj.studies.vary.variant_numbers import Variants, variants_of
+from wirerope_mj.studies.vary.variants import Maker, Work
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +48,7 @@ def together(work: Work, rows: Sequence[Entries]) -> Together:
     """Return the measures of those variants that can be computed side by side; the others are for `simulate_batch`.
 
     Which they are, and what comes of each, does not depend on the variants that share a call. Their systems are the same to the
-    last bit as those that `wirerope_mj.studies.inputs.variants.Maker` makes, and are not made.
+    last bit as those that `wirerope_mj.studies.vary.variants.Maker` makes, and are not made.
     """
     ready = _ready(work, rows)
     return NONE if ready is None else _measured(work, ready)

@@ -10,9 +10,9 @@ import scipy
 
 from wirerope_mj.foundation.arrays import AnyArray, Array, Integers
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.inputs.sampling import FEWEST, OF_INDICES, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, measures_of, unknown_measure, values_of
+from wirerope_mj.studies.vary.sampling import FEWEST, OF_INDICES, factors
 
 AZIMUTH, ELEVATION = "motion/azimuth", "motion/elevation"
 _GAP = 1.5  # Ratio to all other gaps between azimuths above which nobody looked into a gap

@@ -9,7 +9,6 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.inputs.sampling import OF_INDICES, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import (
     Effect,
@@ -37,6 +36,7 @@ from wirerope_mj.studies.results.measure import (
     worst,
 )
 from wirerope_mj.studies.results.stated_limits import StatedLimit, limits_of, read_stated
+from wirerope_mj.studies.vary.sampling import OF_INDICES, factors
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 

@@ -9,9 +9,6 @@ import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.studies.definition import StudyDefinition
-from wirerope_mj.studies.inputs.column import Quantity, nominal_text
-from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Specimens, Uniform
-from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import sobol_indices
 from wirerope_mj.studies.results.measure import (
@@ -27,6 +24,9 @@ from wirerope_mj.studies.results.measure import (
     values_of,
     worst,
 )
+from wirerope_mj.studies.vary.distributions import Choice, Distribution, Isotropic, Normal, Specimens, Uniform
+from wirerope_mj.studies.vary.quantity import Quantity, nominal_text
+from wirerope_mj.studies.vary.sampling import LISTED, OF_INDICES
 
 _CHOICES = 8  # numbers of a choice that are listed one by one
 
@@ -73,7 +73,7 @@ def _varied(quantity: Quantity, study: StudyDefinition) -> Varied:
     every = [] if many else [one for own in quantity.columns for one in own.nominal(study.base, study.motions)]
     numbers = np.concatenate([np.ravel(one) for one in every]) if every else np.empty(0)
     ends = () if numbers.size == 0 or numbers.dtype == np.bool_ else (float(numbers.min()), float(numbers.max()))
-    kind, text = column.nature_of_numbers, nominal_text(every, column.model_unit)
+    kind, text = column.nature, nominal_text(every, column.model_unit)
     return Varied(
         name=quantity.name, kind=kind, unit=column.unit,
         model="the isolator's" if many else f"shifted from {text}" if kind == "shift" else text, nominal=ends,

@@ -11,7 +11,7 @@ import pyarrow as pa
 from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.inputs import distributions
+from wirerope_mj.studies.vary import distributions
 
 Design = Entries
 # Value of a design that failed, for the optimiser: a number, because it adds them up, and worse than any that did not.

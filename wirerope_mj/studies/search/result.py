@@ -14,11 +14,11 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.ended import why_early
 from wirerope_mj.studies.folder import TABLE, read_table
-from wirerope_mj.studies.inputs.failure import acts
 from wirerope_mj.studies.inputs_file import read_inputs
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
 from wirerope_mj.studies.search.evolution import feasible, front, nearest, nearest_first
+from wirerope_mj.studies.vary.failure import acts
 
 GENERATION = "generation"  # Column of the table: in which generation a design was first made
 _LINE = 1e-9  # Distance from the line between the front's ends that is rounding

@@ -18,7 +18,6 @@ from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import TABLE, finish, part_path, read_part, study_folder, write_part
-from wirerope_mj.studies.inputs.distributions import Choice, Uniform
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.responses import KEPT, RESPONSES
 from wirerope_mj.studies.results.measure import kinds_of, unknown_measure
@@ -26,6 +25,7 @@ from wirerope_mj.studies.results.varied import head
 from wirerope_mj.studies.search.evolution import Design, Evolution, check_installed, objectives, violations
 from wirerope_mj.studies.search.result import GENERATION, SearchResult, read_result
 from wirerope_mj.studies.study import checked_engine, chunk_size
+from wirerope_mj.studies.vary.distributions import Choice, Uniform
 
 FEWEST = 4  # Designs of a generation below which nothing can be crossed
 

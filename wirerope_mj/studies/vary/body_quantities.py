@@ -1,28 +1,26 @@
 """Masses, centres of mass, and natural frequencies of joints with springs that vary."""
 
-import math
 import re
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies, sprung_joints
 from wirerope_mj.foundation.arrays import AnyArray, Booleans
-from wirerope_mj.studies.inputs.column import (
+from wirerope_mj.studies.vary.distributions import Choice, Distribution, Normal, Uniform
+from wirerope_mj.studies.vary.quantity import (
     NEAR,
     WORLD,
     Draft,
     Entry,
     InputColumn,
+    Positive,
     Quantity,
     Shift,
-    ValueOrFactor,
     check_axis,
     check_finite,
 )
-from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
 
 
 def bodies_of(system: System) -> list[str]:
@@ -37,22 +35,7 @@ class BodyColumn(InputColumn):
 
     @classmethod
     def existing(cls, system: System) -> dict[str, bool]:
-        """Return the moving bodies."""
         return dict.fromkeys(bodies_of(system), False)
-
-
-class Positive(ValueOrFactor):
-    """Quantity that is larger than nothing, and changes by a factor."""
-
-    bounds = "positive"
-
-    def apply(self, draft: Draft, value: Any) -> None:
-        """Put the factor on each target that a value is into a variant."""
-        if not (math.isfinite(value) and value > 0.0):
-            unit = "" if self.relative else f" {self.model_unit}"
-            raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
-        for one in self.targets:
-            getattr(draft, self.into)[one] = value if self.relative else value / self.nominal_of(draft.system, one)
 
 
 class Mass(BodyColumn, Positive):
@@ -64,7 +47,6 @@ class Mass(BodyColumn, Positive):
     into = "masses"
 
     def nominal_of(self, system: System, target: str) -> float:
-        """Return what the model says of one target."""
         return float(system.model.body(target).mass[0])
 
 
@@ -76,12 +58,10 @@ class CentreShift(BodyColumn, Shift):
     into = "centre_shifts"
 
     def nominal_of(self, system: System, target: str) -> float:
-        """Return what the model says of one target."""
         return float((body_axes(system, target) @ centre_of_mass(system, target))[WORLD.index(self.key[0])])
 
     def remedy(self, system: System) -> str:
-        """Return how positions are given."""
-        return f"say {_renamed(self, system, 'centre')!r}"
+        return f"say {_as_other_kind(self, system, 'centre')!r}"
 
 
 class Centre(BodyColumn):
@@ -94,23 +74,19 @@ class Centre(BodyColumn):
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching bodies."""
-        check_axis(entry, "a position")
+        check_axis(entry, "a position [m]")
         return super().resolve(entry)
 
     def nominal_of(self, system: System, target: str) -> float:
-        """Return what the model says of one target."""
         return float(centre_of_mass(system, target)[WORLD.index(self.key[0])])
 
-    def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
+    def apply(self, draft: Draft, value: float) -> None:
         check_finite(self.name, value)
         for body in self.targets:
             centre = draft.centres.setdefault(body, centre_of_mass(draft.system, body))
             centre[WORLD.index(self.key[0])] = value
 
     def moved(self, system: System, values: AnyArray) -> Booleans:
-        """Return in which variants the centre stands elsewhere than in the model."""
         return np.asarray(values != self.nominal(system)[0])
 
     def check(self, distribution: Distribution, system: System) -> None:
@@ -119,7 +95,7 @@ class Centre(BodyColumn):
         A value whose middle is nearer to 0 than to the model's is refused: it is what a shift looks like, and taken as a
         position it would move the centre of mass to the body's origin unnoticed. All that is refused can be said as a shift.
         """
-        shift = _renamed(self, system, "centre_shift")
+        shift = _as_other_kind(self, system, "centre_shift")
         for body in self.targets:
             if is_aligned(system, body):
                 raise ValueError(
@@ -132,7 +108,13 @@ class Centre(BodyColumn):
                 f"`vary`: {self.name!r} is one position for bodies whose centres of mass stand at {text} in the model; name "
                 f"one body, or say shifts: {shift!r}."
             )
-        middle = _middle(distribution)
+        if isinstance(distribution, Normal):
+            middle = distribution.mean
+        elif isinstance(distribution, Uniform):
+            middle = (distribution.low + distribution.high) / 2.0
+        else:
+            assert isinstance(distribution, Choice)  # the others are for other quantities
+            middle = (min(distribution.choices) + max(distribution.choices)) / 2.0
         if abs(nominal[0]) > NEAR and abs(middle) < abs(middle - nominal[0]):
             raise ValueError(
                 f"`vary`: {self.name!r} is the position of the centre of mass in the body's axes [m], and stands at {text} in "
@@ -144,35 +126,24 @@ class Centre(BodyColumn):
 
 def check_centres(quantities: Sequence[Quantity], system: System) -> None:
     """Raise ValueError if centres of mass are said in two ways, or positions of them look like shifts."""
-    columns = [part for quantity in quantities for column in quantity.columns for part in column.parts]
-    absolute = {target: column.name for column in columns if isinstance(column, Centre) for target in column.targets}
-    for column in columns:
+    columns = [(part, one.distribution) for one in quantities for column in one.columns for part in column.parts]
+    absolute = {body: column.name for column, _ in columns if isinstance(column, Centre) for body in column.targets}
+    for column, distribution in columns:
+        if isinstance(column, Centre):
+            column.check(distribution, system)
         for body in column.targets if isinstance(column, CentreShift) else ():
             if body in absolute:
                 raise ValueError(
                     f"`vary`: {absolute[body]!r} is a position and {column.name!r} a shift of the same body {body!r}; say all "
                     "of them in one of these ways."
                 )
-    for quantity in quantities:
-        for part in (part for column in quantity.columns for part in column.parts):
-            if isinstance(part, Centre):
-                part.check(quantity.distribution, system)
 
 
-def _renamed(column: Centre | CentreShift, system: System, noun: str) -> str:
+def _as_other_kind(column: Centre | CentreShift, system: System, noun: str) -> str:
     """Return the name of a centre of mass as the other kind; without its axis where the body's axes are not the world's."""
     start, _, axis = column.name.rpartition("/")
     parallel = all(np.allclose(body_axes(system, body), np.eye(3), atol=1e-9) for body in column.targets)
     return f"{start.rpartition('/')[0]}/{noun}/{axis if parallel else 'AXIS'}"
-
-
-def _middle(distribution: Distribution) -> float:
-    if isinstance(distribution, Normal):
-        return distribution.mean
-    ends = [distribution.low, distribution.high] if isinstance(distribution, Uniform) else []
-    if isinstance(distribution, Choice):
-        ends = [min(distribution.choices), max(distribution.choices)]
-    return (ends[0] + ends[1]) / 2.0
 
 
 class Tuning(Positive):
@@ -186,9 +157,7 @@ class Tuning(Positive):
 
     @classmethod
     def existing(cls, system: System) -> dict[str, bool]:
-        """Return the joints with springs."""
         return dict.fromkeys(sprung_joints(system.model), False)
 
     def nominal_of(self, system: System, target: str) -> float:
-        """Return what the model says of one target."""
         return sprung_joints(system.model)[target]

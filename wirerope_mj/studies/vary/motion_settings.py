@@ -4,15 +4,15 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import AnyArray, Entries
 from wirerope_mj.motions import BaseMotion, Scaled, Turned
-from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn
-from wirerope_mj.studies.inputs.distributions import Choice, Distribution
+from wirerope_mj.studies.vary.distributions import Choice
+from wirerope_mj.studies.vary.quantity import Draft, Entry, InputColumn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,7 @@ class MotionSettings:
     @classmethod
     def of(cls, columns: Sequence[InputColumn], row: Entries) -> "MotionSettings":
         """Return the settings of a row of inputs, or of columns of them."""
-        return cls(**{one.setting: row[one.name] for one in columns if isinstance(one, MotionColumn)})
+        return cls(**{column.into: row[column.name] for column in columns if isinstance(column, MotionColumn)})
 
     @property
     def turns(self) -> bool:
@@ -38,8 +38,8 @@ class MotionSettings:
         """Return the base motion of one variant."""
         motion = motions[self.record]
         if self.turns:
-            angles = (self.azimuth, self.elevation)
-            motion = Turned(motion, direction=direction(*(0.0 if one is None else one for one in angles)))
+            angles = (0.0 if angle is None else angle for angle in (self.azimuth, self.elevation))
+            motion = Turned(motion, direction=direction(*angles))
         if self.level is None:
             return motion
         if not math.isfinite(self.level) or self.level == 0.0:
@@ -56,27 +56,21 @@ def direction(azimuth: float, elevation: float) -> tuple[float, float, float]:
 class MotionColumn(InputColumn):
     """Column of the base motion, which acts on no mount or body."""
 
-    numbers = "a distribution of numbers"
+    numbers: ClassVar[str] = "a distribution of numbers"
     bounds = "finite"
-
-    @property
-    def setting(self) -> str:
-        """Name of the setting of the motion."""
-        return self.form.rpartition("/")[2]
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching setting."""
         if entry.distribution.relative:
             raise ValueError(f"`vary`: {entry.name!r} cannot be relative; a level is a factor by itself.")
-        if not cls.suits(entry.distribution):
+        if not cls.suits(entry):
             raise ValueError(f"`vary`: {entry.name!r} must be {cls.numbers}, got {entry.distribution}.")
         return (cls(name=entry.name),)
 
     @classmethod
-    def suits(cls, distribution: Distribution) -> bool:
+    def suits(cls, entry: Entry) -> bool:
         """Return whether the distribution is of numbers that the setting takes."""
-        return not isinstance(distribution, Choice) or all(type(one) in (int, float) for one in distribution.choices)
+        return not isinstance(entry.distribution, Choice) or entry.chooses_among(int, float)
 
 
 class Level(MotionColumn):
@@ -84,47 +78,43 @@ class Level(MotionColumn):
 
     form = "motion/level"
     pattern = re.compile(form)
-    nature = "factor"
+    into = "level"
+    acts = "factor"
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
-        """Return what the model says."""
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
         return [1.0]
 
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
-        """Return whether all values are valid; False says nothing."""
         return super().certainly_valid(draft, values) and bool((values != 0.0).all())
 
 
-class Angle(MotionColumn):
-    """Angle [deg] of the motion's direction."""
-
-    model_unit = "°"
-
-    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
-        """Return whether all values are valid; False says nothing."""
-        return super().certainly_valid(draft, values) and len(draft.system.assembly.tables.drive) >= 3
-
-
-class Azimuth(Angle):
+class Azimuth(MotionColumn):
     """Direction [deg] of the motion from x towards y."""
 
     form = "motion/azimuth"
     pattern = re.compile(form)
+    into = "azimuth"
+    model_unit = "°"
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
         """Return the azimuths of the motions' directions [deg]; of a vertical motion there is none."""
-        return [math.degrees(math.atan2(y, x)) for x, y, _ in _directions(motions) if math.hypot(x, y) > 0.0]
+        directions = (row for motion in motions for row in motion.directions.tolist())
+        return [math.degrees(math.atan2(y, x)) for x, y, _ in directions if math.hypot(x, y) > 0.0]
+
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
+        return super().certainly_valid(draft, values) and len(draft.system.assembly.tables.drive) >= 3
 
 
-class Elevation(Angle):
+class Elevation(Azimuth):
     """Direction [deg] of the motion above the plane of x and y."""
 
     form = "motion/elevation"
     pattern = re.compile(form)
+    into = "elevation"
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
-        """Return what the model says."""
-        return [math.degrees(math.atan2(z, math.hypot(x, y))) for x, y, z in _directions(motions)]
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+        directions = (row for motion in motions for row in motion.directions.tolist())
+        return [math.degrees(math.atan2(z, math.hypot(x, y))) for x, y, z in directions]
 
 
 class Record(MotionColumn):
@@ -132,26 +122,21 @@ class Record(MotionColumn):
 
     form = "motion/record"
     pattern = re.compile(form)
-    nature = "index"
+    into = "record"
+    acts = "index"
     type = pa.int64()
     numbers = "a Choice of integers, indices in `motions`"
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching setting."""
         columns = super().resolve(entry)
         values = entry.distribution.choices if isinstance(entry.distribution, Choice) else ()
         last = len(entry.motions) - 1
         if not set(values) <= set(range(last + 1)):
-            there = "is one record, 0" if last == 0 else f"are the records 0 to {last}"
-            raise ValueError(f"`vary`: {entry.name!r}: there {there}, got {list(values)}.")
+            records = "is one record, 0" if last == 0 else f"are the records 0 to {last}"
+            raise ValueError(f"`vary`: {entry.name!r}: there {records}, got {list(values)}.")
         return columns
 
     @classmethod
-    def suits(cls, distribution: Distribution) -> bool:
-        """Return whether the distribution is a Choice of integers."""
-        return isinstance(distribution, Choice) and all(type(value) is int for value in distribution.choices)
-
-
-def _directions(motions: Sequence[BaseMotion]) -> list[list[float]]:
-    return [row for motion in motions for row in motion.directions.tolist()]
+    def suits(cls, entry: Entry) -> bool:
+        return entry.chooses_among(int)

@@ -15,9 +15,9 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Limits
-from wirerope_mj.studies.inputs.column import WHOLE, Draft, InputColumn
-from wirerope_mj.studies.inputs.failure import without_force
-from wirerope_mj.studies.inputs.motion_columns import MotionSettings
+from wirerope_mj.studies.vary.failure import without_force
+from wirerope_mj.studies.vary.motion_settings import MotionSettings
+from wirerope_mj.studies.vary.quantity import WHOLE, Draft, InputColumn
 
 Row = Entries
 

@@ -18,8 +18,8 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.plane import Form, form_of, rates_in_plane
-from wirerope_mj.studies.inputs.column import Draft
-from wirerope_mj.studies.inputs.variants import Maker, Work, systems_valid
+from wirerope_mj.studies.vary.quantity import Draft
+from wirerope_mj.studies.vary.variants import Maker, Work, systems_valid
 
 
 @dataclass(frozen=True, kw_only=True)

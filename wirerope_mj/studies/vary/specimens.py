@@ -9,9 +9,9 @@ import scipy
 
 from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.mounts.isolator import Isolator, Spread
-from wirerope_mj.studies.inputs.column import Quantity
-from wirerope_mj.studies.inputs.distributions import Specimens
-from wirerope_mj.studies.inputs.sampling import RANK, sampled
+from wirerope_mj.studies.vary.distributions import Specimens
+from wirerope_mj.studies.vary.quantity import Quantity
+from wirerope_mj.studies.vary.sampling import RANK, sampled
 
 _UNTESTED = ("catalogue", "estimated")  # kinds of isolators whose scatter is no specimens'
 

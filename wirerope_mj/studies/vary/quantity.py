@@ -1,6 +1,6 @@
-"""A column of a study's inputs: one sampled number, its unit, what the model says of it, its check and what it changes.
+"""A quantity that can vary: how it is written, what the model says of it, and what its numbers do to a variant.
 
-Each kind of quantity is a class of columns; `quantities.KINDS` lists them.
+Each kind of quantity is a class of columns of a study's inputs; `quantities.KINDS` lists them.
 """
 
 import re
@@ -17,10 +17,12 @@ from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.studies.inputs.distributions import Choice, Distribution
+from wirerope_mj.studies.vary.distributions import Choice, Distribution
 
 WHOLE = "whole"  # Stands in the key of a parameter where a law has its axis: the factor is on all of a mount
 FAR = 10.0  # Factor between the model's value and all of a study's beyond which these may have been meant as factors
+WORLD = ("x", "y", "z")
+NEAR = 1e-6  # Distance from 0 below which a position is 0 [m]: there a value and a shift are the same
 
 
 @dataclass(kw_only=True)
@@ -31,12 +33,10 @@ class Draft:
     # by mount, and there by ("axial", parameter), ("stiffening", parameter) or (WHOLE, "stiffness" or "damping")
     parameters: dict[str, dict[tuple[str, ...], Any]] = field(default_factory=dict)
     isolators: dict[str, Isolator] = field(default_factory=dict)  # in place of the model's, by mount
-    # failed, absent: mounts
-    failed: set[str] = field(default_factory=set)
-    absent: set[str] = field(default_factory=set)
+    failed: set[str] = field(default_factory=set)  # mounts
+    absent: set[str] = field(default_factory=set)  # mounts
     masses: dict[str, float] = field(default_factory=dict)  # factors by body
-    # positions of centres of mass in the body's axes [m], by body
-    centres: dict[str, Array] = field(default_factory=dict)
+    centres: dict[str, Array] = field(default_factory=dict)  # of mass in the body's axes [m], by body
     centre_shifts: dict[str, list[float]] = field(default_factory=dict)  # along the world's axes [m], by body
     position_shifts: dict[str, list[float]] = field(default_factory=dict)  # along the world's axes [m], by mount
     turns: dict[str, list[float]] = field(default_factory=dict)  # rotation vectors about the world's axes [°], by mount
@@ -59,6 +59,10 @@ class Entry:
     system: System
     motions: Sequence[BaseMotion]
 
+    def chooses_among(self, *kinds: type) -> bool:
+        """Return whether the distribution is a Choice whose values are exactly of these types."""
+        return isinstance(self.distribution, Choice) and all(type(value) in kinds for value in self.distribution.choices)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
@@ -76,12 +80,12 @@ class InputColumn:
 
     form: ClassVar[str]  # the name as it is written, with NAME for mounts or bodies
     pattern: ClassVar[re.Pattern[str]]  # of such names; its first group is NAME, the others are the key
-    nature: ClassVar[str] = "value"  # of the numbers: "value", "shift", "factor", "index" or "choice"
+    acts: ClassVar[Literal["value", "shift", "factor", "index", "choice"]] = "value"  # how the numbers do
     model_unit: ClassVar[str] = ""  # of what the model says: "SI" as the law states
     type: ClassVar[pa.DataType] = pa.float64()  # of the numbers in the table
     places_mounts: ClassVar[bool] = False  # whether it says where mounts are
     noun: ClassVar[str] = ""  # what its targets are called
-    into: ClassVar[str] = ""  # of a shift or a factor: the field of `Draft` that gathers them by target
+    into: ClassVar[str] = ""  # the field of `Draft` that gathers the numbers by target, or the setting of the motion
     bounds: ClassVar[Literal["", "finite", "positive"]] = ""  # of all numbers that are valid; "" where they do not tell
 
     name: str  # of the column
@@ -94,35 +98,10 @@ class InputColumn:
         """The columns that share one draw; by itself, if it shares none."""
         return (self,)
 
-    @classmethod
-    def resolve(cls, entry: Entry) -> "tuple[InputColumn, ...]":
-        """Return the columns of an entry whose name has this form.
-
-        ModelError if it stands for nothing that exists; ValueError if the distribution does not suit it.
-        """
-        return cls.split(entry, cls.matching(entry, entry.pattern))
-
-    @classmethod
-    def existing(cls, system: System) -> dict[str, bool]:
-        """Return what there is of what varies: by name, whether it is a stop, which * leaves out where it means others."""
-        raise NotImplementedError
-
-    @classmethod
-    def matching(cls, entry: Entry, pattern: str) -> list[str]:
-        """Return what the parts of a pattern match; a part that matches isolators as well as stops, as * does, means those."""
-        matches: list[str] = []
-        existing = cls.existing(entry.system)
-        for part in parts_of(pattern, existing):
-            matched = [one for one in existing if fnmatchcase(one, part)]
-            if not matched:
-                raise ModelError(f"`vary`: {entry.name!r}: there is no {cls.noun} {part!r}. There is: {', '.join(existing)}.")
-            matches += [one for one in matched if not existing[one]] or matched
-        return list(dict.fromkeys(matches))
-
     @property
-    def nature_of_numbers(self) -> str:
-        """Nature of the numbers, which are factors if they are relative."""
-        return "factor" if self.relative else self.nature
+    def nature(self) -> str:
+        """How the numbers act: "value", "shift", "factor", "index" or "choice"."""
+        return "factor" if self.relative else self.acts
 
     @property
     def unit(self) -> str:
@@ -132,26 +111,63 @@ class InputColumn:
     @property
     def label(self) -> str:
         """Words for the name with the unit of the numbers, as an axis or a heading says it: "motion level [factor]"."""
-        unit, words = "factor" if self.nature_of_numbers == "factor" else self.unit, self.name.replace("/", " ")
+        unit, words = "factor" if self.nature == "factor" else self.unit, self.name.replace("/", " ")
         return words if unit in ("", "SI") else f"{words} [{unit}]"
+
+    @classmethod
+    def existing(cls, system: System) -> dict[str, bool]:
+        """Return what there is of what varies: by name, whether it is a stop, which * leaves out where it means others."""
+        raise NotImplementedError
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> "tuple[InputColumn, ...]":
+        """Return the columns of an entry whose name has this form.
+
+        ModelError if it stands for nothing that exists; ValueError if the distribution does not suit it.
+        """
+        return cls.split(entry, cls.matching(entry, entry.pattern))
+
+    @classmethod
+    def matching(cls, entry: Entry, pattern: str) -> list[str]:
+        """Return what the parts of a pattern match; a part that matches isolators as well as stops, as * does, means those."""
+        matches: list[str] = []
+        existing = cls.existing(entry.system)
+        for part in parts_of(pattern, existing):
+            matched = [name for name in existing if fnmatchcase(name, part)]
+            if not matched:
+                raise ModelError(f"`vary`: {entry.name!r}: there is no {cls.noun} {part!r}. There is: {', '.join(existing)}.")
+            matches += [name for name in matched if not existing[name]] or matched
+        return list(dict.fromkeys(matches))
+
+    @classmethod
+    def split(cls, entry: Entry, targets: Sequence[str]) -> "tuple[Self, ...]":
+        """Return one column, or one for each target if each has its own."""
+        name, distribution = entry.name, entry.distribution
+        choices = distribution.choices if isinstance(distribution, Choice) and cls.type == pa.float64() else ()
+        if any(isinstance(value, bool | str) for value in choices):
+            raise ValueError(f"`vary`: {name!r} must be a distribution of numbers, got {distribution}.")
+        start = name.index("/") + 1
+        before, after = name[:start], name[start + len(entry.pattern) :]
+        each = [(f"{before}{target}{after}", (target,)) for target in targets]
+        groups = each if distribution.each else [(name, tuple(targets))]
+        return tuple(cls(name=name, targets=part, key=entry.key, relative=distribution.relative) for name, part in groups)
 
     def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
         """Return what the model says of the quantity, one value for each target; empty where it says nothing.
 
         Of a shift it is the position that is shifted, of a factor the value that is multiplied: [m], [kg], SI, [deg].
         """
-        found = (self.nominal_of(system, target) for target in self.targets)
-        return [one for one in found if one is not None]
+        values = (self.nominal_of(system, target) for target in self.targets)
+        return [value for value in values if value is not None]
 
     def nominal_of(self, system: System, target: str) -> Any:
         """Return what the model says of one target; None where it says no one number."""
         return None
 
     def nominal_text(self, system: System) -> str:
-        """Return what the model says as a cell."""
         return nominal_text(self.nominal(system), self.model_unit)
 
-    def apply(self, draft: Draft, value: object) -> None:
+    def apply(self, draft: Draft, value: Any) -> None:
         """Put a value of the column into a variant; ValueError if it can be none."""
         raise NotImplementedError
 
@@ -169,27 +185,12 @@ class InputColumn:
         """Return messages if the sampled values look like another kind than the name says."""
         return []
 
-    @classmethod
-    def split(cls, entry: Entry, targets: Sequence[str]) -> "tuple[Self, ...]":
-        """Return one column, or one for each target if each has its own."""
-        name, distribution = entry.name, entry.distribution
-        choices = distribution.choices if isinstance(distribution, Choice) and cls.type == pa.float64() else ()
-        if any(isinstance(value, bool | str) for value in choices):
-            raise ValueError(f"`vary`: {name!r} must be a distribution of numbers, got {distribution}.")
-        start = name.index("/") + 1
-        before, after = name[:start], name[start + len(entry.pattern) :]
-        each = [(f"{before}{target}{after}", (target,)) for target in targets]
-        groups = each if distribution.each else [(name, tuple(targets))]
-        return tuple(cls(name=one, targets=own, key=entry.key, relative=distribution.relative) for one, own in groups)
-
 
 class ValueOrFactor(InputColumn):
     """Column of values in place of the model's, or of factors on them."""
 
     def warnings(self, system: System, values: Array) -> list[str]:
-        """Return a message if all factors are far from 1, or all values far from the model's."""
-        sizes = np.abs(values)
-        low, high = sizes.min(), sizes.max()
+        low, high = np.abs(values).min(), np.abs(values).max()
         if self.relative:
             if high >= 1.0 / FAR and low <= FAR:
                 return []
@@ -204,6 +205,71 @@ class ValueOrFactor(InputColumn):
             f"{self.name} is from {low:.3g} to {high:.3g} in the study and {nominal_text(sorted(model), '')} in the model; if "
             "these are to be factors on the model's value, say `relative`."
         ]
+
+
+class Positive(ValueOrFactor):
+    """Quantity that is larger than nothing, and changes by a factor."""
+
+    bounds = "positive"
+
+    def apply(self, draft: Draft, value: float) -> None:
+        if not (np.isfinite(value) and value > 0.0):
+            unit = "" if self.relative else f" {self.model_unit}"
+            raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
+        for target in self.targets:
+            getattr(draft, self.into)[target] = value if self.relative else value / self.nominal_of(draft.system, target)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shift(InputColumn):
+    """Shift of what stands somewhere; its key is the axis."""
+
+    acts = "shift"
+    model_unit = "m"
+    bounds = "finite"
+
+    mirrored: tuple[str, ...] = ()  # targets that move the other way
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[Self, ...]:
+        """Return the columns of a shift; what stands behind a minus moves the other way: "m01,m04,-m13,-m16"."""
+        check_axis(entry, f"a shift [{cls.model_unit}]")
+
+        def match(parts: list[str]) -> list[str]:
+            return cls.matching(entry, ",".join(parts)) if parts else []
+
+        parts = parts_of(entry.pattern, cls.existing(entry.system))
+        every = match([part.removeprefix("-") for part in parts])
+        mirrored = match([part[1:] for part in parts if part.startswith("-")])
+        straight = match([part for part in parts if not part.startswith("-")])
+        if both := set(mirrored) & set(straight):
+            raise ValueError(f"`vary`: {entry.name!r}: {min(both)!r} cannot move both ways.")
+        columns = cls.split(entry, every)
+        return tuple(replace(column, mirrored=tuple(t for t in column.targets if t in mirrored)) for column in columns)
+
+    def apply(self, draft: Draft, value: float) -> None:
+        check_finite(self.name, value)
+        for target in self.targets:
+            shift = getattr(draft, self.into).setdefault(target, [0.0, 0.0, 0.0])
+            shift[WORLD.index(self.key[0])] = -value if target in self.mirrored else value
+
+    def moved(self, system: System, values: AnyArray) -> Booleans:
+        return np.asarray(values != 0.0)
+
+    def warnings(self, system: System, values: Array) -> list[str]:
+        low, high = float(values.min()), float(values.max())
+        middle = (low + high) / 2.0
+        positions = [position for position in self.nominal(system) if abs(position) > NEAR]
+        if low <= 0.0 <= high or not any(abs(middle - position) < abs(middle) for position in positions):
+            return []
+        return [
+            f"{self.name} is a shift, from {low:.3g} to {high:.3g} m in the study, of what stands at "
+            f"{self.nominal_text(system)} in the model; if these are positions, {self.remedy(system)}."
+        ]
+
+    def remedy(self, system: System) -> str:
+        """Return how positions are given."""
+        return "take the model's position off them"
 
 
 def parts_of(pattern: str, existing: Collection[str]) -> list[str]:
@@ -223,75 +289,15 @@ def nominal_text(values: Sequence[Any], unit: str) -> str:
     return f"{text} {unit}" if unit not in ("", "SI") else text
 
 
-WORLD = ("x", "y", "z")
-NEAR = 1e-6  # Distance from 0 below which a position is 0 [m]: there a value and a shift are the same
-
-
-@dataclass(frozen=True, kw_only=True)
-class Shift(InputColumn):
-    """Shift [m] of what stands somewhere; its key is the axis."""
-
-    nature = "shift"
-    model_unit = "m"
-    bounds = "finite"
-
-    mirrored: tuple[str, ...] = ()  # targets that move the other way
-
-    @classmethod
-    def resolve(cls, entry: Entry) -> tuple[Self, ...]:
-        """Return the columns of a shift; what stands behind a minus moves the other way: "m01,m04,-m13,-m16"."""
-        check_axis(entry, "a shift")
-
-        def match(parts: list[str]) -> list[str]:
-            return cls.matching(entry, ",".join(parts)) if parts else []
-
-        parts = parts_of(entry.pattern, cls.existing(entry.system))
-        every = match([part.removeprefix("-") for part in parts])
-        mirrored = match([part[1:] for part in parts if part.startswith("-")])
-        straight = match([part for part in parts if not part.startswith("-")])
-        if both := set(mirrored) & set(straight):
-            raise ValueError(f"`vary`: {entry.name!r}: {min(both)!r} cannot move both ways.")
-        columns = cls.split(entry, every)
-        return tuple(replace(one, mirrored=tuple(t for t in one.targets if t in mirrored)) for one in columns)
-
-    def apply(self, draft: Draft, value: Any) -> None:
-        """Add the shift to those of the targets."""
-        check_finite(self.name, value)
-        for target in self.targets:
-            shift = getattr(draft, self.into).setdefault(target, [0.0, 0.0, 0.0])
-            shift[WORLD.index(self.key[0])] = -value if target in self.mirrored else value
-
-    def moved(self, system: System, values: AnyArray) -> Booleans:
-        """Return in which variants something is shifted."""
-        return np.asarray(values != 0.0)
-
-    def warnings(self, system: System, values: Array) -> list[str]:
-        """Return a message if all shifts are nearer to a position of the model than to 0."""
-        low, high = float(values.min()), float(values.max())
-        middle = (low + high) / 2.0
-        positions = [position for position in self.nominal(system) if abs(position) > NEAR]
-        if low <= 0.0 <= high or not any(abs(middle - position) < abs(middle) for position in positions):
-            return []
-        return [
-            f"{self.name} is a shift, from {low:.3g} to {high:.3g} m in the study, of what stands at "
-            f"{self.nominal_text(system)} in the model; if these are positions, {self.remedy(system)}."
-        ]
-
-    def remedy(self, system: System) -> str:
-        """Return how positions are given."""
-        return "take the model's position off them"
-
-
 def check_axis(entry: Entry, noun: str) -> None:
     """Raise an error unless there is such an axis, and the distribution is of lengths."""
     (axis,) = entry.key
     if axis not in WORLD:
         raise ModelError(f"`vary`: {entry.name!r}: there is no axis {axis!r}; there are {', '.join(WORLD)}.")
     if entry.distribution.relative:
-        raise ValueError(f"`vary`: {entry.name!r} is {noun} [m] and cannot be relative.")
+        raise ValueError(f"`vary`: {entry.name!r} is {noun} and cannot be relative.")
 
 
 def check_finite(name: str, value: float) -> None:
-    """Raise ValueError unless a sampled value is finite."""
     if not np.isfinite(value):
         raise ValueError(f"{name} must be finite, got {value}.")

@@ -10,11 +10,10 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.studies.inputs.body_columns import Centre, CentreShift, Mass, Tuning, check_centres
-from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity
-from wirerope_mj.studies.inputs.distributions import Distribution, Isotropic, Specimens
-from wirerope_mj.studies.inputs.motion_columns import Azimuth, Elevation, Level, Record
-from wirerope_mj.studies.inputs.mount_columns import (
+from wirerope_mj.studies.vary.body_quantities import Centre, CentreShift, Mass, Tuning, check_centres
+from wirerope_mj.studies.vary.distributions import Distribution, Isotropic, Specimens
+from wirerope_mj.studies.vary.motion_settings import Azimuth, Elevation, Level, Record
+from wirerope_mj.studies.vary.mount_quantities import (
     Failed,
     Fitted,
     LawParameter,
@@ -25,6 +24,7 @@ from wirerope_mj.studies.inputs.mount_columns import (
     StiffeningParameter,
     Turn,
 )
+from wirerope_mj.studies.vary.quantity import Draft, Entry, InputColumn, Quantity
 
 # Kinds of quantities, in the order in which a name is held against them.
 KINDS: tuple[type[InputColumn], ...] = (
@@ -33,7 +33,6 @@ KINDS: tuple[type[InputColumn], ...] = (
 )  # fmt: skip
 # Names of quantities; NAME may hold * and ?, and be several, as in m01,m04,-m13; names joined by " & " share a draw.
 FORMS = ", ".join(kind.form for kind in KINDS)
-_POSITION = "position"
 TOGETHER = " & "  # Stands between names that share a draw
 
 
@@ -47,48 +46,41 @@ class SharedDraw(InputColumn):
 
     @property
     def parts(self) -> tuple[InputColumn, ...]:
-        """The columns that share the draw."""
         return self.shared
 
     @property
-    def nature_of_numbers(self) -> str:
-        """Nature of the numbers, which is one for all."""
-        return self.shared[0].nature_of_numbers
+    def nature(self) -> str:
+        return self.shared[0].nature  # one for all, as the unit is
 
     @property
     def unit(self) -> str:
-        """Unit of the numbers."""
         return self.shared[0].unit
 
     def apply(self, draft: Draft, value: object) -> None:
-        """Put the value into all of them."""
         for column in self.shared:
             column.apply(draft, value)
 
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
-        """Return whether all values are valid in all of them."""
         return all(column.certainly_valid(draft, values) for column in self.shared)
 
     def moved(self, system: System, values: AnyArray) -> Booleans:
-        """Return in which variants something stands elsewhere than in the model."""
         return np.any([column.moved(system, values) for column in self.shared], axis=0)
 
     def warnings(self, system: System, values: Array) -> list[str]:
-        """Return the messages of all of them."""
         return [message for column in self.shared for message in column.warnings(system, values)]
 
 
 def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[SharedDraw, ...]:
     """Return the columns of names that share a draw: one, or with `each` as many as every name has targets."""
     # ValueError if they cannot share one.
-    every = [column for own in columns for column in own]
+    every = [column for group in columns for column in group]
     if any(not column.targets or column.type != pa.float64() for column in every):
         raise ValueError(f"`vary`: {name!r}: only numbers of mounts and bodies can share a draw.")
-    if len({len(own) for own in columns}) > 1:
-        counts = " and ".join(str(len(own)) for own in columns)
+    if len({len(group) for group in columns}) > 1:
+        counts = " and ".join(str(len(group)) for group in columns)
         raise ValueError(f"`vary`: {name!r}: with `each` the names must match as many mounts, got {counts}.")
-    if len({(column.nature_of_numbers, column.unit) for column in every}) > 1:
-        kinds = ", ".join(dict.fromkeys(f"{one.nature_of_numbers} {one.unit}".strip() for one in every))
+    if len({(column.nature, column.unit) for column in every}) > 1:
+        kinds = ", ".join(dict.fromkeys(f"{column.nature} {column.unit}".strip() for column in every))
         raise ValueError(f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`.")
     return tuple(
         SharedDraw(
@@ -113,9 +105,9 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
     for quantity in resolved:
         for part in (part for column in quantity.columns for part in column.parts):
             for target in part.targets or ("",):
-                other = taken.setdefault((part.form, target, part.key), quantity.name)
-                if other != quantity.name:
-                    raise ValueError(f"`vary`: {other!r} and {quantity.name!r} both say {part.name!r}.")
+                first = taken.setdefault((part.form, target, part.key), quantity.name)
+                if first != quantity.name:
+                    raise ValueError(f"`vary`: {first!r} and {quantity.name!r} both say {part.name!r}.")
     for (form, target, key), name in taken.items():
         last = key[-1].rpartition("[")[0] if key and key[-1].endswith("]") else ""  # "stiffness" of "stiffness[0]"
         whole = taken.get((form, target, (*key[:-1], last)), name) if last else name
@@ -127,7 +119,7 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
 
 def _quantity(name: str, distribution: Distribution, system: System, motions: Sequence[BaseMotion]) -> Quantity:
     if len(names := name.split(TOGETHER)) > 1:
-        shared = [_quantity(one, distribution, system, motions).columns for one in names]
+        shared = [_quantity(part, distribution, system, motions).columns for part in names]
         return Quantity(name=name, distribution=distribution, columns=_share(name, shared))
     if not isinstance(distribution, Distribution):
         raise ValueError(f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}.")
@@ -141,11 +133,11 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
         columns = kind.resolve(
             Entry(name=name, pattern=pattern, key=tuple(key), distribution=distribution, system=system, motions=motions)
         )
-        own = dict.fromkeys(column.targets for column in columns) if kind is Spread else {}
-        isolators = tuple(system.mounts[targets[0]].written for targets in own)
+        groups = dict.fromkeys(column.targets for column in columns) if kind is Spread else {}
+        isolators = tuple(system.mounts[targets[0]].written for targets in groups)
         return Quantity(name=name, distribution=distribution, columns=columns, isolators=isolators)
     start, _, axis = name.rpartition("/")
-    if name.startswith("mount/") and start.endswith(f"/{_POSITION}"):
+    if name.startswith("mount/") and start.endswith("/position"):
         raise ModelError(
             f"`vary`: there is no quantity {name!r}: a mount's position varies by shifts [m] of where the model has it, and "
             f"they are called {f'{start}_shift/{axis}'!r}; for a position take the model's off."

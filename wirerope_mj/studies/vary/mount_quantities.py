@@ -9,16 +9,14 @@ from typing import Any
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import AnyArray
+from wirerope_mj.foundation.arrays import AnyArray, Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws.parallel import part_of
 from wirerope_mj.mounts.vendor_parts import catalogue, load_isolator
-from wirerope_mj.studies.inputs.column import WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor
-from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
-from wirerope_mj.studies.inputs.failure import without_force
-
-STIFFENING = "stiffening"  # Stands in a name where a law has its axis
+from wirerope_mj.studies.vary.distributions import Choice, Distribution, Specimens
+from wirerope_mj.studies.vary.failure import without_force
+from wirerope_mj.studies.vary.quantity import WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor
 
 
 class MountColumn(InputColumn):
@@ -28,7 +26,6 @@ class MountColumn(InputColumn):
 
     @classmethod
     def existing(cls, system: System) -> dict[str, bool]:
-        """Return the mounts, stops among them."""
         return {name: mount.isolator.is_stop for name, mount in system.mounts.items()}
 
 
@@ -44,7 +41,6 @@ class LawParameter(MountColumn, ValueOrFactor):
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching mounts."""
         mounts, name = cls.matching(entry, entry.pattern), entry.name
         nominal = [cls.checked(name, entry.system.mounts[mount].written, mount, *entry.key) for mount in mounts]
         if not entry.distribution.relative and any(isinstance(value, tuple) for value in nominal):
@@ -58,8 +54,8 @@ class LawParameter(MountColumn, ValueOrFactor):
         """Return the parameter in the model; ModelError says what there is."""
         law = isolator.axes[axis]
         if law is None:
-            there = [axis for axis, law in isolator.axes.items() if law is not None]
-            raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}.")
+            present = [axis for axis, law in isolator.axes.items() if law is not None]
+            raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(present)}.")
         if (whole := law).factors:
             if parameter in whole.factors:
                 return 1.0
@@ -84,23 +80,20 @@ class LawParameter(MountColumn, ValueOrFactor):
             raise ModelError(f"`vary`: {name!r}: {parameter!r} of mount {mount!r} is not a number.")
         return value
 
-    def nominal_of(self, system: System, target: str) -> object:
-        """Return what the model says of one target."""
+    def nominal_of(self, system: System, target: str) -> Any:
         law = system.mounts[target].written.axes[self.key[0]]
         assert law is not None  # `checked` has seen to it
         return law.parameter(self.key[1])
 
     def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
         for mount in self.targets:
-            own = value
-            if self.relative:
-                nominal = self.nominal_of(draft.system, mount)
-                own = tuple(value * one for one in nominal) if isinstance(nominal, tuple) else value * nominal
-            draft.parameters.setdefault(mount, {})[self.key] = own
+            if self.relative and isinstance(nominal := self.nominal_of(draft.system, mount), tuple):
+                changed: Any = tuple(value * number for number in nominal)
+            else:
+                changed = value * nominal if self.relative else value
+            draft.parameters.setdefault(mount, {})[self.key] = changed
 
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
-        """Return whether all values are valid; False says nothing."""
         self.apply(draft, values)  # columns in place of numbers: all parameters of a law are checked together
         return True
 
@@ -108,30 +101,26 @@ class LawParameter(MountColumn, ValueOrFactor):
 class StiffeningParameter(LawParameter):
     """Parameter of the stiffening by loading cycles; its key is "stiffening" and the parameter."""
 
-    form = f"mount/NAME/{STIFFENING}/cycles, mount/NAME/{STIFFENING}/after_50"
-    pattern = re.compile(rf"mount/(.*)/({STIFFENING})/([^/]*)")
+    form = "mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50"
+    pattern = re.compile(r"mount/(.*)/(stiffening)/([^/]*)")
     model_unit = ""
 
     @classmethod
     def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> object:
-        """Return the parameter in the model; ModelError says what there is."""
         if isolator.stiffening is None:
             raise ModelError(f"`vary`: {name!r}: isolator {isolator.name!r} of mount {mount!r} has no [stiffening].")
         if parameter not in (known := [item.name for item in fields(Stiffening)]):
             raise ModelError(f"`vary`: {name!r}: stiffening has no {parameter!r}; it has {', '.join(known)}.")
         return float(getattr(isolator.stiffening, parameter))
 
-    def nominal_of(self, system: System, target: str) -> object:
-        """Return what the model says of one target."""
+    def nominal_of(self, system: System, target: str) -> float:
         return float(getattr(system.mounts[target].written.stiffening, self.key[1]))
 
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
-        """Return whether all values are valid; False says nothing."""
         return False  # the factor acts on whole laws: each variant is made
 
-    def warnings(self, system: System, values: AnyArray) -> list[str]:
-        """Return nothing: any number of cycles may be meant."""
-        return []
+    def warnings(self, system: System, values: Array) -> list[str]:
+        return []  # any number of cycles may be meant
 
 
 class MountFactor(MountColumn):
@@ -139,14 +128,12 @@ class MountFactor(MountColumn):
 
     form = "mount/NAME/stiffness, mount/NAME/damping"
     pattern = re.compile(r"mount/(.*)/(stiffness|damping)")
-    nature = "factor"
+    acts = "factor"
 
     def nominal_of(self, system: System, target: str) -> float:
-        """Return 1: the mount as it is."""
         return 1.0
 
-    def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
+    def apply(self, draft: Draft, value: float) -> None:
         for mount in self.targets:
             draft.parameters.setdefault(mount, {})[WHOLE, self.key[0]] = float(value)
 
@@ -159,7 +146,6 @@ class Spread(LawParameter):
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching mounts."""
         name, each = entry.name, entry.distribution.each
         if not isinstance(entry.distribution, Specimens):
             raise ValueError(f"`vary`: {name!r} must be Specimens, got {entry.distribution!r}.")
@@ -179,7 +165,7 @@ class Spread(LawParameter):
         return tuple(
             LawParameter(name=f"mount/{group}/{'/'.join(key)}", targets=targets, key=key)
             for (group, targets), isolator in zip(groups, isolators, strict=False)
-            for key in (tuple(one.split(".", 1)) for one in (isolator.spread.parameters if isolator.spread else ()))
+            for key in (tuple(name.split(".", 1)) for name in (isolator.spread.parameters if isolator.spread else ()))
         )
 
 
@@ -189,7 +175,7 @@ class OtherIsolator(MountColumn):
 
     form = "mount/NAME/isolator"
     pattern = re.compile(r"mount/(.*)/isolator")
-    nature = "choice"
+    acts = "choice"
     type = pa.string()
 
     devices: Mapping[str, Isolator] = field(default_factory=dict, repr=False)  # isolators by name
@@ -197,30 +183,28 @@ class OtherIsolator(MountColumn):
     @classmethod
     def listed(cls, name: str, distribution: Distribution) -> Distribution:
         """Replace patterns among isolators' names, as "CB1400-*", by the vendors' parts with laws on all axes."""
-        if not (cls.pattern.fullmatch(name) and isinstance(distribution, Choice) and _all_of(str, distribution)):
+        if not (cls.pattern.fullmatch(name) and isinstance(distribution, Choice) and isinstance(distribution.choices[0], str)):
             return distribution
         names: list[str] = []
-        for one in distribution.choices:
-            found = catalogue(one) if any(mark in one for mark in "*?[") else {}
-            whole = [part for part, device in found.items() if isinstance(device, Isolator) and all(device.axes.values())]
-            if found and not whole:
-                raise ValueError(f"`vary`: {name!r}: none of {', '.join(found)} has laws on all axes.")
-            names += whole or [one]
+        for choice in distribution.choices:
+            parts = catalogue(choice) if any(mark in choice for mark in "*?[") else {}
+            whole = [part for part, device in parts.items() if isinstance(device, Isolator) and all(device.axes.values())]
+            if parts and not whole:
+                raise ValueError(f"`vary`: {name!r}: none of {', '.join(parts)} has laws on all axes.")
+            names += whole or [choice]
         return Choice(*dict.fromkeys(names), each=distribution.each, group=distribution.group)
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
         """Return the columns of the matching mounts, every isolator loaded from beside the model or from the catalogue."""
-        mounts, distribution = cls.matching(entry, entry.pattern), entry.distribution
-        if not _all_of(str, distribution):
-            raise ValueError(f"`vary`: {entry.name!r} must be a Choice of isolators' names, got {distribution!r}.")
-        assert isinstance(distribution, Choice)
+        mounts = cls.matching(entry, entry.pattern)
+        if not (isinstance(entry.distribution, Choice) and entry.chooses_among(str)):
+            raise ValueError(f"`vary`: {entry.name!r} must be a Choice of isolators' names, got {entry.distribution!r}.")
         folder = entry.system.path.parent if entry.system.path else Path()
-        devices = {name: load_isolator(name, beside=folder) for name in distribution.choices}
+        devices = {name: load_isolator(name, beside=folder) for name in entry.distribution.choices}
         return tuple(replace(column, devices=devices) for column in cls.split(entry, mounts))
 
-    def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
+    def apply(self, draft: Draft, value: str) -> None:
         draft.isolators |= dict.fromkeys(self.targets, self.devices[value])
 
 
@@ -233,20 +217,17 @@ class PositionShift(MountColumn, Shift):
     into = "position_shifts"
 
     def nominal_of(self, system: System, target: str) -> float | None:
-        """Return what the model says of one target."""
         return float(system.mounts[target].position[WORLD.index(self.key[0])])
 
 
-class Turn(PositionShift):
-    """Angle [°] by which a mount's axes turn about an axis of the world."""
+class Turn(MountColumn, Shift):
+    """Angle [°] by which a mount's axes turn about an axis of the world; the model's, which are turned, have no one angle."""
 
     form = "mount/NAME/turn/x"
     pattern = re.compile(r"mount/(.*)/turn/([^/]*)")
     model_unit = "°"
+    places_mounts = True
     into = "turns"
-
-    def nominal_of(self, system: System, target: str) -> None:
-        """Return nothing: the model's axes are turned, and have no one angle."""
 
 
 class Fitted(MountColumn):
@@ -254,28 +235,24 @@ class Fitted(MountColumn):
 
     form = "mount/NAME/fitted"
     pattern = re.compile(r"mount/(.*)/fitted")
-    nature = "choice"
+    acts = "choice"
     type = pa.bool_()
     places_mounts = True
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching mounts."""
         mounts = cls.matching(entry, entry.pattern)
-        if not _all_of(bool, entry.distribution):
+        if not entry.chooses_among(bool):
             raise ValueError(f"`vary`: {entry.name!r} must be a Choice of True and False, got {entry.distribution!r}.")
         return cls.split(entry, mounts)
 
     def nominal_of(self, system: System, target: str) -> bool | None:
-        """Return what the model says of one target."""
         return True
 
     def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
         draft.absent |= set() if value else set(self.targets)
 
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
-        """Return whether all values are valid; False says nothing."""
         try:
             for mount in self.targets:
                 without_force(draft.system.mounts[mount].written)
@@ -293,16 +270,15 @@ class Failed(Fitted):
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching mounts."""
         mounts, distribution = cls.matching(entry, entry.pattern), entry.distribution
-        if _all_of(str, distribution) and not distribution.each and isinstance(distribution, Choice):
+        if isinstance(distribution, Choice) and entry.chooses_among(str) and not distribution.each:
             if unknown := [value for value in distribution.choices if value not in ("", *mounts)]:
                 raise ModelError(
                     f'`vary`: {entry.name!r}: there is no mount {unknown[0]!r} there; choose from "" (none), '
                     f"{', '.join(mounts)}."
                 )
             return (FailedMount(name=entry.name, targets=tuple(mounts)),)
-        if not _all_of(bool, distribution):
+        if not entry.chooses_among(bool):
             raise ValueError(
                 f"`vary`: {entry.name!r} must be a Choice of True and False, or of the mount's name that has failed "
                 '("" = none).'
@@ -310,11 +286,9 @@ class Failed(Fitted):
         return cls.split(entry, mounts)
 
     def nominal_of(self, system: System, target: str) -> bool | None:
-        """Return what the model says of one target."""
         return False
 
     def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
         draft.failed |= set(self.targets) if value else set()
 
 
@@ -324,12 +298,7 @@ class FailedMount(Failed):
     type = pa.string()
 
     def nominal_of(self, system: System, target: str) -> None:
-        """Return nothing: none has."""
+        return None
 
-    def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
+    def apply(self, draft: Draft, value: str) -> None:
         draft.failed |= {value} if value else set()
-
-
-def _all_of(kind: type, distribution: Distribution) -> bool:
-    return isinstance(distribution, Choice) and all(isinstance(value, kind) for value in distribution.choices)

@@ -14,9 +14,9 @@ from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.laws.law import FACTORS
-from wirerope_mj.studies.inputs.body_columns import bodies_of
-from wirerope_mj.studies.inputs.column import WORLD
-from wirerope_mj.studies.inputs.distributions import Distribution
+from wirerope_mj.studies.vary.body_quantities import bodies_of
+from wirerope_mj.studies.vary.distributions import Distribution
+from wirerope_mj.studies.vary.quantity import WORLD
 
 _AXES = ", ".join(WORLD)
 

@@ -12,8 +12,8 @@ from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import AnyArray, Array
 from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.studies.inputs.column import Quantity
-from wirerope_mj.studies.inputs.distributions import LARGEST, SMALLEST, Choice, Specimens, Uniform
+from wirerope_mj.studies.vary.distributions import LARGEST, SMALLEST, Choice, Specimens, Uniform
+from wirerope_mj.studies.vary.quantity import Quantity
 
 LISTED = ("grid", "list")  # Samplings of values that are listed, and not sampled
 # Eigenvalue of the correlations, of the largest one, below which a direction does not scatter: rounding leaves 1e-15, and the
