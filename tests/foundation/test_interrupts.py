@@ -1,6 +1,8 @@
 """A command ends after an interrupt, whatever it waits for, and leaves nothing; moments in which it must not be disturbed."""
 
+import os
 import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -117,3 +119,26 @@ def test_an_interrupt_at_any_call_of_the_system_leaves_the_old_or_the_new_and_no
         if said == "True\n":
             break
     assert number > 10  # a file and a folder, each made, locked, written, renamed and removed
+
+
+LIBRARY = """
+import sys, tempfile
+from wirerope_mj.cli import app as program
+from wirerope_mj.foundation.interrupts import end
+
+def library(*words, **settings):
+    tempfile.NamedTemporaryFile(delete=False).close()
+    if sys.argv[1:]:
+        end(15)
+
+program.app, program._add = library, lambda name: None
+sys.exit(program.main())
+"""
+
+
+@pytest.mark.parametrize(("words", "code"), [([], 0), (["--end"], 143)])
+def test_temporary_files_that_libraries_forget_go_with_the_command(words, code, tmp_path):
+    command = [sys.executable, "-c", LIBRARY, *words]
+    ended = subprocess.run(command, env={**os.environ, "TMPDIR": str(tmp_path)}, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (code, "")
+    assert list(tmp_path.iterdir()) == []

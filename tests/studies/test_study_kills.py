@@ -1,5 +1,6 @@
 """Studies that are killed: at random, at any operation on their files, and worker by worker."""
 
+import contextlib
 import functools
 import itertools
 import os
@@ -8,9 +9,11 @@ import random
 import re
 import shutil
 import signal
+import subprocess
 import sys
 import time
 import warnings
+from pathlib import Path
 
 import pytest
 from table_study import FILES, VARY, rows, table_study
@@ -277,3 +280,23 @@ def test_a_worker_ends_in_the_middle_of_a_chunk_when_nobody_waits_for_it_any_mor
         assert process.wait(timeout=30.0) == 0
     finally:
         worker.kill()
+
+
+def test_workers_that_are_still_starting_end_with_the_process_that_asks(tmp_path):
+    asleep = "import pathlib, sys, time\nif sys.orig_argv[-1].endswith('engines.worker'):\n    "
+    asleep += f"pathlib.Path({str(tmp_path)!r}, str(__import__('os').getpid())).touch()\n    time.sleep(600.0)\n"
+    (tmp_path / "sitecustomize.py").write_text(asleep)
+    asking = (
+        "import threading, time\nfrom wirerope_mj.foundation.interrupts import end\n"
+        "from wirerope_mj.studies.engines.local import in_processes\nimport pathlib\n"
+        "results = in_processes(abs, [1, 2], lost=lambda question, reason: 0, workers=2)\n"
+        "threading.Thread(target=next, args=(results,), daemon=True).start()\n"
+        f"while sum(path.name.isdigit() for path in pathlib.Path({str(tmp_path)!r}).iterdir()) < 2:\n    time.sleep(0.01)\n"
+        "end(15)\n"
+    )
+    paths = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
+    ended = subprocess.run([sys.executable, "-c", asking], env={**os.environ, "PYTHONPATH": paths}, timeout=300.0)
+    assert ended.returncode == 128 + 15
+    for number in (int(path.name) for path in tmp_path.iterdir() if path.name.isdigit()):
+        with contextlib.suppress(FileNotFoundError):  # it is gone, or waits for whoever collects its exit status
+            assert " Z " in Path(f"/proc/{number}/stat").read_text()

@@ -6,9 +6,10 @@ import gc
 import os
 import re
 import sys
+import tempfile
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from inspect import getdoc
 from pathlib import Path
@@ -75,6 +76,8 @@ def _add(name: str) -> None:
 
 
 _known: set[str] = set()
+# Temporary files of a command, those of libraries among them: gone when it is, also where an interrupt ends it at once.
+_scratch: list[tempfile.TemporaryDirectory[str]] = []
 
 
 def tell_all(name: str) -> None:
@@ -120,6 +123,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.environ["PYTHONSAFEPATH"] = "1"
         allow_one_beside()
         gc.set_threshold(_NEW_OBJECTS)
+        with suppress(OSError):  # where nothing can be written; commands that need no file run there, too
+            _scratch.append(tempfile.TemporaryDirectory(prefix="wirerope-"))
+            tempfile.tempdir = _scratch[0].name
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with _warnings_shown():

@@ -5,17 +5,32 @@ import queue
 import subprocess
 import sys
 import threading
+import weakref
 from collections.abc import Callable, Generator, Iterable
 from contextlib import suppress
 from functools import partial
 from typing import Any, Generic, TypeVar
 
 from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.interrupts import at_end
 from wirerope_mj.foundation.processes import environment_of_children, processors
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
 from wirerope_mj.studies.vary.variants import Work
 
 TRIES = 2  # Tries of a chunk whose process dies: the first death may have been an accident
+
+_started: "weakref.WeakSet[subprocess.Popen[bytes]]" = weakref.WeakSet()
+_ending = threading.Event()
+
+
+def _end_all() -> None:
+    """End the workers with this process: one that is still starting would not notice for seconds that it is alone."""
+    _ending.set()
+    for process in list(_started):
+        process.kill()
+
+
+at_end(_end_all, early=True)
 
 Question = TypeVar("Question")
 Answer = TypeVar("Answer")
@@ -135,6 +150,8 @@ class _Process:
     """A worker process and its pipes."""
 
     def __init__(self, pickled_function: bytes) -> None:
+        if _ending.is_set():
+            raise WorkerDiedError("has ended with the process that asks")
         environment = environment_of_children()
         # One thread each: more of them would fight for the processors that the other processes have.
         environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -143,6 +160,7 @@ class _Process:
             [sys.executable, "-m", "wirerope_mj.studies.engines.worker"],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, start_new_session=True,
         )  # fmt: skip
+        _started.add(self._process)
         try:
             self._asked(pickled_function)
         except WorkerDiedError as death:
