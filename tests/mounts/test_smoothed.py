@@ -1,5 +1,6 @@
 """The smooth approximation of a law: how it tends to the law, what it keeps, and that MuJoCo draws it."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.single_mass.balance import harmonic_balance
-from wirerope_mj.mounts.laws import LAWS, BoucWen, Masing, Zener, registry
+from wirerope_mj.mounts.laws import LAWS, BoucWen, Masing, Zener, registry, timed
 from wirerope_mj.mounts.laws.wrapped import Smoothed
 
 NAMES = [
@@ -143,6 +144,34 @@ def test_its_work_along_a_path_does_not_depend_on_how_finely_the_path_is_cut():
     coarse, cut = law.trace(x, time=time, rate=rate), law.trace(path(fine), time=fine, rate=path(fine, 1))
     # What a trace promises.
     np.testing.assert_allclose(coarse.work, cut.work[::128], rtol=0, atol=1e-8 * np.abs(cut.work).max())
+
+
+# Paths on which little but rounding is left of the power.
+HARDLY_ANY_POWER = {
+    "a picometre and back": (
+        BoucWen(alpha=0.176806, beta=0.884031, gamma=0.0, n=1.0, k=0.0605), [0.0, 2.8e-11, 0.0, -2.0, 0.0],
+    ),
+    "a picometre of a law that begins aside": (
+        LAWS["vaiana-rosati"](kb=0.7, f0=1.2, alpha=3.1, b1=0.5, b2=0.16, g1=0.94, g2=0.13, g3=0.71), [0.0, 1e-12],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("path", HARDLY_ANY_POWER)
+def test_where_hardly_any_power_is_left_its_integration_ends(path, monkeypatch):
+    if not hasattr(timed.follow_time, "py_func"):
+        pytest.skip("the compiler is off")
+    (law, points), slope_at, calls = HARDLY_ANY_POWER[path], timed.slope_at, itertools.count(1)
+
+    def counted(*arguments):
+        assert next(calls) < 100_000
+        return slope_at(*arguments)
+
+    for name in ("follow_time", "work_of_all", "work_over", "integrate_in_time"):
+        monkeypatch.setattr(timed, name, getattr(timed, name).py_func)
+    monkeypatch.setattr(timed, "slope_at", counted)
+    x, time, rate = smooth_path(points, per_segment=8 if len(points) > 2 else 1)
+    Smoothed(law=law, width=0.364).trace(x, time=time, rate=rate)
 
 
 def test_compiled_and_plain_kernels_agree():

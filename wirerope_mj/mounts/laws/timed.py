@@ -24,6 +24,9 @@ from wirerope_mj.mounts.laws.wrapped import SMOOTHED
 TOLERANCE = 1e-11
 # Fraction of an interval below which a failing step can only be a kink, whose contribution is below rounding.
 _SMALLEST = 1e-9
+# Fraction below which steps are rare, around kinks; where they are not, errors are rounding, which no shorter step mends: each
+# raises the smallest by this much, so that an interval takes some 1e4 steps at most.
+_RARE, _RAISED = 1e-4, 1.02
 # Fraction of an interval that a step takes at most: the first has nothing to go by.
 _WIDEST = 0.5
 _ABSCISSAE = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
@@ -53,7 +56,19 @@ def slope_at(law, p, i, cubic, t, z, scratch):
 def integrate_in_time(law, p, i, cubic, start, end, z, j):
     """Carry the state `z[j]` in place from `start` to `end` and return the work done on the law [J]; NaN if it is lost."""
     k, scratch = np.empty((7, 2)), np.empty(2)
-    t, step, work, now = start, _WIDEST * (end - start), 0.0, z[j]
+    t, step, smallest, work, now = start, _WIDEST * (end - start), _SMALLEST * (end - start), 0.0, z[j]
+    # Beside a reversal, or where the force is the small difference of its parts, there is little but rounding of what is large
+    # elsewhere: errors are fractions of what the whole path from its sample on would lead to.
+    farthest, fastest, most_gain, most_force = 0.0, 0.0, 0.0, abs(now)
+    for quarter in range(5):
+        farthest = max(farthest, abs(position(cubic, 0.25 * quarter * end)))
+        fastest = max(fastest, abs(speed(cubic, 0.25 * quarter * end)))
+    for sign in (-1.0, 1.0):
+        scratch[0] = now
+        force = evaluate_one(law, p, i, sign * farthest, sign * fastest, scratch, 0, scratch, 1)
+        if np.isfinite(force) and np.isfinite(scratch[1]):
+            most_gain, most_force = max(most_gain, abs(scratch[1])), max(most_force, abs(force))
+    floors = (most_gain * (end - start), most_force * fastest * (end - start))
     k[0] = slope_at(law, p, i, cubic, t, now, scratch)
     while t < end:
         step = min(step, end - t)
@@ -65,24 +80,26 @@ def integrate_in_time(law, p, i, cubic, start, end, z, j):
             k[stage] = slope_at(law, p, i, cubic, t + _ABSCISSAE[stage] * step, after, scratch)
         ratio = 0.0
         for column, first, last in ((0, now, after), (1, work, work + gain)):
-            size, error = max(abs(first), abs(last)), 0.0
+            size, error = max(abs(first), abs(last), floors[column]), 0.0
             for stage in range(7):
                 size = max(size, abs(k[stage, column]) * (end - start))
                 error += step * _ERROR[stage] * k[stage, column]
             ratio = max(ratio, abs(error) / (TOLERANCE * size + 1e-300))
         if not (np.isfinite(after) and np.isfinite(gain)):
             ratio = np.inf
-        if ratio > 1.0 and step > _SMALLEST * (end - start):
+        if ratio > 1.0 and step > smallest:
             step *= max(0.2, 0.9 * ratio**-0.2)
             continue
         if ratio == np.inf:
             z[j] = np.nan
             return np.nan
+        if step < _RARE * (end - start):
+            smallest *= _RAISED
         # An interval between a reversal and a sample may be as short as the rounding of its instants.
         t = end if step >= end - t or t + step <= t else t + step
         now, work = after, work + gain
         k[0] = k[6]
-        step = min(step * min(5.0, 0.9 * (min(ratio, 1.0) + 1e-10) ** -0.2), _WIDEST * (end - start))
+        step = max(smallest, min(step * min(5.0, 0.9 * (min(ratio, 1.0) + 1e-10) ** -0.2), _WIDEST * (end - start)))
     z[j] = now
     return work
 
