@@ -1,12 +1,25 @@
 """MJCF texts and systems that several tests use."""
 
+import sys
 import textwrap
+from collections import Counter
 from functools import partial
 
 import numpy as np
 import pytest
 
 import wirerope_mj as wr
+
+
+def calls(work):
+    """Count the calls that something makes: of functions of Python as "call", and of built-in ones by their names."""
+    counts = Counter()
+    sys.setprofile(lambda frame, event, what: counts.update([what.__name__ if event == "c_call" else event]))
+    try:
+        work()
+    finally:
+        sys.setprofile(None)
+    return counts
 
 
 def tuples(mounts):

@@ -117,7 +117,7 @@ def interrupt(command: Command, folder: Path, words: str, delay: float, number: 
         process.send_signal(number)
     began = time.monotonic()
     try:
-        process.wait(timeout=60.0)
+        process.wait(timeout=600.0)
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
     seconds, left = time.monotonic() - began, orphans(str(folder))

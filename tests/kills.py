@@ -6,6 +6,7 @@ nobody disturbed.
 """
 
 import argparse
+import itertools
 import os
 import random
 import shlex
@@ -15,8 +16,9 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -94,6 +96,23 @@ def interruptible(command: list[str], **options) -> Iterator[subprocess.Popen[st
         timer.cancel()
         process.kill()
         process.communicate()
+
+
+def killed_at_call(number: int, work: Callable[[], object]) -> bool:
+    """Run something in a copy of this process, killed at its call of Python of that number; say whether it was."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # threads of libraries do not matter to this copy
+        copy = os.fork()
+    if copy == 0:
+        count = itertools.count(1)
+        try:
+            sys.setprofile(
+                lambda _, event, __: os.kill(os.getpid(), signal.SIGKILL) if event == "call" and next(count) == number else None
+            )
+            work()
+        finally:
+            os._exit(0)
+    return os.WIFSIGNALED(os.waitpid(copy, 0)[1])
 
 
 def finish(folder: Path, words: str) -> None:

@@ -1,11 +1,10 @@
 """Travels and loads of mounts: along the axes, combined, static and largest force."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from house import deck, mjcf
+from house import calls, deck, mjcf
 from made_up_floor import TRAVEL, floor_response
 
 import wirerope_mj as wr
@@ -219,11 +218,12 @@ def with_size(response, **size):
     return replace(response, scene=replace(response.scene, mounts=mounts))
 
 
-def test_a_floor_is_judged_fast():
-    floor = floor_response(mounts=24, equipment=10, rows=2000)
-    begin = time.perf_counter()
+def test_a_floor_is_judged_in_as_many_steps_however_long_it_is():
+    short, floor = (floor_response(mounts=24, equipment=10, rows=rows) for rows in (200, 2000))
     found = judge(floor)
-    assert time.perf_counter() - begin < 0.2 * 5  # asked: 0.2 s; measured 0.02 s, and other work may share the machine
+    judge(short)  # what is imported or kept at the first call does not count
+    counts = [calls(lambda response=response: judge(response))["call"] for response in (short, floor)]
+    assert counts[0] == counts[1] < 10_000  # measured: 4,875, of 24 mounts and 10 bodies
     assert len({v.criterion for v in found}) == 9
     assert all(np.isfinite(v.value) for v in found)
 

@@ -34,13 +34,11 @@ def test_the_main_job_prints_every_peak_against_its_limit_and_replays(tmp_path):
 def test_an_interrupted_run_leaves_nothing_and_exits_130(tmp_path):
     command = [*WIREROPE, "run", "floating_floor_sweep", "--out", "deep/sweep"]
     with interruptible(command, cwd=tmp_path) as process:
-        deadline = time.monotonic() + 60.0
         while not list(tmp_path.glob("deep/.sweep.*.part/response.parquet.part")):  # the simulation is under way
             assert process.poll() is None, process.communicate()[1]
-            assert time.monotonic() < deadline
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=120)
     assert process.returncode == 130
     assert err == "wirerope: interrupted; no half-written result was left behind.\n"
     assert out == ""

@@ -1,6 +1,6 @@
 """Bouc-Wen laws with n < 1, whose tangent has a cusp at z = 0: states, closed cycles and modes against other ways to them."""
 
-import time
+import itertools
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ from wirerope_mj.dynamics.modes.carried import carried
 from wirerope_mj.dynamics.single_mass.equivalent import oscillator_at
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.isolator import Provenance
+from wirerope_mj.mounts.laws import power
 from wirerope_mj.mounts.laws.hysteresis import LEAST_EXPONENT
 from wirerope_mj.mounts.laws.steady import follow_force, next_start
 
@@ -202,14 +203,21 @@ def test_an_exponent_too_small_is_refused_with_the_bound_and_the_file(tmp_path):
         wr.load_isolator(file)
 
 
-def test_the_least_exponent_is_measured_in_seconds(capsys, tmp_path):
+def test_the_least_exponent_takes_few_series_along_a_stroke(capsys, tmp_path, monkeypatch):
     file = tmp_path / "least.toml"
     made_up = Provenance(kind="illustrative", source="made up")
     wr.Isolator(name="least", axial=softening(LEAST_EXPONENT), provenance=made_up).save(file)
-    begun = time.perf_counter()
     assert main(["isolators", str(file)]) == 0
-    assert time.perf_counter() - begun < 5.0
     assert "n = 0.05" in capsys.readouterr().out
+    if not hasattr(power.series, "py_func"):
+        return
+    count, expand, z = itertools.count(), power.series, np.array([-59.0])
+    monkeypatch.setattr(power, "series", lambda *arguments: next(count) < 0 or expand(*arguments))
+    monkeypatch.setattr(power, "sized", power.sized.py_func)
+    parameters = softening(LEAST_EXPONENT).kernel_parameters()
+    power.carry_power.py_func(parameters, 0, -0.015, 0.015, z, 0, *np.empty((2, power.ORDER + 1)))
+    assert 0.0 < z[0] < np.inf
+    assert next(count) < 12 / LEAST_EXPONENT  # measured: 186, and 1,053 with a tenth of that exponent
 
 
 @pytest.mark.parametrize("sigma", [0.7, 0.3])

@@ -44,7 +44,7 @@ def writer(folder, stage):
 
 def end(process, number):
     process.send_signal(number)
-    process.communicate(timeout=30.0)
+    process.communicate(timeout=120.0)
 
 
 @pytest.mark.slow

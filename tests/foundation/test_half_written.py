@@ -44,7 +44,7 @@ def writer(tmp_path):
 
 def kill(process):
     process.send_signal(signal.SIGKILL)
-    process.wait(timeout=30.0)
+    process.wait(timeout=120.0)
 
 
 def names(folder):

@@ -48,7 +48,7 @@ def test_an_interrupt_ends_what_waits_for_ever_and_leaves_what_was_there(stuck, 
         beside = int(process.stdout.readline())
         assert process.stdout.readline() == "here\n"
         process.send_signal(number)
-        _, told = process.communicate(timeout=60)  # a second, however busy the machine; not ten minutes
+        _, told = process.communicate(timeout=120)  # a second, however busy the machine; not ten minutes
     assert process.returncode == code
     assert told == "wirerope: interrupted; no half-written result was left behind.\n"
     assert hidden(tmp_path) == []
@@ -111,7 +111,7 @@ def test_an_interrupt_at_any_call_of_the_system_leaves_the_old_or_the_new_and_no
         (place / "run" / "mark").write_text("old")
         command = [sys.executable, "-c", DISTURBED, str(place), str(number)]
         with interruptible(command) as process:
-            said, told = process.communicate(timeout=60)
+            said, told = process.communicate(timeout=120)
         assert told == ""
         assert hidden(place) == []
         assert (place / "run" / "mark").read_text() in ("old", "new")

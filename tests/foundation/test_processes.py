@@ -11,17 +11,19 @@ from wirerope_mj.foundation import processes
 
 pytestmark = pytest.mark.quick
 
+HANG = 120.0
+"""Time after which a process hangs [s], less than what stands still below would take."""
+
 COMMAND = """
 import sys
 from wirerope_mj.foundation import jit, processes
-processes.BESIDE = [sys.executable, "-c", "import os, time; print(os.getpid(), file=open('beside', 'a')); time.sleep(60)"]
+processes.BESIDE = [sys.executable, "-c", "import os, time; print(os.getpid(), file=open('beside', 'a')); time.sleep(3600)"]
 processes.processors = lambda: {processors}
 {before}
 for n in (1, 2):
     jit.njit(eval("lambda x: x + %d" % n))(1.0)
 import time, pathlib
-end = time.monotonic() + 5.0
-while {waits} and not pathlib.Path("beside").exists() and time.monotonic() < end:
+while {waits} and not pathlib.Path("beside").exists():
     time.sleep(0.05)
 """
 
@@ -30,17 +32,15 @@ def beside(folder, *, before="processes.allow_one_beside()", processors=2, waits
     """Run two kernels that are not at hand, and return the numbers of the processes that stood beside them."""
     code = COMMAND.format(before=before, processors=processors, waits=waits)
     environment = processes.environment_of_children() | {"NUMBA_CACHE_DIR": str(folder / cache)}
-    subprocess.run([sys.executable, "-c", code], cwd=folder, env=environment, check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code], cwd=folder, env=environment, check=True, timeout=HANG)
     note = folder / "beside"
     return note.read_text().split() if note.exists() else []
 
 
 def test_the_first_kernel_that_a_command_compiles_starts_one_process_which_ends_with_it(tmp_path):
     (number,) = beside(tmp_path)
-    end = time.monotonic() + 10.0
-    while os.path.exists(f"/proc/{number}") and time.monotonic() < end:
+    while os.path.exists(f"/proc/{number}"):  # longer than pytest lets a test take, if nobody ended it
         time.sleep(0.05)
-    assert not os.path.exists(f"/proc/{number}")
 
 
 @pytest.mark.slow
@@ -68,12 +68,12 @@ with processes.run_beside(work):
 """
 
 
-def worked(folder, *, processors=2, work="", before="", block="time.sleep(0.5)"):
+def worked(folder, *, processors=2, work="", before="", block="pass"):
     """Run work beside a block, and return where it ran, one after the other, and the last line of what was raised."""
     code = COPIED.format(processors=processors, work=work, before=before, block=block)
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=folder, env=processes.environment_of_children(), capture_output=True, text=True,
-        timeout=60,
+        timeout=HANG,
     )  # fmt: skip
     note = folder / "worked"
     return note.read_text().split() if note.exists() else [], (done.stderr.splitlines() or [""])[-1]
@@ -89,12 +89,11 @@ class TestRunBeside:
         assert worked(tmp_path, work="raise OSError('full')") == (["copy", "here"], "OSError: full")
 
     def test_a_block_that_fails_ends_the_copy(self, tmp_path):
-        begun = time.monotonic()
-        assert worked(tmp_path, work="time.sleep(30)", block="raise OSError('full')")[1] == "OSError: full"
-        assert time.monotonic() - begun < 15.0
+        assert worked(tmp_path, work="time.sleep(3600)", block="raise OSError('full')")[1] == "OSError: full"
 
     @pytest.mark.parametrize("how", [
-        {"processors": 1}, {"before": "threading.Thread(target=time.sleep, args=(1.0,)).start()"},
+        {"processors": 1},
+        {"before": "ended = threading.Event()\nthreading.Thread(target=ended.wait).start()", "block": "ended.set()"},
     ])  # fmt: skip
     def test_there_is_no_copy_for_one_processor_or_of_several_threads(self, tmp_path, how):
         assert worked(tmp_path, **how) == (["here"], "")

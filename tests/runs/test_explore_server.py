@@ -38,7 +38,7 @@ def serving(explored, **options):
 
 def asked(server, path, content=None, *, token=None, host=None, headers=None):
     """Return status and text of an answer; a request with content is a POST."""
-    connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=60)
+    connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=120)
     sent = {"X-Token": server.token if token is None else token, **(headers or {})}
     if host is not None:
         sent["Host"] = host
@@ -154,7 +154,7 @@ class Slow:
     def run(self, values, *, passing, exact):
         self.values.append(values)
         self.begun.set()
-        assert self.free.wait(30)
+        assert self.free.wait(120)
         if values == "fails":
             raise SimulationError("it fell over.")
         return {"values": values}
@@ -165,7 +165,7 @@ def test_a_page_that_is_closed_while_it_waits_is_no_error(capsys):
     for server in serving(slow, viewer=False):
         connection = http.client.HTTPConnection("127.0.0.1", server.server_port)
         connection.request("POST", "/run", json.dumps({"values": 1}).encode(), {"X-Token": server.token})
-        assert slow.begun.wait(30)
+        assert slow.begun.wait(120)
         assert connection.sock is not None
         # Closed with data unread it is reset, and whoever writes to it is told so.
         connection.sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
@@ -184,14 +184,14 @@ def test_of_the_runs_that_wait_only_the_newest_is_computed():
     for server in serving(slow, viewer=False):
         threads = [Thread(target=ask, args=(number,)) for number in range(6)]
         threads[0].start()
-        assert slow.begun.wait(30)
+        assert slow.begun.wait(120)
         for number, thread in enumerate(threads[1:], start=1):
             thread.start()
             while server.runs._newest <= number:
                 time.sleep(1e-3)
         slow.free.set()
         for thread in threads:
-            thread.join(30)
+            thread.join(120)
         assert slow.values == [0, 5]
         assert [answers[n][0] for n in range(6)] == [200, 409, 409, 409, 409, 200]
         assert answers[3][1] == {"overtaken": True}
@@ -208,7 +208,7 @@ def test_the_command_prints_its_address_and_ends_on_an_interrupt(tmp_path):
         lines = [process.stdout.readline() for _ in range(3)]
         assert lines[1].startswith("Open http://127.0.0.1:")
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
+        out, err = process.communicate(timeout=120)
     assert (process.returncode, out.strip(), err) == (130, "Ended.", "")
 
 

@@ -1,11 +1,10 @@
-"""Studies that are killed: at random, at any operation on their files, and worker by worker."""
+"""Studies that are killed: anywhere, at any operation on their files, and worker by worker."""
 
 import contextlib
 import functools
 import itertools
 import os
 import pickle
-import random
 import re
 import shutil
 import signal
@@ -15,7 +14,10 @@ import time
 import warnings
 from pathlib import Path
 
+import psutil
 import pytest
+from house import calls
+from kills import killed_at_call
 from table_study import FILES, VARY, rows, table_study
 from writing_commands import files
 
@@ -49,30 +51,13 @@ def forked(work):
     return child
 
 
-def parts_in(folder):
-    """Return the names of the parts that a study has written; none before its first and when the table replaces them."""
-    try:
-        return [name for name in os.listdir(folder / "parts") if name.startswith("0") and name.endswith(".parquet")]
-    except FileNotFoundError:
-        return []
-
-
 @pytest.mark.slow
-def test_a_study_killed_at_random_ten_times_ends_with_the_same_table(alone, tmp_path):
-    folder, chance, parts, delays = tmp_path / "killed", random.SystemRandom(), [], []
-    for _ in range(10):
-        child = forked(lambda: table_study().run(folder, workers=1, resume=True))
-        # until a few more parts are done, and then a moment more: anywhere in a chunk or in the writing of one
-        wanted, give_up = len(parts) + chance.randint(0, 2), time.monotonic() + 20.0
-        while time.monotonic() < give_up and len(parts_in(folder)) < wanted:
-            time.sleep(0.002)
-        delays.append(chance.uniform(0.0, 0.05))
-        time.sleep(delays[-1])
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-        parts = parts_in(folder)
-    assert parts or (folder / "variants.parquet").exists(), delays  # after the last part it may die before the table
-    table_study().run(folder, workers=1, resume=True)
+def test_a_study_killed_ten_times_anywhere_ends_with_the_same_table(alone, tmp_path):
+    whole, folder = calls(lambda: table_study().run(tmp_path / "counted", workers=1))["call"], tmp_path / "killed"
+    go_on = functools.partial(table_study().run, folder, workers=1, resume=True)
+    killed = [killed_at_call(whole * share // 20, go_on) for share in range(1, 11)]
+    assert killed.count(True) >= 5  # until there is less left than half of it all
+    go_on()
     assert_same_files(folder, alone.folder)
 
 
@@ -273,11 +258,13 @@ def test_a_worker_ends_in_the_middle_of_a_chunk_when_nobody_waits_for_it_any_mor
     process = worker._process
     process.stdin.write(pickle.dumps(next(chunks(study, [0]))))
     process.stdin.flush()
-    time.sleep(1.0)  # it has begun
+    begun = psutil.Process(process.pid).cpu_times().user
+    while psutil.Process(process.pid).cpu_times().user < begun + 0.5:
+        time.sleep(0.01)
     assert process.poll() is None
     process.stdin.close()  # as when the process that asks is killed
     try:
-        assert process.wait(timeout=30.0) == 0
+        assert process.wait(timeout=120.0) == 0
     finally:
         worker.kill()
 

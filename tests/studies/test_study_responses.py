@@ -1,14 +1,11 @@
 """Whole responses that a study keeps: those of its variants alone, bit for bit, whatever happens to it."""
 
-import os
-import random
-import signal
-import time
-import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from house import calls
+from kills import killed_at_call
 
 import wirerope_mj as wr
 from wirerope_mj.studies import responses
@@ -122,24 +119,11 @@ def test_where_forces_are_python_each_variant_is_recorded_alone(monkeypatch):
     assert list(part.responses) == [2]
 
 
-def test_a_study_killed_at_random_keeps_whole_files_and_ends_with_all_of_them(alone, tmp_path):
-    folder, chance = tmp_path / "killed", random.Random(11)
-    for _ in range(5):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # threads of libraries do not matter to this child
-            child = os.fork()
-        if child == 0:
-            try:
-                table_study().run(folder, keep="responses", workers=1, resume=True)
-            finally:
-                os._exit(0)
-        wanted = len(list(folder.glob("parts/0*.parquet"))) + 1
-        give_up = time.monotonic() + 20.0
-        while time.monotonic() < give_up and len(list(folder.glob("parts/0*.parquet"))) < wanted:
-            time.sleep(0.002)
-        time.sleep(chance.uniform(0.0, 0.03))
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
+def test_a_study_killed_anywhere_keeps_whole_files_and_ends_with_all_of_them(alone, tmp_path):
+    folder, study = tmp_path / "killed", table_study()
+    whole = calls(lambda: study.run(tmp_path / "counted", keep="responses", workers=1))["call"]
+    for share in (3, 4, 5, 6, 7):
+        assert killed_at_call(whole * share // 20, lambda: study.run(folder, keep="responses", workers=1, resume=True))
         parts = {path.name for path in folder.glob("parts/0*.parquet")}
         assert parts <= {path.name for path in folder.glob("responses/0*.parquet")}  # chunks of one variant
         for path in folder.glob("responses/0*.parquet"):

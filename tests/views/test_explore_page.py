@@ -12,7 +12,7 @@ from wirerope_mj.views.explore.server import ExploreServer
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
-PATIENCE = 60_000
+PATIENCE = 120_000
 """Time after which what is waited for is given up [ms]: no measure of speed, which depends on what else the machine does."""
 
 LEVEL = "Base motion level"

@@ -218,7 +218,7 @@ for name in ("disconnect", "send_columns", "flush"):
 
 def test_an_interrupt_while_a_recording_is_written_or_ended_makes_nobody_wait(tmp_path):
     with interruptible([sys.executable, "-c", INTERRUPTED, str(tmp_path / "run.rrd")]) as process:
-        said, told = process.communicate(timeout=100)
+        said, told = process.communicate(timeout=120)
     assert told == ""
     # It ends without that flush, and so is whole then.
     assert said.splitlines() == ["disconnect 1 False", "send_columns 1 False", "flush 1 True"]
