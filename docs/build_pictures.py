@@ -186,15 +186,14 @@ def damage_spectra() -> Made:
 
 def first_model() -> Made:
     """Make the plan of the genset of docs/first_model.md, whose tables are those of the template."""
-    from matplotlib.text import Text
-
     from wirerope_mj.engine.from_tables import read_layout
     from wirerope_mj.runs.new_model import tables_in
-    from wirerope_mj.views.plots.model_plan import _figure, save_plan
+    from wirerope_mj.views.plots.letters import text_of
+    from wirerope_mj.views.plots.model_plan import plan_svg, save_plan
 
     tables = tables_in(HERE.parent / "models" / "templates" / "genset")
     layout = read_layout("genset", tables)
-    texts = {text.get_text() for text in _figure(layout).findobj(Text)}
+    texts = {line.strip() for line in text_of(plan_svg(layout)[0]).splitlines()}
     return Made(sorted(filter(None, texts)), lambda picture: save_plan(layout, picture))
 
 

@@ -181,6 +181,7 @@ from .studies.calibration import MeasuredTest as MeasuredTest
 from .studies.calibration import Prediction as Prediction
 from .studies.calibration import calibrate as calibrate
 from .studies.calibration import predict as predict
+from .views.figure import draw as draw
 from .views.recording import record_overlay as record_overlay
 from .views.recording import record_rerun as record_rerun
 

@@ -285,15 +285,9 @@ def test_a_plan_shows_formulas_and_escapes_as_letters(tmp_path):
             save_plan(layout, tmp_path / f"a.{ending}")
     svg = (tmp_path / "a.svg").read_text(encoding="utf-8")
     ElementTree.fromstring(svg)
-    drawn = unescape(svg)  # matplotlib notes each text it draws
+    drawn = unescape(svg)
     assert f"{NAME} $\\alpha$ \\$: " in drawn
     assert f"$x^2$ {plain(ESCAPE)} 振" in drawn
-
-
-def test_no_other_picture_is_drawn_without_this_rule():
-    plots = Path(wr.__file__).parent / "views" / "plots"
-    figures = [path.name for path in plots.glob("*.py") if re.search(r"\bFigure\(\w|\$", path.read_text("utf-8"))]
-    assert figures == ["model_plan.py"]
 
 
 def test_files_are_written_where_they_were_asked_for_alone(place, run, study):

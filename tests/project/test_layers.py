@@ -53,7 +53,7 @@ FLOORS = {wing: {room: n for n, rooms in enumerate(floors) for room in rooms} fo
 
 OWNERS = {
     "rerun": {"views/recording"},
-    "matplotlib": {"views/plots"},
+    "matplotlib": {"views"},
     "mujoco": {
         "engine/system", "engine/control", "engine/kernel", "engine/statics", "engine/simulation",
         "dynamics/modes", "dynamics/sweep", "dynamics/periodic",

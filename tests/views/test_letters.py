@@ -26,15 +26,15 @@ def chart(name):
 
 @pytest.fixture
 def no_fonts(monkeypatch):
-    """A machine that has the fonts of matplotlib alone."""
-    monkeypatch.setattr("matplotlib.font_manager.findSystemFonts", lambda: [])
+    """A machine that has the package's fonts alone."""
+    monkeypatch.setattr(letters, "_system_fonts", lambda: [])
 
 
 def has_font_of(text):
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         files = letters.fonts_for(text)
-    return len(files) > len(letters.brought_fonts()) and not said
+    return len(files) > len(letters.BROUGHT) and not said
 
 
 def test_a_picture_names_what_no_font_has(no_fonts, tmp_path):
@@ -43,7 +43,7 @@ def test_a_picture_names_what_no_font_has(no_fonts, tmp_path):
 
 
 def test_a_picture_of_common_letters_opens_no_font_and_says_nothing(monkeypatch, tmp_path):
-    monkeypatch.setattr("matplotlib.font_manager.findSystemFonts", lambda: pytest.fail("fonts were looked for"))
+    monkeypatch.setattr(letters, "_system_fonts", lambda: pytest.fail("fonts were looked for"))
     save_pictures([chart("Gehäuse Ω, αβγ, ЖЩ: 3 − 2 ≈ 1 … µm²")], tmp_path / "a.png")
 
 
@@ -60,7 +60,7 @@ def test_a_plan_of_a_model_draws_them_or_says_so(fonts, here, capsys, monkeypatc
     if fonts == "all" and not (has_font_of(KOREAN) and has_font_of(CHINESE)):
         pytest.skip("no font here has Korean and Chinese letters")
     if fonts == "none":
-        monkeypatch.setattr("matplotlib.font_manager.findSystemFonts", lambda: [])
+        monkeypatch.setattr(letters, "_system_fonts", lambda: [])
     mounts = ["name, x [mm], y [mm], z [mm], isolator"]
     mounts += [
         f"{KOREAN}{n}, {x}, {y}, 45, enidine_wr12_400" for n, (x, y) in enumerate([(0, 0), (400, 0), (0, 400), (400, 400)])
@@ -77,9 +77,9 @@ def test_a_plan_of_a_model_draws_them_or_says_so(fonts, here, capsys, monkeypatc
 
 
 def test_a_pdf_names_what_the_fonts_that_it_is_set_with_lack(here):
-    """In a process of its own, whose font configuration knows the folder of matplotlib's fonts alone."""
+    """In a process of its own, whose font configuration knows the folder of the package's fonts alone."""
     pytest.importorskip("weasyprint")
-    folder = os.path.dirname(letters.brought_fonts()[0])
+    folder = os.path.dirname(letters.BROUGHT[0])
     (here / "fonts.conf").write_text(
         f"<?xml version='1.0'?><!DOCTYPE fontconfig SYSTEM 'fonts.dtd'><fontconfig><dir>{folder}</dir>"
         f"<cachedir>{here}/cache</cachedir></fontconfig>",

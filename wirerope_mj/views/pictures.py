@@ -1,6 +1,6 @@
 """Charts and scenes as files: the drawings of a page below each other, as PNG, SVG or PDF.
 
-Resvg draws the page's own SVG, so that a picture shows what the page shows; its letters are those that matplotlib brings, and
+Resvg draws the page's own SVG, so that a picture shows what the page shows; its letters are those of the package's fonts, and
 those of this machine's fonts that these lack.
 """
 
@@ -28,11 +28,15 @@ def save_pictures(blocks: Sequence[Chart | SceneView], path: str | Path, *, titl
     The ending of `path` says as what: .png, .svg or .pdf. ValueError for another; WireRopeError if WeasyPrint, which writes
     PDF, is not installed.
     """
-    path = Path(path)
+    picture, height = _picture(blocks, title)
+    save_svg(picture, (WIDTH, height), Path(path))
+
+
+def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
+    """Write an <svg> element of some width and height as the path's ending says, whole or not at all; errors as above."""
     kind = path.suffix.lower()
     if kind not in (".png", ".svg", ".pdf"):
         raise ValueError(f"the picture {path} must end with .png, .svg or .pdf.")
-    picture, height = _picture(blocks, title)
     with atomic_file(path) as temporary:
         if kind == ".svg":
             temporary.write_text(picture, encoding="utf-8")
@@ -41,7 +45,7 @@ def save_pictures(blocks: Sequence[Chart | SceneView], path: str | Path, *, titl
         else:
             from wirerope_mj.views.report.pdf import write_pdf
 
-            write_pdf(f"<style>@page{{size:{WIDTH:g}px {height:g}px;margin:0}}body{{margin:0}}</style>{picture}", temporary)
+            write_pdf(f"<style>@page{{size:{size[0]:g}px {size[1]:g}px;margin:0}}body{{margin:0}}</style>{picture}", temporary)
 
 
 def _picture(blocks: Sequence[Chart | SceneView], title: str) -> tuple[str, float]:

@@ -1,59 +1,67 @@
-"""Fonts of pictures: the letters that matplotlib brings, those of this machine that have others, and what no font has."""
+"""Fonts of pictures: the package's own, those of this machine that have other letters, and what no font has."""
 
+import os
 import re
+import sys
 import warnings
 from collections.abc import Collection
 from functools import cache
 from html import unescape
-from importlib.util import find_spec
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import FontWarning
 from wirerope_mj.foundation.plain_text import short
 
 FAMILY = "DejaVu Sans"
-# What the fonts that matplotlib brings have for certain: with nothing else in a text no font need be opened.
+# What the package's fonts have for certain: with nothing else in a text no font need be opened.
 _COMMON = re.compile("[\\s\u0020-\u007e\u00a0-\u017f\u0370-\u0377\u037a-\u037e\u0384-\u038a\u038c\u038e-\u03a1\u03a3-\u04ff"
                      "\u2010-\u2027\u2030-\u205e\u2070\u2071\u2074-\u208e\u2190-\u22ff]*")  # fmt: skip
+_FONTS = {".ttf", ".otf", ".ttc", ".otc"}
 _MOST = 5  # names that a message quotes
 
 
-@cache
-def brought_fonts() -> tuple[str, ...]:
-    """Return the files of the letters that matplotlib brings, which look alike on every machine."""
-    spec = find_spec("matplotlib")  # not imported, which takes longer than to draw
-    assert spec is not None
-    assert spec.origin is not None
-    folder = Path(spec.origin).parent / "mpl-data" / "fonts" / "ttf"
-    return tuple(str(folder / name) for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf"))
+BROUGHT = tuple(str(Path(__file__).parent / "fonts" / name) for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf"))
+"""The files of the package's own fonts, which look alike on every machine."""
 
 
 def fonts_for(text: str) -> list[str]:
-    """Return the files of fonts that have the letters of a text, those that matplotlib brings first; warn of other letters."""
-    files = list(brought_fonts())
+    """Return the files of fonts that have the letters of a text, the package's own first; warn of letters that none has."""
+    files = list(BROUGHT)
     if _COMMON.fullmatch(text):
         return files
-    from matplotlib.font_manager import findSystemFonts
-    from matplotlib.ft2font import FT2Font
-
-    missing = {letter for letter in text if letter.isprintable() and not letter.isspace()}
-    missing -= set(map(chr, FT2Font(files[0]).get_charmap()))
+    missing = {letter for letter in text if letter.isprintable() and not letter.isspace()} - _letters_in(files[0])
     # A plain face before bold and slanted ones, which one font has of the same letters.
-    for path in (
-        sorted(findSystemFonts(), key=lambda path: ("Regular" not in path, "Sans" not in path, path)) if missing else ()
-    ):
-        try:
-            font = FT2Font(path)
-        except (OSError, RuntimeError):  # not what its name says
-            continue
-        found = {letter for letter in missing if font.get_char_index(ord(letter))}
-        if found:
+    for path in sorted(_system_fonts(), key=lambda path: ("Regular" not in path, "Sans" not in path, path)) if missing else ():
+        if here := missing & _letters_in(path):
             files.append(path)
-            missing -= found
+            missing -= here
         if not missing:
             break
     warn_of_letters(text, missing)
     return files
+
+
+@cache
+def _letters_in(path: str) -> frozenset[str]:
+    from fontTools.ttLib import TTFont, TTLibError
+
+    try:
+        with TTFont(path, fontNumber=0, lazy=True) as font:
+            return frozenset(map(chr, font.getBestCmap() or ()))
+    except (OSError, TTLibError, AssertionError, KeyError):  # not what its name says
+        return frozenset()
+
+
+def _system_fonts() -> list[str]:
+    """Return the files of this machine's fonts, where its system keeps them."""
+    home, windows = Path.home(), os.environ.get("WINDIR", "C:/Windows")
+    kept: dict[str, list[str | Path]] = {
+        "win32": [f"{windows}/Fonts", home / "AppData/Local/Microsoft/Windows/Fonts"],
+        "darwin": ["/System/Library/Fonts", "/Library/Fonts", home / "Library/Fonts"],
+    }
+    elsewhere: list[str | Path] = ["/usr/share/fonts", "/usr/local/share/fonts", home / ".local/share/fonts", home / ".fonts"]
+    folders = kept.get(sys.platform, elsewhere)
+    return [str(path) for folder in folders for path in Path(folder).rglob("*") if path.suffix.lower() in _FONTS]
 
 
 def text_of(markup: str) -> str:

@@ -1,191 +1,241 @@
-"""A model from tables as a dimensioned plan and side view."""
+"""A model from tables as a dimensioned drawing: plan, side and end view in one scale, and a key."""
 
-import warnings
-from io import BytesIO
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from textwrap import wrap
 
-import matplotlib
 import numpy as np
-from matplotlib import font_manager
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ft2font import FT2Font
-from matplotlib.patches import Rectangle
-from matplotlib.text import Text
-from matplotlib.transforms import Bbox
 
-from wirerope_mj.engine.from_tables import Layout, Mass
+from wirerope_mj.engine.from_tables import Layout
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.plain_text import plain_lines
-from wirerope_mj.views.plots.letters import FAMILY, brought_fonts, fonts_for
+from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.views.colours import LIGHT, hexadecimal
+from wirerope_mj.views.pictures import save_svg
+from wirerope_mj.views.plots.svg_chart import number_text, safe_text
 
-_VIEWS = (("plan", 0, 1), ("side view", 0, 2), ("end view", 1, 2))
-_MOUNT, _STOP, _POINT, _BODY = "#b2182b", "#d95f0e", "#1b7837", "#33648a"
 _MILLI = 1e3
+_WIDTH, _PART = 1040.0, 0.6  # of the drawing, and of it what the plan takes
+_LEFT, _RIGHT, _TOP, _BOTTOM = 74.0, 14.0, 26.0, 44.0  # about the frame of a view, dimensions apart
+_TALLEST = 430.0  # height of a frame
+_LEVEL = 11.0  # between dimensions that stand below each other
+_LETTER = 0.58  # mean width of a letter, of its height
+_KEY = 60  # letters of a line of the key
+_INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
+_MOUNT, _STOP, _POINT, _BODY = (hexadecimal(LIGHT.series[number]) for number in (0, 1, 3, 2))
+Box = tuple[float, float, float, float]  # left, top, right, bottom
 
 
 def save_plan(layout: Layout, path: Path) -> None:
-    """Write plan, side and end view in mm: mounts with their directions, stops, points, masses, dimensions.
-
-    The path's ending says in which format. Every text is shown as it is, whatever is in a name.
-    """
-    drawn = BytesIO()  # first: on a full disk matplotlib's writers end with errors of their own
-    with matplotlib.rc_context({"svg.hashsalt": "wirerope", "pdf.fonttype": 42}), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # `fonts_for` has said so
-        _figure(layout).savefig(drawn, format=path.suffix[1:], dpi=150)
-    with atomic_file(path) as temporary:
-        temporary.write_bytes(drawn.getvalue())
+    """Write the drawing as .svg, .png or .pdf, as the path ends. Every text is shown as it is, whatever is in a name."""
+    svg, height = plan_svg(layout)
+    save_svg(svg, (_WIDTH, height), path)
 
 
-def _figure(layout: Layout) -> Figure:
-    """Return the drawing, laid out."""
-    figure = Figure(figsize=(11.7, 8.3), layout="constrained")  # A4, lying
-    figure.suptitle(f"{layout.name}: {layout.payload.mass:.6g} kg on {len(layout.mounts)} mounts, dimensions in mm")
-    panels: dict[str, Axes] = figure.subplot_mosaic([["plan", "key"], ["side view", "end view"]], width_ratios=(1.6, 1.0))
-    labels = {title: _draw(panels[title], layout, across, up) for title, across, up in _VIEWS}
-    for title in labels:
-        panels[title].set_title(title)
-    _write_key(panels["key"], layout)
-    for text in figure.findobj(Text):  # a dollar sign in a name begins no formula
-        text.set_parse_math(False)
-        text.set_text(plain_lines(text.get_text()))
-    families = [FAMILY]
-    for path in fonts_for("\n".join(text.get_text() for text in figure.findobj(Text)))[len(brought_fonts()) :]:
-        font_manager.fontManager.addfont(path)
-        families.append(FT2Font(path).family_name)
-    for text in figure.findobj(Text):
-        text.set_fontfamily(families)
-    figure.draw_without_rendering()
-    for title, texts in labels.items():
-        _apart(panels[title], texts)
-    return figure
+def plan_svg(layout: Layout) -> tuple[str, float]:
+    """Return the drawing in mm and its height: mounts with their directions, stops, points, masses, dimensions."""
+    ends = [_MILLI * placed.position for placed in (*layout.mounts, *layout.stops)] + [_MILLI * layout.payload.centre]
+    ends += [_MILLI * point.position for point in (*layout.points, *layout.forces)]
+    for centre, size in [(box.centre, box.size) for box in layout.envelope] + [
+        (mass.properties.centre, _uniform_box(mass.properties.inertia, mass.properties.mass)) for mass in layout.masses
+    ]:
+        ends += [_MILLI * (centre - 0.5 * size), _MILLI * (centre + 0.5 * size)]
+    low, high = np.min(ends, axis=0), np.max(ends, axis=0)
+    room = 0.1 * max(float((high - low).max()), 100.0)
+    low, high = low - room, high + room
+    extent = high - low
+    frames = _WIDTH * np.array([_PART, 1.0 - _PART]) - _LEFT - _RIGHT
+    scale = min(frames[0] / extent[0], frames[1] / extent[1], _TALLEST / extent[1], _TALLEST / extent[2])
+    views, y = [], 34.0
+    for row in ((("plan", 0, 1),), (("side view", 0, 2), ("end view", 1, 2))):
+        drawn = [_view(layout, title, across, up, low, high, scale) for title, across, up in row]
+        views += [
+            f'<g transform="translate({column * _PART * _WIDTH:.1f} {y:.1f})">{part}</g>'
+            for column, (part, _) in enumerate(drawn)
+        ]
+        y += max(height for _, height in drawn)
+    key, bottom = _key(layout)
+    title = f"{layout.name}: {layout.payload.mass:.6g} kg on {len(layout.mounts)} mounts, dimensions in mm"
+    height = max(y, bottom + 34.0)
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH:g} {height:.1f}" width="{_WIDTH:g}" '
+        f'height="{height:.1f}" font-family="Helvetica, Arial, sans-serif" font-size="10" fill="{_INK}">'
+        f'<text x="{0.5 * _WIDTH:g}" y="20" text-anchor="middle" font-size="14" font-weight="bold">{safe_text(title)}</text>'
+        f'{"".join(views)}<g transform="translate({_PART * _WIDTH:.1f} 34)">{key}</g></svg>',
+        height,
+    )
 
 
-def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Text]:
-    """Draw a view; return its labels, those that stay where they are first."""
+def _view(layout: Layout, title: str, across: int, up: int, low: Array, high: Array, scale: float) -> tuple[str, float]:
+    """Return a view with its labels and dimensions, and its height."""
     pick = [across, up]
-    labels = [_draw_mass(panel, mass, pick) for mass in layout.masses]
+    corner, size = low[pick], scale * (high - low)[pick]
+
+    def place(position: Array) -> Array:
+        x, y = scale * (_MILLI * position[pick] - corner)
+        return np.array([x, size[1] - y])
+
+    parts, taken, named = [*_axes(title, across, up, corner, size, scale)], list[Box](), list[tuple[Array, float, str, str]]()
     for box in layout.envelope:
-        (x, y), lengths = _MILLI * (box.centre - 0.5 * box.size)[pick], _MILLI * box.size[pick]
-        panel.add_patch(Rectangle((x, y), *lengths, fill=False, edgecolor=_BODY, linestyle="--"))
-    reach = _MILLI * np.ptp([mount.position for mount in layout.mounts], axis=0).max() or 100.0
-    labelled: dict[tuple[int, ...], list[str]] = {}
+        parts.append(_rectangle(place, box.centre, box.size, 'fill="none" stroke-dasharray="5 3"'))
+    for mass in layout.masses:
+        uniform = _uniform_box(mass.properties.inertia, mass.properties.mass)
+        parts.append(_rectangle(place, mass.properties.centre, uniform, f'fill="{_BODY}" fill-opacity="0.12"'))
+        corners = [place(mass.properties.centre + 0.5 * sign * uniform) for sign in (-1.0, 1.0)]
+        named.append((np.minimum(*corners) + (1.0, 10.0), 0.0, mass.name, _BODY))
+    reach = _MILLI * float(np.ptp([mount.position for mount in layout.mounts], axis=0).max()) or 100.0
+    together: dict[tuple[int, ...], list[str]] = {}
     for mount in layout.mounts:
-        position, axial = _MILLI * mount.position[pick], 0.12 * reach * mount.axes[2][pick]
-        panel.plot(*position, "s", color=_MOUNT, markersize=5)
-        panel.annotate("", position + axial, position, arrowprops={"arrowstyle": "->", "color": _MOUNT})
-        aside = -11 if axial[1] >= 0.0 else 5  # points: on the side where the arrow is not
-        labelled.setdefault((*np.rint(position).astype(int).tolist(), aside), []).append(mount.name)
+        x, y = at = place(mount.position)
+        tip = at + 0.12 * scale * reach * mount.axes[2][pick] * (1.0, -1.0)
+        parts.append(_arrow(at, tip))
+        taken.append((*np.minimum(at, tip).tolist(), *np.maximum(at, tip).tolist()))
+        parts.append(f'<rect x="{x - 3:.1f}" y="{y - 3:.1f}" width="6" height="6" fill="{_MOUNT}"/>')
+        taken.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
+        together.setdefault(tuple(np.rint(at).astype(int).tolist()), []).append(mount.name)
     for stop in layout.stops:
-        position = _MILLI * stop.position[pick]
-        panel.plot(*position, "o", color=_STOP, markersize=5, fillstyle="none")
-    for (x, y, aside), names in labelled.items():
-        text, where = _listed(names), {"xytext": (4, aside), "textcoords": "offset points"}
-        labels.append(panel.annotate(text, (x, y), fontsize=8, color=_MOUNT, **where))
+        x, y = place(stop.position)
+        parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.2" fill="none" stroke="{_STOP}" stroke-width="1.4"/>')
+        taken.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
     for point in (*layout.points, *layout.forces):
-        position = _MILLI * point.position[pick]
-        panel.plot(*position, "+", color=_POINT, markersize=9)
-        where = {"xytext": (5, 3), "textcoords": "offset points"}
-        labels.append(panel.annotate(point.name, position, fontsize=7, color=_POINT, **where))
-    centre = _MILLI * layout.payload.centre[pick]
-    panel.plot(*centre, marker="o", color="black", markersize=9, fillstyle="left", markerfacecoloralt="white")
-    _dimension(panel, layout, across, up)
-    panel.set_aspect("equal", adjustable="datalim")
-    panel.margins(0.15)
-    panel.set_xlabel(f"{'xyz'[across]} [mm]")
-    panel.set_ylabel(f"{'xyz'[up]} [mm]")
-    panel.grid(alpha=0.25)
-    return labels
+        x, y = at = place(point.position)
+        parts.append(f'<path d="M{x - 4:.1f} {y:.1f}h8m-4-4v8" stroke="{_POINT}" stroke-width="1.4"/>')
+        taken.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
+        named.append((at, 5.0, point.name, _POINT))
+    x, y = place(layout.payload.centre)
+    parts.append(_centre_mark(x, y))
+    taken.append((x - 6.0, y - 6.0, x + 6.0, y + 6.0))
+    named += [(np.array(at, dtype=np.float64), 5.0, _listed(names), _MOUNT) for at, names in together.items()]
+    parts += _labels(named, taken, size)
+    coordinates = _MILLI * np.array([mount.position for mount in layout.mounts] + [layout.payload.centre])
+    below, depth = _dimensions(coordinates[:, across], corner[0], scale, outwards=_LEVEL)
+    aside, _ = _dimensions(coordinates[:, up], corner[1], scale, outwards=-_LEVEL)
+    parts.append(f'<g transform="translate(0 {size[1] + 28.0:.1f})">{below}</g>')
+    parts.append(f'<g transform="translate(-40 {size[1]:.1f}) rotate(-90)">{aside}</g>')
+    return f'<g transform="translate({_LEFT:g} {_TOP:g})">{"".join(parts)}</g>', _TOP + size[1] + _BOTTOM + depth
 
 
-def _apart(panel: Axes, labels: list[Any]) -> None:
-    """Put each label on that side of what it names on which it covers the least of labels and marks, and of the frame."""
-    taken: list[Bbox] = []
-    for line in panel.lines:
-        half = 0.5 * line.get_markersize() * panel.figure.dpi / 72.0
-        taken += [Bbox([at - half, at + half]) for at in panel.transData.transform(line.get_xydata())]
-    frame = panel.get_window_extent()
-    for label in labels:
-        sides = [(label.get_position(), "left")]
-        sides += [((x, y), "left" if x > 0 else "right") for y in (3, -10, -21, 14) for x in (5, -5)]
-        covered = []
-        for position, side in sides:
-            label.set(position=position, horizontalalignment=side)
-            box = label.get_window_extent()
-            shared = (Bbox.intersection(box, other) for other in taken)
-            beyond = max(frame.x0 - box.x0, 0.0) + max(box.x1 - frame.x1, 0.0)
-            covered.append(sum(one.width * one.height for one in shared if one is not None) + beyond * box.height)
-        position, side = sides[int(np.argmin(covered))]
-        label.set(position=position, horizontalalignment=side)
-        taken.append(label.get_window_extent())
+def _uniform_box(inertia: Array, mass: float) -> Array:
+    """Return the sides [m] of the uniform box that has a mass's moments of inertia."""
+    moments = np.diag(inertia)
+    return np.asarray(np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / mass, 0.0)))
 
 
-def _draw_mass(panel: Axes, mass: Mass, pick: list[int]) -> Text:
-    """Draw the uniform box that has a mass's moments of inertia, and its name, which is returned."""
-    properties = mass.properties
-    moments = np.diag(properties.inertia)
-    lengths = _MILLI * np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / properties.mass, 0.0))
-    centre = _MILLI * properties.centre
-    x, y = centre[pick] - 0.5 * lengths[pick]
-    panel.add_patch(Rectangle((x, y), *lengths[pick], color=_BODY, alpha=0.18))
-    corner = (x, y + lengths[pick][1])
-    return panel.annotate(mass.name, corner, xytext=(3, -9), textcoords="offset points", fontsize=7, color=_BODY)
+def _axes(title: str, across: int, up: int, corner: Array, size: Array, scale: float) -> Iterator[str]:
+    """Yield the frame of a view with its grid, numbers and title."""
+    yield f'<text y="-8" font-weight="bold">{title}: {"xyz"[up]} over {"xyz"[across]} [mm]</text>'
+    columns, rows = (
+        linear_ticks(corner[n], corner[n] + size[n] / scale, most=max(2, int(size[n] / (48.0, 34.0)[n]))) for n in (0, 1)
+    )
+    for tick in columns:
+        x = scale * (tick - corner[0])
+        yield f'<path d="M{x:.1f} 0v{size[1]:.1f}" stroke="{_GRID}"/>'
+        yield f'<text x="{x:.1f}" y="{size[1] + 12:.1f}" text-anchor="middle">{number_text(tick)}</text>'
+    for tick in rows:
+        y = size[1] - scale * (tick - corner[1])
+        yield f'<path d="M0 {y:.1f}h{size[0]:.1f}" stroke="{_GRID}"/>'
+        yield f'<text x="-5" y="{y + 3.5:.1f}" text-anchor="end">{number_text(tick)}</text>'
+    yield f'<rect width="{size[0]:.1f}" height="{size[1]:.1f}" fill="none" stroke="{_FRAME}"/>'
 
 
-def _dimension(panel: Axes, layout: Layout, across: int, up: int) -> None:
-    """Draw chains of dimensions between the mounts' positions along both axes, beyond the outermost of what is drawn."""
-    positions = _MILLI * np.array([mount.position for mount in layout.mounts])
-    centre = _MILLI * layout.payload.centre
-    low = np.minimum(positions.min(axis=0), centre)
-    span = max(float(np.ptp(np.vstack([positions, centre]), axis=0).max()), 100.0)
-    below, left = low[up] - 0.22 * span, low[across] - 0.30 * span
-    for first, second in _gaps(positions[:, across], centre[across]):
-        _arrow(panel, (first, below), (second, below), second - first, 0)
-    for first, second in _gaps(positions[:, up], centre[up]):
-        _arrow(panel, (left, first), (left, second), second - first, 90)
+def _rectangle(place: Callable[[Array], Array], centre: Array, size: Array, look: str) -> str:
+    first, second = place(centre - 0.5 * size), place(centre + 0.5 * size)
+    (x, y), (width, height) = np.minimum(first, second), np.abs(second - first)
+    return f'<rect x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" stroke="{_BODY}" {look}/>'
 
 
-def _gaps(values: Array, centre: float) -> list[tuple[float, float]]:
-    """Return neighbours of the distinct coordinates of mounts and centre of mass, 1 mm apart or more."""
+def _arrow(start: Array, end: Array) -> str:
+    """Return an arrow; nothing where it is seen from its end."""
+    length = float(np.hypot(*(end - start)))
+    if length < 1.0:
+        return ""
+    along = (end - start) / length
+    left, right = (end - 6.0 * along + side * 2.6 * np.array([-along[1], along[0]]) for side in (-1.0, 1.0))
+    line = f"M{start[0]:.1f} {start[1]:.1f}L{end[0]:.1f} {end[1]:.1f}"
+    head = f"M{left[0]:.1f} {left[1]:.1f}L{end[0]:.1f} {end[1]:.1f}L{right[0]:.1f} {right[1]:.1f}"
+    return f'<path d="{line}{head}" fill="none" stroke="{_MOUNT}" stroke-width="1.2"/>'
+
+
+def _centre_mark(x: float, y: float) -> str:
+    """Return the mark of a centre of mass: a circle with two quarters filled."""
+    quarters = f"M{x:.1f} {y:.1f}v-5a5 5 0 0 1 5 5zM{x:.1f} {y:.1f}v5a5 5 0 0 1-5-5z"
+    return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="#fff" stroke="#000"/><path d="{quarters}" fill="#000"/>'
+
+
+def _labels(named: Sequence[tuple[Array, float, str, str]], taken: list[Box], size: Array) -> Iterator[str]:
+    """Yield names, each at that side of its mark where it covers the least of marks, of other names, and of the frame."""
+    for (x, y), away, name, colour in named:
+        width, height = _LETTER * 9.0 * len(name), 9.0
+        left = [x + away, x - away - width] if away else [x + 2.0, x + 2.0]
+        tops = [y - height - away + 2.0, y + away - 2.0, y - height - 12.0, y + 12.0, y + 22.0, y - height - 22.0]
+        boxes = [(at, top, at + width, top + height) for top in tops for at in left]
+        beyond = [(max(-box[0], 0.0) + max(box[2] - size[0], 0.0)) * height for box in boxes]
+        covered = [sum(_shared(box, other) for other in taken) + out for box, out in zip(boxes, beyond, strict=True)]
+        best = boxes[int(np.argmin(covered))]
+        taken.append(best)
+        where = f'x="{best[0]:.1f}" y="{best[3] - 1.5:.1f}" font-size="9" fill="{colour}"'
+        yield f'<text class="name" {where} paint-order="stroke" stroke="#fff" stroke-width="2">{safe_text(name)}</text>'
+
+
+def _shared(box: Box, other: Box) -> float:
+    """Return the area that two boxes share."""
+    return max(min(box[2], other[2]) - max(box[0], other[0]), 0.0) * max(min(box[3], other[3]) - max(box[1], other[1]), 0.0)
+
+
+def _dimensions(values: Array, origin: float, scale: float, *, outwards: float) -> tuple[str, float]:
+    """Return the chain of dimensions between distinct coordinates [mm], 1 mm apart or more.
+
+    What does not fit beside its neighbour stands a level farther `outwards`; the second value is how far the levels reach.
+    """
     marks: list[float] = []
-    for value in sorted([*values, centre]):
+    for value in sorted(values):
         if not marks or value - marks[-1] >= 1.0:
             marks.append(float(value))
-    return list(zip(marks, marks[1:], strict=False))
+    if len(marks) < 2:
+        return "", 0.0
+    places = [scale * (mark - origin) for mark in marks]
+    ticks = "".join(f"M{x - 3:.1f} 3l6-6" for x in places)
+    parts = [f'<path d="M{places[0]:.1f} 0H{places[-1]:.1f}{ticks}" fill="none" stroke="{_INK}" stroke-width="0.8"/>']
+    ends: list[float] = []  # of what stands on each level
+    for (first, second), left, right in zip(zip(marks, marks[1:], strict=False), places, places[1:], strict=False):
+        text, middle = f"{second - first:.0f}", 0.5 * (left + right)
+        half = 0.5 * _LETTER * 9.0 * len(text) + 2.0
+        level = next((n for n, end in enumerate(ends) if middle - half >= end), len(ends))
+        ends[level : level + 1] = [middle + half]
+        y = outwards * level + (_LEVEL if outwards > 0.0 else -3.0)
+        parts.append(f'<text x="{middle:.1f}" y="{y:.1f}" font-size="9" text-anchor="middle">{text}</text>')
+    return "".join(parts), _LEVEL * (len(ends) - 1)
 
 
-def _arrow(panel: Axes, start: tuple[float, float], end: tuple[float, float], length: float, turned: int) -> None:
-    panel.annotate("", end, start, arrowprops={"arrowstyle": "<->", "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0})
-    panel.plot(*zip(start, end, strict=True), marker="|" if turned == 0 else "_", color="black", linewidth=0)
-    middle = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]))
-    offset = (0, 3) if turned == 0 else (3, 0)  # towards the drawing: beyond the line the panel may end
-    panel.annotate(
-        f"{length:.0f}", middle, xytext=offset, textcoords="offset points", fontsize=7, rotation=turned,
-        ha="center" if turned == 0 else "left", va="bottom" if turned == 0 else "center",
-    )  # fmt: skip
-
-
-def _write_key(panel: Axes, layout: Layout) -> None:
-    payload = layout.payload
-    i = payload.inertia
+def _key(layout: Layout) -> tuple[str, float]:
+    """Return the figures of the payload, the isolators and what the marks mean, and the height that they take."""
+    payload, inertia = layout.payload, layout.payload.inertia
     x, y, z = _MILLI * payload.centre
     kinds: dict[str, list[str]] = {}
     for placed in (*layout.mounts, *layout.stops):
         kinds.setdefault(placed.isolator, []).append(placed.name)
     lines = [
         f"mass {payload.mass:.6g} kg", f"centre of mass x {x:.1f}, y {y:.1f}, z {z:.1f} mm",
-        f"inertia about it [kg m^2]: xx {i[0, 0]:.5g}, yy {i[1, 1]:.5g}, zz {i[2, 2]:.5g}",
-        f"   xy {i[0, 1]:.4g}, xz {i[0, 2]:.4g}, yz {i[1, 2]:.4g} (of the tensor)", "",
-        *(f"{isolator}: {_listed(names)}" for isolator, names in kinds.items()), "",
-        "red: mounts, arrow from the base to the payload; orange: stops",
-        "green: points, and where forces act; blue: boxes of the masses' inertia, dashed the envelope",
-        "half-filled circle: centre of mass",
+        f"inertia about it [kg m²]: xx {inertia[0, 0]:.5g}, yy {inertia[1, 1]:.5g}, zz {inertia[2, 2]:.5g}",
+        f"and xy {inertia[0, 1]:.4g}, xz {inertia[0, 2]:.4g}, yz {inertia[1, 2]:.4g} (of the tensor)", "",
+        *(line for device, names in kinds.items() for line in wrap(f"{device}: {_listed(names)}", _KEY)), "",
     ]  # fmt: skip
-    panel.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=8, transform=panel.transAxes)
-    panel.set_axis_off()
+    parts = [f'<text x="20" y="{_TOP + 15.0 * n:.1f}">{safe_text(line)}</text>' for n, line in enumerate(lines)]
+    top = _TOP + 15.0 * len(lines)
+    marks = [
+        (f'<rect x="25" y="-6" width="6" height="6" fill="{_MOUNT}"/>', "mount, arrow from the base to the payload"),
+        (f'<circle cx="28" cy="-3" r="3.2" fill="none" stroke="{_STOP}" stroke-width="1.4"/>', "stop"),
+        (f'<path d="M24-3h8m-4-4v8" stroke="{_POINT}" stroke-width="1.4"/>', "point, or where a force acts"),
+        (f'<rect x="21" y="-8" width="14" height="9" fill="{_BODY}" fill-opacity="0.12" stroke="{_BODY}"/>',
+         "box with a mass's moments of inertia"),
+        (f'<rect x="21" y="-8" width="14" height="9" fill="none" stroke="{_BODY}" stroke-dasharray="5 3"/>', "envelope"),
+        (_centre_mark(28.0, -4.0), "centre of mass of the payload"),
+    ]  # fmt: skip
+    present = [layout.mounts, layout.stops, (*layout.points, *layout.forces), layout.masses, layout.envelope, [payload]]
+    for mark, text in (entry for entry, things in zip(marks, present, strict=True) if things):
+        parts.append(f'<g transform="translate(0 {top:.1f})">{mark}<text x="42">{text}</text></g>')
+        top += 16.0
+    return "".join(parts), top
 
 
-def _listed(names: list[str]) -> str:
+def _listed(names: Sequence[str]) -> str:
     return ", ".join(names) if len(names) <= 8 else f"{', '.join(names[:7])} and {len(names) - 7} more"
