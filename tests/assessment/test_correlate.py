@@ -139,6 +139,37 @@ def test_a_sign_is_sought_wherever_the_record_begins(tmp_path, floor, channels, 
     assert found.delay == pytest.approx(-first, abs=1e-4)  # a tenth of the run's samples
 
 
+@pytest.mark.parametrize("channels", [("B", "T"), ("T",), ("D",)], ids="+".join)
+@pytest.mark.parametrize("first", [0.058, 0.07, 0.12, 0.18, 0.3])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_record_that_begins_behind_the_shock_is_told_rightly_or_not_compared(tmp_path, floor, channels, first, sign):
+    rng = np.random.default_rng(5)
+
+    def change(name, values):
+        return (
+            (1.0 if name == "B" else sign) * values
+            + 0.01 * np.std(values) * rng.standard_normal(values.size)
+            + (0.2 * rng.standard_normal(values.size) if name == "B" else 0.0)
+        )
+
+    mapped = {name: CHANNELS[name] for name in channels}
+    test = measured_of(tmp_path, floor, late=-first, channels=mapped, change=change)
+    stated = wr.correlate(floor, measured_of(tmp_path, floor, late=-first, channels=mapped, change=change, start=first))
+    response = stated.channels[-1]
+    assert response.delay.value == pytest.approx(0.0, abs=1e-3)
+    assert response.delay.upside_down == (sign < 0.0)
+    try:
+        found = wr.correlate(floor, test)
+    except wr.RecordError as error:
+        assert f'column "{channels[-1]}" is not compared' in str(error)  # noqa: PT017
+        assert "(--start)" in str(error)  # noqa: PT017
+        assert first > 0.06 or channels == ("D",)  # the end of the pulse itself is told, in accelerations
+        return
+    for one in found.channels[channels[0] == "B" :]:
+        assert one.delay.value == pytest.approx(-first, abs=1e-3)
+        assert one.delay.upside_down == (sign < 0.0)
+
+
 def test_another_base_is_said_before_the_model(tmp_path, floor):
     found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda name, y: 1.2 * y if name == "B" else y))
     base, model = found.statement.split(". ", 1)

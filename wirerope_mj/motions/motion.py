@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -128,6 +128,11 @@ class BaseMotion(ABC):
                 stands beside the stored parameters. A file that is not named keeps its absolute path.
         """
         return {"kind": self.kind, **self._parameters(files or {})}
+
+    @classmethod
+    def maker(cls) -> "Callable[..., BaseMotion]":
+        """What makes the motion of parameters that `to_dict` stored, in whatever version."""
+        return cls
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
         """Return the constructor's arguments as plain values: the motion's fields but for None and lengths without an end."""

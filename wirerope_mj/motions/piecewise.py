@@ -1,4 +1,6 @@
-"""Exact integrals of an acceleration that is linear between knots, given there or as a cubic spline of the displacement."""
+"""Exact integrals of an acceleration that is linear between knots, given there; splines of the displacement."""
+
+import itertools
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,28 +78,38 @@ class PiecewiseLinear:
 
 
 class UniformSpline:
-    """Displacement sum of c_k B((t - t_k)/h) with the cubic B-spline B, t_k = start + k h, and c_k = 0 beyond its ends.
+    """Displacement sum of c_k B((t - t_k)/h) with the B-spline B of degree 5 or 3, t_k = start + k h, c_k = 0 beyond its ends.
 
-    At the knots
-
-        x = (c_(k-1) + 4 c_k + c_(k+1))/6,   v = (c_(k+1) - c_(k-1))/(2 h),   a = (c_(k-1) - 2 c_k + c_(k+1))/h^2
-
-    and a is linear between them, so the three are exact integrals of each other. With the first two and the last two
-    coefficients zero, all three start and end at zero: unlike integrals of sampled accelerations they have nothing to
-    accumulate. One number per knot is all that is kept: c_0 ... c_n [m], (n + 1,); start and spacing h are [s].
+    Its derivatives are those of degree 4 and 3, or 2 and 1, with the differences of the coefficients over h, so the three are
+    exact integrals of each other. With the first (p + 1)/2 and the last coefficients zero, p being the degree, all three start
+    and end at zero: unlike integrals of sampled accelerations they have nothing to accumulate. One number per knot is all that
+    is kept: c_0 ... c_n [m], (n + 1,); start and spacing h are [s].
     """
 
-    def __init__(self, start: float, spacing: float, coefficients: Array) -> None:
-        self._start, self._h = start, spacing
-        self._c = np.concatenate([[0.0], coefficients, [0.0]])
+    def __init__(self, start: float, spacing: float, coefficients: Array, *, degree: int) -> None:
+        self._start, self._h, self._degree = start, spacing, degree
+        outside = np.zeros(degree // 2)
+        self._c = np.concatenate([outside, coefficients, outside])
         self._intervals = coefficients.size - 1
 
     def derivative(self, t: Array, order: int) -> Array:
         """Return displacement (order 0), velocity (1) or acceleration (2) at the times (n_t,) [s]."""
         knots = np.clip((t - self._start) / self._h, 0.0, float(self._intervals))
         i = np.minimum(knots.astype(np.intp), self._intervals - 1)
-        u, (c0, c1, c2, c3) = knots - i, (self._c[i], self._c[i + 1], self._c[i + 2], self._c[i + 3])
-        w = 1 - u
+        u, c = knots - i, [self._c[i + k] for k in range(self._degree + 1)]
+        if self._degree == 3:
+            return self._of_cubic(u, c, order)
+        for _ in range(order):
+            c = [after - before for before, after in itertools.pairwise(c)]
+        weights = [np.ones_like(u)]
+        for degree in range(1, len(c)):  # de Boor's recurrence at equal distances
+            inner = [np.zeros_like(u), *weights, np.zeros_like(u)]
+            weights = [((u + degree - k) * inner[k] + (1 - u + k) * inner[k + 1]) / degree for k in range(degree + 1)]
+        return np.asarray(sum(weight * value for weight, value in zip(weights, c, strict=True))) / self._h**order
+
+    def _of_cubic(self, u: Array, c: list[Array], order: int) -> Array:
+        """Evaluate the cubic in the order of operations of the versions that stored motions of it, to the last bit."""
+        w, (c0, c1, c2, c3) = 1 - u, c
         if order == 2:
             return (w * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
         if order == 1:

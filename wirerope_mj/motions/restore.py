@@ -2,7 +2,7 @@
 
 import inspect
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from wirerope_mj.foundation.arguments import nonzero
@@ -17,7 +17,7 @@ from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
-from wirerope_mj.motions.records.record import Record, load_record
+from wirerope_mj.motions.records.record import Record
 from wirerope_mj.motions.scaled import Scaled, Turned
 from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
@@ -28,13 +28,13 @@ from wirerope_mj.motions.vibration_lines import VibrationLines
 _KINDS: tuple[type[BaseMotion], ...] = (
     HalfSine, Sawtooth, Trapezoid, VelocityStep, Sine, Sweep, DoubleHalfSine, DoubleTriangle, ShockTableImpact, DecayingSine,
     VibrationLines, RandomVibration, Record, Scaled, Turned, Unbalance, HarmonicForce, ForceTable, Blow,
-    StruckPlate,
+    StruckPlate, SumOfMotions,
 )  # fmt: skip
-_FACTORIES: dict[str, Callable[..., BaseMotion]] = {one.kind: load_record if one is Record else one for one in _KINDS}
+_BY_KIND: dict[str, type[BaseMotion]] = {motion.kind: motion for motion in _KINDS}
 
 
 def motion_from_dict(stored: Entries, *, folder: str | Path | None = None) -> BaseMotion:
-    """Return the motion that `BaseMotion.to_dict` stored; its numbers are the same to the last bit.
+    """Make the motion that `BaseMotion.to_dict` stored; its numbers are the same to the last bit.
 
     Relative paths of records start in `folder`, the current one by default.
 
@@ -45,26 +45,22 @@ def motion_from_dict(stored: Entries, *, folder: str | Path | None = None) -> Ba
     """
     parameters = dict(stored)
     kind = parameters.pop("kind", None)
-    if kind == SumOfMotions.kind:
-        _check_names(kind, parameters, SumOfMotions)
-        return SumOfMotions(terms=tuple(motion_from_dict(term, folder=folder) for term in parameters["terms"]))
-    if kind not in _FACTORIES:
-        raise ModelError(f"Unknown kind of motion {kind!r}; known kinds: {', '.join([*_FACTORIES, SumOfMotions.kind])}.")
-    _check_names(kind, parameters, _FACTORIES[kind])
-    if kind == Record.kind and folder is not None:
-        parameters["path"] = Path(folder) / parameters["path"]
-    if kind in (Scaled.kind, Turned.kind):
-        parameters["motion"] = motion_from_dict(parameters["motion"], folder=folder)
-    return _FACTORIES[kind](**parameters)
-
-
-def _check_names(kind: str, parameters: Entries, factory: Callable[..., BaseMotion]) -> None:
-    known = inspect.signature(factory).parameters
+    if kind not in _BY_KIND:
+        raise ModelError(f"Unknown kind of motion {kind!r}; known kinds: {', '.join(_BY_KIND)}.")
+    make = _BY_KIND[kind].maker()
+    known = inspect.signature(make).parameters
     unknown = [name for name in parameters if name not in known]
     missing = [name for name, item in known.items() if item.default is item.empty and name not in parameters]
     for names, fault in ((unknown, "unknown"), (missing, "missing")):
         if names:
             raise ModelError(f"Motion {kind!r}: {fault} {', '.join(names)}; its parameters are {', '.join(known)}.")
+    if "path" in parameters and folder is not None:
+        parameters["path"] = Path(folder) / parameters["path"]
+    if "motion" in parameters:
+        parameters["motion"] = motion_from_dict(parameters["motion"], folder=folder)
+    if "terms" in parameters:
+        parameters["terms"] = tuple(motion_from_dict(term, folder=folder) for term in parameters["terms"])
+    return make(**parameters)
 
 
 def copy_records(motions: Sequence[BaseMotion], folder: Path) -> dict[Path, str]:

@@ -1,6 +1,6 @@
 """Agreement of a run with a test: every measure of every channel, in one table and one sentence."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -267,21 +267,29 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
             too: a model whose frequency is off looks like a clock that is.
 
     Raises:
-        RecordError: the run does not have what was measured, or both last together for less than 16 samples.
+        RecordError: the run does not have what was measured, or both last together for less than 16 samples, or no channel
+            tells when it was taken.
     """
-    delays = {}
     for one in measured.channels:
         model_history(response, measured, one)  # says first that the run has every channel
     alive = [one for one in measured.channels if np.ptp(one.values)]
     if not alive:
         raise RecordError(f"{measured.path}: every channel is dead: there is nothing to compare.")
     delays = {one.key: delay_of(response, measured, one) for one in alive}
-    driven = [one for one in alive if one.subject == "base"] or alive
-    best = max(driven, key=lambda one: abs(delays[one.key].correlation))
-    moved = align and abs(delays[best.key].correlation) >= _ALIKE
+    if measured.start:
+        doubtful = [one for one in alive if delays[one.key].alike is not None]
+        delays |= {one.key: delay_of(response, measured, one, around=0.0) for one in doubtful}
+    clear = [one for one in alive if delays[one.key].alike is None]
+    driven = [one for one in clear if one.subject == "base" and abs(delays[one.key].correlation) >= _ALIKE]
+    best = max(driven or clear, key=lambda one: abs(delays[one.key].correlation), default=alive[0])
+    moved = align and best in clear and abs(delays[best.key].correlation) >= _ALIKE
     delay, clock = delays[best.key].value if moved else 0.0, 1.0
     if moved or not align:
         delays = {one.key: delay_of(response, measured, one, around=delay) for one in alive}
+    unsure = {one.key: delays[one.key] for one in alive if delays[one.key].alike is not None}
+    if len(unsure) == len(alive):
+        raise RecordError(f"{measured.path}: {_cannot_tell(best, delays[best.key])}")
+    alive = [one for one in alive if one.key not in unsure]
     if moved and best.subject == "base" and not delays[best.key].upside_down:
         delay, clock = clock_of(response, measured, best, delay=delay)
     pairs = {one.key: pair_of(response, measured, one, delay=delay, clock=clock) for one in alive}
@@ -294,7 +302,7 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
         )  # fmt: skip
         for one in alive
     )
-    said = _warnings(measured, channels, delay, unaligned=best if align and not moved else None)
+    said = _warnings(measured, channels, delay, unsure, unaligned=best if align and not moved else None)
     return Correlation(
         name=measured.name, channels=channels, delay=delay, aligned_by=channel_label(best) if moved else "",
         clock=clock, warnings=(*measured.warnings, *said),
@@ -302,8 +310,9 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
 
 
 def _warnings(
-    measured: Measured, channels: Sequence[ChannelCorrelation], delay: float, unaligned: MeasuredChannel | None
-) -> Iterator[str]:
+    measured: Measured, channels: Sequence[ChannelCorrelation], delay: float, unsure: Mapping[str, Delay],
+    unaligned: MeasuredChannel | None,
+) -> Iterator[str]:  # fmt: skip
     """Yield what makes a comparison doubtful."""
     name = measured.name
     if unaligned is not None:
@@ -313,9 +322,11 @@ def _warnings(
             "was not moved. Say when its first sample was taken and how fast its clock runs (--start, --clock); or is it "
             "another test than this run's?"
         )
-    compared = {one.channel.key for one in channels}
-    for dead in (one for one in measured.channels if one.key not in compared):
-        yield f'{name}: column "{dead.column}" is dead and is not compared.'
+    for channel in measured.channels:
+        if channel.key in unsure:
+            yield f"{name}: {_cannot_tell(channel, unsure[channel.key])}"
+        elif not np.ptp(channel.values):
+            yield f'{name}: column "{channel.column}" is dead and is not compared.'
     for one in channels:
         column = one.channel.column
         if one.delay.upside_down:
@@ -327,6 +338,14 @@ def _warnings(
             )
         if one.channel.saturated.any():
             yield f'{name}: column "{column}" was saturated: its true peak is higher, and the peak ratio lower.'
+
+
+def _cannot_tell(channel: MeasuredChannel, delay: Delay) -> str:
+    return (
+        f'column "{channel.column}" is not compared: it fits {channel_label(channel)}, or its negative, alike when it is '
+        f"moved by {-1e3 * delay.value:+.4g} ms and by {-1e3 * (delay.alike or 0.0):+.4g} ms; a vibration that dies away tells "
+        "neither when it began nor its sign. Say when its first sample was taken (--start)."
+    )
 
 
 def _hertz(frequency: float) -> str:

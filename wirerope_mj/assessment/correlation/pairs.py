@@ -21,8 +21,14 @@ _WINDOWS, _SAME_COURSE = 12, 0.8  # parts of a channel whose lags are compared, 
 _LEAST_DRIFT = 0.05  # samples by which clocks must drift apart in all
 _CLOCKS_APART, _SURE = 1e-3, 3.0  # most that two clocks' rates differ by; standard errors from which on they do at all
 
-# correlation of the negative channel, and how many times that of the channel itself it is
-_UPSIDE_DOWN = (0.6, 1.1)
+_FITS = 0.6  # correlation of a channel, or of its negative, from which it fits the model's
+_TIED = 0.05  # correlations that are no farther apart do not tell two delays apart
+_PERIODS = 2.0  # mean periods of the model's history that both must have at a delay
+_NOTHING = 1e-12  # of the largest product of both energies, below which a rest holds nothing but rounding
+_HELD = 0.4  # of the most energy that the run can have of a channel, which it must have at a delay
+# ratio of the amplitudes of both within which a delay is likely, and beyond which no other one is beside it
+_AS_LOUD, _ANOTHER = 1.5, 3.0
+_STEADY = 0.05  # difference of the model's rms between delays from which on a vibration is not steady
 _BESIDE = 0.25  # periods around a lag that is known in which a sign is sought: half a period later a vibration is its negative
 
 
@@ -46,8 +52,11 @@ class Delay:
     """By how much a channel comes late."""
 
     value: float  # [s]; the measured history, or its negative, fits the model's best when it is moved earlier by so much
-    correlation: float  # of both then, -1 to 1; below zero if upside down
+    correlation: float  # of what both have then, -1 to 1; below zero if upside down
     upside_down: bool  # whether it fits better with the other sign
+    # another delay at which it or its negative fits alike [s]: of a vibration that dies away, whose beginning was not recorded,
+    # neither sign nor delay can be known
+    alike: float | None = None
 
 
 def model_history(response: Response, measured: Measured, channel: MeasuredChannel) -> Array:
@@ -76,33 +85,70 @@ def model_history(response: Response, measured: Measured, channel: MeasuredChann
 
 
 def delay_of(response: Response, measured: Measured, channel: MeasuredChannel, *, around: float | None = None) -> Delay:
-    """Find by how much a channel comes late: where its cross-correlation with the model's history is largest, or most negative.
+    """Find by how much a channel comes late: where what both have correlates most with the model's history, or its negative.
 
-    The maximum of the samples is refined by the parabola through the three values around it. Whether the channel is upside down
-    is sought at the lags at which it or its negative fits best, wherever its record begins; `around` a delay [s] that other
-    channels say, if either fits there.
+    The largest of the samples is refined by the parabola through the three values around it. `around` a delay [s] that other
+    channels say, or that was stated, it is sought there first. Of a steady vibration the delay is the one at which both have
+    most in common.
     """
     from scipy.signal import correlate, correlation_lags
 
     model, rate, (first, start) = _at_one_rate(response, measured, channel)
-    one, other = first - first.mean(), model - model.mean()
-    size = float(np.linalg.norm(one) * np.linalg.norm(other))
-    if size == 0.0:
+    values, history = first - first.mean(), model - model.mean()
+    slope = float(np.linalg.norm(np.diff(history)))
+    period = 2.0 * np.pi * float(np.linalg.norm(history)) / slope if slope else 0.0  # the mean one [samples]
+    if not slope or not values.any():
         return Delay(value=0.0, correlation=0.0, upside_down=False)
-    course = correlate(one, other, mode="full", method="fft") / size
-    delays = correlation_lags(one.size, other.size) / rate + (start - float(response.time[0]))
-    lowest, factor = _UPSIDE_DOWN
-    near = np.ones(course.size, dtype=np.bool_)
+    reach = max(_BESIDE * period, 1.0)
+    lags = correlation_lags(values.size, history.size)
+    begin, end = np.maximum(lags, 0), np.minimum(values.size, history.size + lags)
+    common = end - begin
+    held, mean = _moments(values, begin, end)
+    of_model, mean_of_model = _moments(history, begin - lags, end - lags)
+    products = correlate(values, history, mode="full", method="fft")
+    least = min(max(_FEWEST, _PERIODS * period), values.size, history.size)
+    counts = (common >= least) & (held >= _HELD * held.max())
+    size = np.sqrt(np.maximum(held * of_model, _NOTHING * held.max() * of_model.max()))
+    course = np.where(counts, (products - common * mean * mean_of_model) / size, 0.0)
+    delays = lags / rate + (start - float(response.time[0]))
+
+    def at(best: int, alike: int | None = None) -> Delay:
+        sign = np.sign(course[best])
+        inside = 0 < best < course.size - 1
+        return Delay(
+            value=float(delays[best]) + (_summit(sign * course[best - 1 : best + 2]) / rate if inside else 0.0),
+            correlation=float(course[best]), upside_down=bool(course[best] < -_FITS),
+            alike=None if alike is None else float(delays[alike]),
+        )  # fmt: skip
+
     if around is not None:
-        slope = float(np.linalg.norm(np.diff(other)))
-        period = 2.0 * np.pi * float(np.linalg.norm(other)) / slope if slope else 0.0  # mean, in samples
-        there = np.abs(delays - around) * rate <= max(_BESIDE * period, 1.0)
-        near = there if there.any() and np.abs(course[there]).max() > lowest else near
-    up, down = (int(np.where(near, sign * course, -np.inf).argmax()) for sign in (1.0, -1.0))
-    upside_down = bool(-course[down] > lowest and -course[down] > factor * course[up])
-    best = down if upside_down else int(course.argmax())
-    summit = _summit(course[best - 1 : best + 2]) if 0 < best < course.size - 1 else 0.0
-    return Delay(value=float(delays[best]) + summit / rate, correlation=float(course[best]), upside_down=upside_down)
+        near = np.abs(delays - around) * rate <= reach
+        known = int(np.where(near, np.abs(course), -1.0).argmax())
+        if near.any() and abs(course[known]) > _FITS:
+            return at(known)
+    best = int(np.abs(course).argmax())
+    if abs(course[best]) <= _FITS:
+        return at(int(course.argmax()))
+    size = np.abs(course)
+    summit = np.r_[False, (size[1:-1] >= size[:-2]) & (size[1:-1] >= size[2:]), False]
+    fits = np.flatnonzero(summit & (size >= size[best] - _TIED))
+    louder = np.exp(0.5 * np.abs(np.log(held[[best, *fits]] / of_model[[best, *fits]])))  # larger over smaller amplitude
+    if louder[0] < _AS_LOUD:
+        fits = fits[louder[1:] < _ANOTHER]
+    others = fits[np.abs(fits - best) > reach]
+    if not others.size:
+        return at(best)
+    loudness = np.sqrt(of_model[fits] / common[fits])
+    if loudness.min() > (1.0 - _STEADY) * loudness.max():
+        return at(int(fits[products[fits].argmax()]))
+    return at(best, int(others[size[others].argmax()]))
+
+
+def _moments(values: Array, begin: Array, end: Array) -> tuple[Array, Array]:
+    """Return the sums of squares about their mean, and the means, of samples from `begin` to before `end`, (n,) each."""
+    first, second = (np.concatenate([[0.0], np.cumsum(power)]) for power in (values, values**2))
+    mean = (first[end] - first[begin]) / (end - begin)
+    return second[end] - second[begin] - (end - begin) * mean**2, mean
 
 
 def clock_of(response: Response, measured: Measured, channel: MeasuredChannel, *, delay: float) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """Measured acceleration of a base, played back exactly as it was sampled."""
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -93,6 +93,11 @@ class Record(BaseMotion):
     def files(self) -> tuple[Path, ...]:
         """The file that the record was read from."""
         return (self.path,)
+
+    @classmethod
+    def maker(cls) -> "Callable[..., Record]":
+        """The reader of its file."""
+        return load_record
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
         values: Entries = {"path": files.get(self.path, str(self.path))}
