@@ -1,11 +1,14 @@
 """Files of flexible parts: units, what a damaged file says, and what the command prints of a part."""
 
+import re
+
 import numpy as np
+import openpyxl
 import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.engine.flexible.files import units_in
+from wirerope_mj.engine.flexible.files import read_flexible, units_in
 from wirerope_mj.foundation.errors import RecordError
 
 pytestmark = pytest.mark.quick
@@ -31,17 +34,46 @@ def test_tables_are_read(tmp_path):
     np.testing.assert_array_equal(part.points["m1"], [0.3, 0.0, 0.0])
 
 
+@pytest.mark.parametrize("way", ["semicolons", "UTF-16", "brackets", "columns in another order", "workbook"])
+def test_tables_are_read_as_all_tables_are(tmp_path, way):
+    folder = write(tmp_path / "deck")
+    files = {path.stem: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+    plain = wr.load_flexible(folder)
+    points, shapes, paths = folder / "points.csv", folder / "shapes.csv", {}
+    if way == "semicolons":
+        shapes.write_text(files["shapes"].replace(",", ";").replace(".", ","), encoding="utf-8")
+    elif way == "UTF-16":
+        shapes.write_text(files["shapes"], encoding="utf-16")
+    elif way == "brackets":
+        points.write_text(files["points"].replace("x_m,y_m,z_m", "x [m],y [m],z (m)"), encoding="utf-8")
+    elif way == "columns in another order":
+        points.write_text(
+            "".join(f"{line.partition(',')[2]},{line.partition(',')[0]}\n" for line in files["points"].splitlines()),
+            encoding="utf-8",
+        )
+    else:
+        book = openpyxl.Workbook()
+        for line in files["shapes"].splitlines():
+            book.active.append([float(cell) if re.fullmatch(r"[-\d.]+", cell) else cell for cell in line.split(",")])
+        paths["shapes"] = folder / "shapes.xlsx"
+        book.save(paths["shapes"])
+    part = read_flexible(folder / "modes.csv", paths.get("shapes", shapes), points)
+    for name in ("m1", "m2"):
+        np.testing.assert_array_equal(part.shapes[name], plain.shapes[name])
+        np.testing.assert_array_equal(part.points[name], plain.points[name])
+
+
 DAMAGED = {
-    "no modes": ({"modes": None}, "modes.csv: the table cannot be read"),
-    "no shapes": ({"shapes": None}, "shapes.csv: the table cannot be read"),
-    "no points": ({"points": None}, "points.csv: the table cannot be read"),
-    "empty": ({"modes": ""}, "the columns must be mode, frequency_Hz"),
+    "no modes": ({"modes": None}, "modes.csv: no such file"),
+    "no shapes": ({"shapes": None}, "shapes.csv: no such file"),
+    "no points": ({"points": None}, "points.csv: no such file"),
+    "empty": ({"modes": ""}, 'the file is empty. Expected a header such as "mode, frequency_Hz'),
     "header alone": ({"shapes": "point,mode,x,y,z\n"}, "no row below it"),
     "no header": ({"points": POINTS.partition("\n")[2]}, "the columns must be point, x_m"),
     "another column": ({"modes": MODES.replace("damping", "loss")}, "the columns must be"),
     "a column less": ({"modes": MODES.replace(",participation_z", "")}, "the columns must be"),
-    "a cell less": ({"modes": MODES.replace(",20\n", "\n")}, "line 2: expected 6 cells, got 5"),
-    "a cell more": ({"shapes": SHAPES.replace("0.05", "0.05,1")}, "line 2: expected 5 cells, got 6"),
+    "a cell less": ({"modes": MODES.replace(",20\n", "\n")}, "line 2: 5 cells where the header has 6 columns"),
+    "a cell more": ({"shapes": SHAPES.replace("0.05", "0.05,1")}, "line 2: 6 cells where the header has 5 columns"),
     "word": ({"shapes": SHAPES.replace("0.04", "up")}, 'line 4: "up" in column "z" is not a number'),
     "comma": ({"modes": MODES.replace("31.5", '"31,5"')}, "Decimals are written with a point"),
     "unit": ({"modes": MODES.replace("31.5", "31.5 Hz")}, "is not a number"),
@@ -57,8 +89,8 @@ DAMAGED = {
     "unknown mode": ({"shapes": SHAPES + "m1,3,0,0,1\n"}, "mode '3' is not in modes.csv"),
     "missing shape": ({"shapes": SHAPES.replace("m2,2,0,0,-0.03\n", "")}, "point 'm2' has no row for mode '2'"),
     "no name": ({"points": POINTS.replace("m1", "")}, 'column "point" is empty'),
-    "not text": ({"shapes": b"\xff\xfe\x00point"}, "not text in UTF-8"),
-    "NUL": ({"points": POINTS.replace("m1", "m\0")}, "point 'm1' is not in points.csv"),
+    "not text": ({"shapes": b"\x00\x01point\x02"}, "control characters"),
+    "NUL": ({"points": POINTS.replace("m1", "m\0")}, r"points.csv, line 2: control characters \(NUL\)"),
 }
 
 

@@ -12,10 +12,9 @@ from wirerope_mj.engine.flexible.nastran import BULK, EXTERNAL, read_grids
 from wirerope_mj.engine.flexible.part import RESIDUAL, FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_folder
-from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import as_named, no_formula, short
-from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.table_files import number_in
+from wirerope_mj.foundation.table_files import number_in, read_header, rows_below
 from wirerope_mj.foundation.units import LENGTH_UNITS
 
 MODES, SHAPES, POINTS = "modes.csv", "shapes.csv", "points.csv"
@@ -23,6 +22,11 @@ MODE_COLUMNS = ("mode", "frequency_Hz", "damping", "participation_x", "participa
 _SHAPES = ("point", "mode", "x", "y", "z")
 _POINTS = ("point", "x_m", "y_m", "z_m")
 KIND = "folder of a flexible part"
+_OF_PROGRAMS = (
+    f"Of a finite-element program's eigenvectors of unit modal mass the columns are {', '.join(_SHAPES)}, of its modes "
+    f"{', '.join(MODE_COLUMNS)}, participation being Phi^T M r of a unit motion of the base; universal files (.unv), OP4, OP2, "
+    "punch text (.pch) and .f06 are read, too."
+)
 MASSES = {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": 0.45359237}  # units of mass of finite-element models [kg]
 
 
@@ -140,42 +144,26 @@ def read_points(path: Path, units: Units, nodes: Collection[int] | None = None) 
 
 
 def read_rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str, dict[str, str]]]:
-    """Read the rows of a table below its header, each with its location; the header must be one of some."""
-    if path.suffix.lower() != ".csv":
-        raise RecordError(
-            f"{path}: tables of a flexible part are CSV files. Have the finite-element program write its eigenvectors of unit "
-            f"modal mass as {', '.join(_SHAPES)}, and the modes as {', '.join(MODE_COLUMNS)}, participation being Phi^T M r of "
-            "a unit motion of the base. Universal files (.unv), OP4, OP2, punch text (.pch) and .f06 are read, too."
-        )
+    """Read the rows of a table below its header, each with its location; the columns must be those of one of some headers.
+
+    A unit may stand in brackets, "x [m]" for "x_m"; the order of the columns is free.
+    """
     try:
-        text = regular(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise RecordError(f"{path}: this is not text in UTF-8; save it as CSV in UTF-8.") from None
-    except OSError as error:
-        raise RecordError(
-            f"{path}: the table cannot be read: {why_unread(error)} A flexible part is a folder with {MODES}, {SHAPES} and "
-            f"{POINTS}."
-        ) from None
-    try:
-        cells = list(csv.reader(text.splitlines()))
-    except csv.Error as error:
-        raise RecordError(f"{path}: this is no CSV file: {error}. Save the table again.") from None
-    lines = [(number, row) for number, row in enumerate(cells, 1) if any(map(str.strip, row))]
-    header = tuple(name.strip() for name in lines[0][1]) if lines else ()
-    if header not in headers:
+        header = read_header(path, kind="table of a flexible part", example=f'"{", ".join(headers[0])}"')
+    except RecordError as error:
+        raise (error if path.suffix.lower() == ".csv" else RecordError(f"{error} {_OF_PROGRAMS}")) from None
+    names = [name if unit is None else f"{name}_{unit}" for name, unit in zip(header.names, header.units, strict=True)]
+    if sorted(names) not in [sorted(columns) for columns in headers]:
         wanted = " or ".join(", ".join(columns) for columns in headers)
-        raise RecordError(f"{path}, line 1: the columns must be {wanted}; got {short(', '.join(header)) or 'none'}.")
-    if len(lines) < 2:
-        raise RecordError(f"{path}: there is a header and no row below it.")
+        raise RecordError(f"{header.location}: the columns must be {wanted}; got {short(', '.join(names))}. {_OF_PROGRAMS}")
     rows = []
-    for number, line in lines[1:]:
-        if len(line) != len(header):
-            raise RecordError(f"{path}, line {number}: expected {len(header)} cells, got {len(line)}.")
-        row = {name: as_named(cell.strip()) for name, cell in zip(header, line, strict=True)}
-        named = next((name for name in ("point", "mode") if not row.get(name, "-")), "")
-        if named:
-            raise RecordError(f'{path}, line {number}: column "{named}" is empty.')
-        rows.append((f"{path}, line {number}", row))
+    for _, where, cells in rows_below(header):
+        row = {name: as_named(cell) for name, cell in zip(names, cells, strict=True)}
+        if empty := next((name for name in ("point", "mode") if not row.get(name, "-")), ""):
+            raise RecordError(f'{where}: column "{empty}" is empty.')
+        rows.append((where, row))
+    if not rows:
+        raise RecordError(f"{path}: there is a header and no row below it.")
     return rows
 
 
