@@ -15,6 +15,8 @@ _ERRORS = 7.4  # four standard errors of a median of noise, in median deviations
 _LEVEL = 0.5  # of the range, beyond which a change is the top of a pulse that the record ends in
 _SLOW, _GAIN = 0.1, 0.1  # velocity that does not matter [m/s]; fraction of that of the motion from which it does
 _FOOT = 0.1  # fraction of the peak above which samples belong to a pulse; of its velocity, below which it has come back
+# of the length of a pulse above its foot, that its flank takes to an undershoot: one that brakes the base takes longer
+_FLANK = 0.8
 _BLOCKS = 64  # means of what follows a pulse, which take the noise off
 # part of what follows a pulse that may be left where one stage, or two, couple the velocity back
 _LEFT = {1: 0.25, 2: 0.12}
@@ -100,12 +102,15 @@ def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
     peak = peak_from(a, rest)
     before = a[: int(np.argmax(np.abs(a - rest) > _FOOT * peak))]
     rest = float(np.median(before)) if before.size >= _FEWEST else 0.0  # such a sensor has no other
-    side = 1.0 if float(a.max()) - rest >= rest - float(a.min()) else -1.0  # an undershoot is on the other one
+    side = float(np.sign(a[int(np.argmax(np.abs(a - rest) > 0.5 * peak))] - rest))  # what comes first: an undershoot follows
     above = np.flatnonzero(side * (a - rest) > _FOOT * peak)
     if not above.size or not is_pulse(a, rest):
         return None
     velocity = np.cumsum(a - rest) / rate
     first = int(above[-1]) + 1
+    lowest = first + int((side * a[first:]).argmin()) if first < a.size else first
+    if lowest - above[-1] < _FLANK * (above[-1] - above[0]):  # it goes on to an undershoot, from which the return begins
+        first = lowest
     reached, left = float(velocity[first - 1]), float(velocity[-1])
     if abs(reached) < _SLOW or abs(left) > (1.0 - _LOST) * abs(reached):
         return None
