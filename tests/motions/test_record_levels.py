@@ -65,6 +65,7 @@ MOTIONS = {
     "braked at once": half_sine(150.0, 0.03, 0.5) - half_sine(150.0 * 0.03 / 0.2, 0.2, 0.53),
     "shaker": half_sine(150.0, 0.011, 0.5) - half_sine(8.25, 0.1, 0.4) - half_sine(8.25, 0.1, 0.511),
     "double": half_sine(600.0, 0.006, 0.5) - half_sine(200.0, 0.018, 0.506),
+    "double, nearly alike": half_sine(600.0, 0.011, 0.5) - half_sine(440.0, 0.015, 0.511),
     "ringing": np.where(CLOCK > 0.5, 40.0 * np.exp(-5.0 * (CLOCK - 0.5)) * np.sin(50.0 * (CLOCK - 0.5)), 0.0),
     "swing": 2.0 * np.sin(0.9 * CLOCK) + half_sine(150.0, 0.011, 1.5),
     "offset": half_sine(150.0, 0.011, 0.5) + 3.0,

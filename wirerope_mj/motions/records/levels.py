@@ -19,7 +19,7 @@ _FOOT = 0.1  # fraction of the peak above which samples belong to a pulse; of it
 _FLANK = 0.8
 _BLOCKS = 64  # means of what follows a pulse, which take the noise off
 # part of what follows a pulse that may be left where one stage, or two, couple the velocity back
-_LEFT = {1: 0.25, 2: 0.12}
+_LEFT, _LEFT_OF_RETURN = {1: 0.25, 2: 0.12}, 0.06  # and of what follows an undershoot, with which no flank is mixed
 _LOST = 0.1  # fraction of the pulse's velocity that must be lost
 _DAMPED = 0.65  # damping ratio from which two stages of coupling are told from a base that swings; of a Butterworth filter 0.71
 _NOISE = 1.2  # times the noise of these means that may be left
@@ -128,7 +128,7 @@ def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
         factors = -np.linalg.lstsq(means[:, :order], level, rcond=None)[0]
         remains = float(np.linalg.norm(level + means[:, :order] @ factors))
         damped = factors[0] > 0.0 and (order == 1 or 0.0 < factors[1] < (factors[0] / (2.0 * _DAMPED)) ** 2)
-        if damped and remains <= max(_LEFT[order] * size, _NOISE * noise) and size > 2.0 * noise:
-            limit = float(factors[0]) if order == 1 else math.sqrt(factors[1])
-            return limit / (2.0 * math.pi), reached, left
+        limit = _LEFT[order] if first != lowest else _LEFT_OF_RETURN
+        if damped and remains <= max(limit * size, _NOISE * noise) and size > 2.0 * noise:
+            return (float(factors[0]) if order == 1 else math.sqrt(factors[1])) / (2.0 * math.pi), reached, left
     return None
