@@ -182,22 +182,23 @@ def main():
         begin = time.process_time()
         kind, found, values, predictions, refused = one_test(number, asked.seed)
         print(f"test {number}, {kind}: {time.process_time() - begin:.0f} s, {found.message}", flush=True)
+        follows = found.discrepancies.max() <= DISCREPANT
         if refused:
             print(f"  refused, at {len(LEVELS)} levels: {', '.join(dict.fromkeys(refused))}")
             counts.setdefault("refused", []).extend((False, 0.0, False) for _ in refused)
         for name, inside, error, half, beyond in (*values, *predictions):
             told = ", beyond" if beyond else ""
             print(f"  {name:34s} {'inside' if inside else 'OUTSIDE'}  {100 * error:+.2f} %, half {100 * half:.2f} %{told}")
-            group = f"{'own law' if kind.startswith('own') else 'another'}, " + (
-                f"{name.split()[0]} times the level" if name[0].isdigit() else "channels" if "channel" in name else "values"
-            )
+            law = "own law" if kind.startswith("own") else "another" if follows else "another, said not to follow"
+            what = f"{name.split()[0]} times the level" if name[0].isdigit() else "channels" if "channel" in name else "values"
+            group = f"{law}, {what}"
             counts.setdefault(group, []).append((inside, abs(error) / half, beyond))
-            if abs(error) > 2.0 * half and not beyond and found.discrepancies.max() < DISCREPANT:
+            if abs(error) > 2.0 * half and not beyond and follows:
                 unsaid.append(f"{number}: {name}")
     print(f"refused: {len(counts.pop('refused', []))}")
     for group, rows in sorted(counts.items()):
         inside, beyond = sum(one[0] for one in rows), sum(one[2] for one in rows)
-        print(f"{group:32s} {inside} of {len(rows)} inside, {100 * inside / len(rows):.0f} %; {beyond} said to be beyond")
+        print(f"{group:50s} {inside} of {len(rows)} inside, {100 * inside / len(rows):.0f} %; {beyond} said to be beyond")
     print(f"off by more than twice a half width without a word: {unsaid or 'none'}")
 
 

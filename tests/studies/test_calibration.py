@@ -14,10 +14,13 @@ from wirerope_mj.content.calibration import calibration_content
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.records.measured import MeasuredChannel
 from wirerope_mj.studies.calibration import Prior, Series
-from wirerope_mj.studies.calibration.calibrate import calibrate_model
+from wirerope_mj.studies.calibration.calibrate import Calibrated, calibrate_model
+from wirerope_mj.studies.calibration.fit import Fit, Problem
 from wirerope_mj.studies.calibration.forward import SystemForward
 from wirerope_mj.studies.calibration.isolators import calibrated_isolators, calibrated_system
-from wirerope_mj.studies.calibration.open_law import open_laws
+from wirerope_mj.studies.calibration.noise import Noise
+from wirerope_mj.studies.calibration.open_law import open_laws, rises
+from wirerope_mj.studies.calibration.posterior import Posterior
 from wirerope_mj.studies.results.stated_limits import limit_of_text
 
 LAW = wr.BoucWen.from_normalised(z_max=250.0, x_y=2e-3, sigma=0.6, n=1.0, k=8e4)
@@ -285,6 +288,45 @@ def test_a_gain_is_told_by_a_law_that_follows_and_not_by_one_that_does_not():
     low, high = differs.intervals()[1]
     assert low < 1.0 < high  # the 7 % are the law's as well as the chain's, of which 2 % was stated
     assert differs.learned[1] > 0.9
+
+
+def test_an_error_of_the_model_is_owned_along_what_moves_the_response_and_no_ratio_is_lost():
+    """Of a response s (a - b) + t c with an error r, a - b is told to r / s, c to r / t, and a + b is what it was before."""
+    swings = np.array([np.cos(0.2 * np.arange(200)), np.sin(0.2 * np.arange(200))]) / np.sqrt(0.5)
+    slopes = np.stack([0.5 * swings[0], -0.5 * swings[0], 0.4 * swings[1]], axis=1)
+    white, error = 0.01, 0.05
+    series = Series(name="one", at=np.arange(200.0), values=swings[0], size=np.ones(200), across="time")
+    told = slopes.T @ slopes / white**2
+    covariance = np.linalg.inv(told + np.eye(3))
+    draws = np.random.default_rng(1).multivariate_normal([0.3, -0.2, 0.1], covariance, 400)
+    names = ("a", "b", "c")
+    prior = Prior.of(dict.fromkeys(names, wr.Normal(0.0, 1.0)))
+    noises = (Noise(white=white, discrepancy=error, length=5.0, power=0.0),)
+    found = Calibrated(
+        problem=Problem(lambda values: values @ slopes.T, [series], prior),
+        fit=Fit(
+            normals=np.zeros(3), covariance=covariance, noises=noises, model=series.values, jacobian=slopes,
+            residual=np.zeros(200), converged=True, runs=0,
+        ),
+        posterior=Posterior(
+            normals=draws, values=draws, emulator_error=0.0, acceptance=0.5, checked=np.arange(1),
+            series=series.values[np.newaxis],
+        ),
+    )  # fmt: skip
+    # the draws' own covariance is within a tenth of what they were drawn with; three unknowns share the error
+    normals, size = found.normals, error / np.sqrt(3.0)
+    assert np.std(normals[:, 0] + normals[:, 1]) == pytest.approx(np.sqrt(2.0), rel=0.1)
+    assert np.std(normals[:, 0] - normals[:, 1]) == pytest.approx(np.hypot(size, white / np.sqrt(200.0)) / 0.5, rel=0.1)
+    assert np.std(normals[:, 2]) == pytest.approx(np.hypot(size, white / np.sqrt(200.0)) / 0.4, rel=0.1)
+    middle = np.mean(normals[:, 0] - normals[:, 1])
+    assert middle == pytest.approx(np.mean(draws[:, 0] - draws[:, 1]), abs=0.01)
+
+
+def test_a_law_rises_until_its_softening_outweighs_it():
+    """Of k1 x - k3 x^3 to a deflection sqrt(k1 / 3 k3), 10 mm here; hysteresis is faint."""
+    law = wr.SymmetricBoucWen(alpha=1.0, beta=100.0, gamma=0.0, n=1.0, k1=3e4, k2=0.0, k3=-1e8)
+    assert rises(law, 0.0095)
+    assert not rises(law, 0.0105)
 
 
 @pytest.mark.slow

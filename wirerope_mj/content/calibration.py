@@ -21,6 +21,10 @@ _ACROSS = {"time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop
 
 _DRAWN = 8  # channels that are drawn, those that the model follows least first
 _NORMAL = 1.645  # standard deviations about the middle of a normal distribution that hold 90 % of it
+_BEYOND = {
+    True: "The band holds what laws may do there that follow the tests alike, hardening free",
+    False: "The band holds no other hardening than that of the laws: those that follow the tests as well fall there",
+}
 _BEST = 1e-3  # probability below which less is said than "less than 0.1 %": as many draws as there are do not tell
 
 
@@ -228,8 +232,8 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
     if beyond:
         yield Statement(
             id="beyond-tests", tone="unjudged",
-            text=f"Prediction {prediction.farthest.text}. The band holds what laws may do there that follow the tests alike, "
-            "hardening free; test as far as that, or take it for an estimate.",
+            text=f"Prediction {prediction.farthest.text}. {_BEYOND[prediction.hardening]}; test as far as that, or take it "
+            "for an estimate.",
         )  # fmt: skip
     if prediction.refused:
         kinds = dict.fromkeys(name.partition("/")[0] for name in prediction.refused if "/" in name)
@@ -257,6 +261,6 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
         ),
         rows=rows,
         note=f"From and to hold {100.0 * LEVEL:.0f} %; errors of peaks of {100.0 * prediction.peak_error:.2g} % are in them, "
-        "and what the tests leave open of how the laws harden.",
+        f"and {'what the tests leave open of how the laws harden' if prediction.hardening else 'no other hardening of laws'}.",
         shown=12,
     )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.arrays import Array, Booleans
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions.spectra.srs import shock_response_spectrum
 from wirerope_mj.studies.calibration.fit import Fit, Forward, Prior, Problem, fit
@@ -28,8 +28,7 @@ OPEN = 0.2
 DISCREPANT = 0.1  # Discrepancy over the response from which on the model does not follow a channel
 LOGARITHMS = "logarithm of frequency"  # What series of logarithms are across: their differences are errors as they stand
 FAR = 2.5  # Standard deviations of the prior from which on a median stands at its end: one of a hundred is so far out
-# Step of u for the slopes of peaks, and slope below which an unknown does not move them: a percent in what was not known
-STEP, UNMOVED = 0.02, 0.01
+TINY = 1e-8  # Square of a slope over the response below which an unknown does not move it
 # Octaves to each side of a history's frequency, and Q, of the oscillators that say how far peaks are off: those of what stands
 # on wire rope, whose damping is a sixth of critical
 OCTAVES, ISOLATED = 2, 3.0
@@ -62,53 +61,39 @@ class Calibrated(Summarised):
 
     @cached_property
     def normals(self) -> Array:
-        """Draws of the unknowns as standard normals before, (n, d), with the model's own error in them; see `owning`."""
-        return self.owning(self.embedded)
-
-    def owning(self, errors: Array) -> Array:
-        """Return draws of u, (n, d), where what tests say of each unknown is off by an error of the model (d,).
+        """Draws of the unknowns as standard normals before, (n, d), where what tests say is off by the model's own error.
 
         That error does not average out over a test as noise does. It is embedded (Sargsyan, Najm and Ghanem 2015): the tests
         show u + e, so that what they say is worth less against what was stated before. Their information, the inverse of the
         draws' covariance less 1, is that of u with the covariance of e added; draws are moved and widened to what follows.
         """
-        draws, whole = self.posterior.normals, np.eye(len(self.names))
+        draws, whole, error = self.posterior.normals, np.eye(len(self.names)), self.embedded
         middle, sizes, axes = draws.mean(axis=0), *np.linalg.eigh(np.atleast_2d(np.cov(draws.T)))
         covariance = axes * np.minimum(sizes, 1.0 - 1e-6) @ axes.T  # tests do not make less known
-        told, own = np.linalg.inv(covariance) - whole, np.diag(errors**2)
-        after = np.linalg.inv(whole + told @ np.linalg.inv(whole + own @ told))
-        moved = after @ np.linalg.solve(whole + told @ own, np.linalg.solve(covariance, middle))
+        told = np.linalg.inv(covariance) - whole
+        after = np.linalg.inv(whole + told @ np.linalg.inv(whole + error @ told))
+        moved = after @ np.linalg.solve(whole + told @ error, np.linalg.solve(covariance, middle))
         widened = np.linalg.cholesky(after) @ np.linalg.inv(np.linalg.cholesky(covariance))
         return moved + (draws - middle) @ widened.T
 
     @cached_property
-    def chain(self) -> Booleans:
-        """Which unknowns are gains, delays and offsets of channels, (d,)."""
-        return np.array([name.startswith("channel/") for name in self.names])
-
-    @cached_property
     def embedded(self) -> Array:
-        """Standard deviations of u that would make the model's own error, of histories and of peaks, (d,).
+        """Covariance of u, (d, d), that would make the model's own error of histories.
 
-        A model that is off by a part x of the response looks x / (2 pi f) late; one whose peaks are off has as well a wrong
-        stiffness whose cycles fit, or a gain. The system's unknowns share it. Of a channel's each could be the whole of it:
-        what a law does not follow and what a gain or a delay takes up instead cannot be told from each other. Unknowns that
-        move peaks by less than `UNMOVED` have no part in the error of peaks. Of the system's none is more than 1.
+        Unknowns share the error, in all directions that move the response: it counts as one observation of the whole of it,
+        not as many as there are samples. Along stiffness over mass little is added; of what moves the response little, all
+        that was told is in doubt. Of a channel's each could besides be the whole of it: what a law does not follow and what
+        a gain or a delay takes up instead cannot be told from each other, and a model that is off by a part x of the response
+        looks x / (2 pi f) late.
         """
-        series, fit = self.problem.series, self.fit
-        own, moved, slopes = 0.0, np.zeros(len(self.names)), []
-        for one, noise, model, slope in zip(
-            series, fit.noises, self.problem.split(fit.model), np.split(fit.jacobian, self.problem.ends[:-1]), strict=True
-        ):
-            own += float(np.mean((noise.deviation(one) / one.rms) ** 2))
-            moved += np.mean((slope / one.rms) ** 2, axis=0)
-            slopes.append([(_peaks(one, model + STEP * column) - _peaks(one, model)) / STEP for column in slope.T])
-        of_peaks = np.sqrt(np.mean(np.concatenate(slopes, axis=1) ** 2, axis=1))
-        counts = of_peaks > UNMOVED
-        shares, of_those = np.where(self.chain, 1, self.chain.size), np.where(self.chain, 1, max(counts.sum(), 1))
-        peaks = np.where(counts, self.peak_error[0] / np.maximum(of_peaks, UNMOVED), 0.0) ** 2 / of_those
-        sizes = np.sqrt(own / np.maximum(moved, 1e-12) / shares + peaks)
-        return np.minimum(sizes, np.where(self.chain, 100.0, 1.0))
+        moved, size, error = np.zeros((len(self.names),) * 2), len(self.names), 0.0
+        slopes = np.split(self.fit.jacobian, self.problem.ends[:-1])
+        for one, noise, slope in zip(self.problem.series, self.fit.noises, slopes, strict=True):
+            error += float(np.mean((noise.deviation(one) / one.rms) ** 2))
+            moved += slope.T @ slope / (len(slope) * one.rms**2)
+        chain = [name.startswith("channel/") for name in self.names]
+        alone = np.diag(np.where(chain, error / np.maximum(np.diag(moved), TINY), 0.0))
+        return error * np.linalg.inv(size * moved + TINY * np.eye(size)) + alone
 
     @cached_property
     def samples(self) -> Array:
@@ -228,10 +213,15 @@ class Calibration(Calibrated):
         return self.forward.system_at(self.values)
 
     @cached_property
+    def tested_travel(self) -> dict[tuple[str, str], float]:
+        """How far the tests deflected mounts, as the most likely values have it, by mount and axis [m]."""
+        return self.forward.tested_travel(self.problem.prior.values(self.fit.normals[np.newaxis])[0])
+
+    @cached_property
     def opened(self) -> "Calibration":
         """The same tests with hardening and asymmetry of the laws free, see `open_laws`; itself where nothing can be opened."""
         forward = self.forward
-        laws = open_laws(forward.system, forward.vary, forward.tested_travel(self.values))
+        laws = open_laws(forward.system, forward.vary, self.tested_travel)
         if not laws.added:
             return self
         wider = SystemForward(laws.system, forward.tests, laws.vary, forward.domain)

@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.engine.system import Changes, System, load_system
 from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Parallel, SymmetricBoucWen
 from wirerope_mj.studies.vary.distributions import Distribution, Normal
@@ -81,9 +82,20 @@ def _moves(system: System, isolators: Mapping[str, Isolator]) -> list[Changes]:
 
 def secant_stiffness(law: Law, reached: float) -> float:
     """Return the stiffness of a law between a deflection and its mirror image on first loading [N/m]."""
-    path = reached * np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, -1.0, 100)])
-    force = law.trace(path, time=np.linspace(0.0, 1.0, path.size)).force
+    _, force = _loaded(law, reached)
     return float((force[49] - force[-1]) / (2.0 * reached))
+
+
+def rises(law: Law, reached: float) -> bool:
+    """Return whether the force of a law rises with deflection as far as a deflection to either side [m]."""
+    path, force = _loaded(law, reached)
+    return bool((np.diff(force) * np.diff(path) >= 0.0).all())  # NaN does not
+
+
+def _loaded(law: Law, reached: float) -> tuple[Array, Array]:
+    """Return a slow path to a deflection, on to its mirror image [m], and the force along it [N]."""
+    path = reached * np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, -1.0, 100)[1:]])
+    return path, law.trace(path, time=np.linspace(0.0, 1.0, path.size)).force
 
 
 def _terms(stiffness: float, reached: float) -> tuple[Law, Law]:

@@ -8,21 +8,24 @@ import numpy as np
 
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import choose_timestep
+from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion, Scaled
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.calibration.calibrate import DISCREPANT, LEVEL, Calibration
 from wirerope_mj.studies.calibration.forward import SystemForward, travel_of
 from wirerope_mj.studies.calibration.measured_test import ACCURACY, MeasuredTest
-from wirerope_mj.studies.calibration.open_law import LOOKED_AT
+from wirerope_mj.studies.calibration.open_law import LOOKED_AT, rises
 from wirerope_mj.studies.calibration.rig_tests import FrequencyTest
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.vary.variants import Work
 
 FARTHER = 1.05  # Predicted over tested deflection from which on the law there is not what was tested: 5 % is a peak's error
 DRAWS = 64  # Draws of the posterior that are run: a band's ends are then known to a sixth of its half width
+FEWEST = 0.5  # Part of the draws whose laws rise with deflection from which on opened laws are those of the tests
 ERRORS = 16  # Errors of the model with which each draw is multiplied: they cost nothing
 SAMPLE_RATE = 1000.0  # Samples at which steps end [Hz]
 # Levels at which draws are run where stops close, as multiples of the model's own error about the motion's own level
@@ -70,6 +73,7 @@ class Prediction(Summarised):
     farthest: Travel  #: the deflection that is farthest beyond those of the tests
     #: measures that are not predicted: no test measured them, and the model does not follow what the tests measured
     refused: tuple[str, ...]
+    hardening: bool  #: whether the bands hold what the tests leave open of how the laws harden
     motion: str  #: of the base, in words
 
     def _summary(self) -> tuple[str, dict[str, str]]:
@@ -105,44 +109,63 @@ def predict(
     """Return the measures of draws of the posterior under a motion of the base.
 
     Draws are those of `Calibration.opened`, whose laws harden, and are unlike on their two sides, as far as the tests leave
-    that open: within the tested travel little, beyond it what such laws may do there. Each is multiplied by 1 + e, where e is
-    the model's own error of a peak: Student's t with as many degrees of freedom as errors of peaks in the tests are known, and
-    of their size. Where the mounts deflect farther than in the tests, it grows in proportion. Where stops close, or would for
-    an error of twice that size, peaks are not in proportion to each other: e changes the level of the motion instead, and all
-    peaks but forces are what follows from it. The model's own error stands in these draws once: of the values only what
-    channels may be off by has it.
+    that open: within the tested travel little, beyond it what such laws may do there. A rope's force rises with deflection:
+    draws whose laws fall within what they travel are left out, and where those are most, draws are of the laws as they are.
+
+    Each is multiplied by 1 + e, where e is the model's own error of a peak: Student's t with as many degrees of freedom as
+    errors of peaks in the tests are known, and of their size; of what no test measured that of the laws as they are, since what
+    the opened ones follow besides may be something else, such as a mode. Where the mounts deflect farther than in the tests, it
+    grows in proportion. Where stops close, or would for an error of twice that size, peaks are not in proportion to each
+    other: e changes the level of the motion instead, and all peaks but forces are what follows from it. The model's own error
+    stands in these draws once: the values are as the tests alone tell them.
 
     Raises:
         ConvergenceError: no draw could be simulated.
     """
-    opened, count = calibration.opened, integer("draws", draws, least=8)
-    forward, generator = opened.forward, np.random.default_rng(seed)
+    count, generator = integer("draws", draws, least=8), np.random.default_rng(seed)
     # of the laws as they are: among opened ones are such whose force falls, and which fail at any step
     start = initial_state(calibration.system, motion, initial)
     step = choose_timestep(
         calibration.system, motion, start, duration=duration, sample_rate=SAMPLE_RATE, accuracy=ACCURACY
     ).timestep
-    work = Work(
-        system=forward.system, motions=(motion,), columns=forward.columns, duration=duration, timestep=step,
-        sample_rate=SAMPLE_RATE, initial=initial, corners=motion.corners,
-    )  # fmt: skip
-    posterior = opened.problem.prior.values(opened.owning(np.where(opened.chain, opened.embedded, 0.0)))
-    chosen = posterior[generator.choice(len(posterior), count, replace=False)]
-    samples = forward.measures(work, chosen)
-    measures = tuple(measure_names(forward.system))
+    measures = tuple(measure_names(calibration.system))
+    for used in (calibration.opened, calibration):
+        forward, kept = used.forward, np.ones(count, dtype=bool)
+        work = Work(
+            system=forward.system, motions=(motion,), columns=forward.columns, duration=duration, timestep=step,
+            sample_rate=SAMPLE_RATE, initial=initial, corners=motion.corners,
+        )  # fmt: skip
+        chosen = used.posterior.values[generator.choice(len(used.posterior.values), count, replace=False)]
+        samples = forward.measures(work, chosen)
+        if used is not calibration:
+            kept = np.array(
+                [
+                    _rise(calibration.system, forward.isolators_at(values), travel_of(measures, row))
+                    for values, row in zip(chosen, samples, strict=True)
+                ]
+            )
+        if kept.sum() >= FEWEST * count:
+            break
+    chosen, samples, count = chosen[kept], samples[kept], int(kept.sum())
     done = samples[~np.isnan(samples).all(axis=1)]
-    reached, tested = travel_of(measures, np.median(np.nan_to_num(done), axis=0)), forward.tested_travel(opened.values)
+    reached, tested = travel_of(measures, np.median(np.nan_to_num(done), axis=0)), calibration.tested_travel
     farthest = _farthest(reached, tested)
     most, before = max(reached.values(), default=0.0), max(tested.values(), default=0.0)
-    size, peaks = opened.peak_error
-    # of the peaks of runs and of those of tests alike
-    size = (max(most / before, 1.0) if before > 0.0 else 1.0) * math.hypot(size, ACCURACY)
-    error = generator.standard_t(peaks, count * ERRORS)
+    farther, (peak_error, peaks) = max(most / before, 1.0) if before > 0.0 else 1.0, used.peak_error
+    channels = {
+        f"{one.quantity}/{one.subject.partition('/')[2]}"
+        for test in forward.tests if isinstance(test, MeasuredTest) for one in test.channels
+    } | {f"acceleration/{test.payload}" for test in forward.tests if isinstance(test, FrequencyTest)}  # fmt: skip
+    measured = np.array(["/".join(name.split("/")[:2]) in channels for name in measures])
+    # of the peaks of runs and of those of tests alike; what terms explain that were added may be due to something else
+    errors = np.where(measured, peak_error, max(peak_error, calibration.peak_error[0]))
+    sizes = farther * np.hypot(errors, ACCURACY)
+    size, error = float(sizes.max()), generator.standard_t(peaks, count * ERRORS)
     scaled = [k for k, name in enumerate(measures) if name not in UNSCALED]
-    struck, farther = measures.index("struck"), _at_level(forward, work, opened.values[np.newaxis], 1.0 + size * STEPS[-1])
-    own, stopped = samples, (samples[:, struck] > 0.0).any() or (farther[:, struck] > 0.0).any()
+    higher = _at_level(forward, work, np.median(chosen, axis=0)[np.newaxis], 1.0 + size * STEPS[-1])
+    own, stopped = samples, (np.concatenate([samples, higher])[:, measures.index("struck")] > 0.0).any()
     samples = np.repeat(samples, ERRORS, axis=0)
-    samples[:, scaled] *= np.maximum(1.0 + size * error, 0.0)[:, np.newaxis]
+    samples[:, scaled] *= np.maximum(1.0 + sizes[scaled] * error[:, np.newaxis], 0.0)
     if stopped:  # a mount's force is off by the error of its law at any deflection
         levels = [own if step == 0.0 else _at_level(forward, work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS]
         between = _between(np.array(levels), error.reshape(count, ERRORS)).reshape(-1, len(measures))
@@ -150,18 +173,27 @@ def predict(
         failed = np.isnan(between[:, followed])  # those draws stay multiplied
         samples[:, followed] = np.where(failed, samples[:, followed], between[:, followed])
     samples = samples[~np.isnan(samples).all(axis=1)]
-    refused: tuple[str, ...] = ()
-    if calibration.discrepancies.max() > DISCREPANT:  # what was measured is known with that error, of the rest nothing is
-        channels = {
-            f"{one.quantity}/{one.subject.partition('/')[2]}"
-            for test in forward.tests if isinstance(test, MeasuredTest) for one in test.channels
-        } | {f"acceleration/{test.payload}" for test in forward.tests if isinstance(test, FrequencyTest)}  # fmt: skip
-        refused = tuple(one for one in measures if one not in UNSCALED and "/".join(one.split("/")[:2]) not in channels)
-    samples[:, [measures.index(name) for name in refused]] = np.nan
+    # what was measured is known with that error
+    unknown = ~measured & ~np.isin(measures, UNSCALED) & (calibration.discrepancies.max() > DISCREPANT)
+    samples[:, unknown] = np.nan
+    refused = tuple(name for name, one in zip(measures, unknown, strict=True) if one)
     return Prediction(
         names=measures, samples=samples, peak_error=size, farthest=farthest, refused=refused,
-        motion=motion.description,
+        hardening=used is not calibration, motion=motion.description,
     )  # fmt: skip
+
+
+def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tuple[str, str], float]) -> bool:
+    """Return whether forces of isolators by mount rise as far as their travel [m]; one of the system's that falls there may."""
+    judged: set[tuple[int, str, float]] = set()  # mounts that vary together share their isolators
+    for (mount, axis), reached in travel.items():
+        law, before = (one.axes[axis] if one else None for one in (isolators.get(mount), system.mounts[mount].written))
+        if law is None or before is None or (id(law), axis, reached) in judged:
+            continue
+        judged.add((id(law), axis, reached))
+        if not rises(law, reached) and rises(before, reached):
+            return False
+    return True
 
 
 def _farthest(reached: Mapping[tuple[str, str], float], tested: Mapping[tuple[str, str], float]) -> Travel:
