@@ -1,6 +1,7 @@
 """Calibrations find what a test tells, own what it does not, and do not believe a model that does not follow."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -158,6 +159,30 @@ def test_opened_laws_are_what_they_were_where_their_terms_are_zero():
     path = 0.02 * np.sin(np.linspace(0.0, 9.0, 300))
     before, after = (one.mounts["m1"].isolator.axial.trace(path).force for one in (system, laws.system))
     np.testing.assert_allclose(after, before, atol=1e-5 * np.ptp(before))  # the terms' own hysteresis: 1e-6 of the stiffness
+
+
+def test_coupled_laws_are_opened_by_their_own_terms_and_unchanged_in_the_middle():
+    law = wr.SymmetricBoucWen(alpha=1e5, beta=200.0, gamma=50.0, n=1.0, k1=4e4, k2=1e5, k3=2e7)
+    isolator = wr.Isolator(name="coupled", roll=law, shear=law, axial=law, coupling="biaxial")
+    system = wr.load_system("shock_table", isolators={"wr12_400": isolator})
+    mounts = [name for name, one in system.mounts.items() if one.isolator is isolator]
+    travel = {(mount, "roll"): 0.01 for mount in mounts}
+    laws = open_laws(system, {"mount/*/stiffness": wr.Uniform(0.8, 1.2)}, travel)
+    place = f"mount/{','.join(mounts)}/roll"
+    assert laws.added == (f"{place}/k2", f"{place}/k3")
+    assert laws.vary[f"{place}/k3"].mean == law.k3
+    motion = wr.HalfSine(peak=80.0, duration=0.011, direction="x", start=0.01)
+    time = np.arange(800) / 2000.0
+    history = wr.simulate(system, motion, duration=0.4, sample_rate=2000.0, timestep=2e-4)
+    values = history.bodies["block"].acceleration[:800, 0]
+    measured = replace(channel(time, values, "body/block"), axis="x")
+    test = wr.MeasuredTest(name="drop", motion=motion, channels=[measured])
+    forward = SystemForward(laws.system, [test], laws.vary)
+    assert forward.prior.names[-2:] == laws.added
+    middle, harder = forward(np.array([[1.0, law.k2, law.k3], [1.0, law.k2, 3.0 * law.k3]]))
+    scale = np.abs(values).max()
+    assert np.abs(middle - forward.series[0].values).max() < 0.01 * scale  # smoothed; a step for 1e-3 of the peaks
+    assert np.abs(harder - middle).max() > 0.02 * scale
 
 
 @pytest.mark.slow

@@ -34,7 +34,7 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
 
     F becomes F + K x (e^(q x) - 1) + k2 x |x| + k3 x^3: K is the law's secant stiffness at the tested travel d, and q d,
     k2 d / K and k3 d^2 / K are normal before the tests, of a standard deviation of `HARDENING`, and 0. Mounts with one isolator
-    share them.
+    share them. Of axes that are coupled the laws' own k2 and k3 are free so, where they have such.
 
     Args:
         system: as it was calibrated.
@@ -50,18 +50,22 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
         added: dict[str, tuple[Law, Law]] = {}
         for axis, law in isolator.axes.items():
             reached = max((travel.get((mount, axis), 0.0) for mount in mounts), default=0.0)
-            if law is None or isolator.is_stop or AXES.index(axis) in isolator.coupled_axes or reached < LOOKED_AT * largest:
+            if law is None or isolator.is_stop or reached < LOOKED_AT * largest:
                 continue
-            stiffness = secant_stiffness(law, reached)
+            stiffness, place = secant_stiffness(law, reached), f"mount/{','.join(mounts)}/{axis}"
+            sizes = {"k2": stiffness / reached, "k3": stiffness / reached**2}
+            if AXES.index(axis) in isolator.coupled_axes:  # stands beside no other law; some have such terms of their own
+                own = {key: getattr(law, key, None) for key in sizes if f"{place}/{key}" not in vary}
+                terms |= {
+                    f"{place}/{key}": Normal(value, HARDENING * sizes[key]) for key, value in own.items() if value is not None
+                }
+                continue
             added[axis] = _terms(stiffness, reached)
             if not law.factors:
                 alone.add(axis)
-            sizes = {"k2": stiffness / reached, "k3": stiffness / reached**2} | (
-                {"c": 1.0 / reached} if axis == "axial" else {}
-            )
-            for key, size in sizes.items():
+            for key, size in (sizes | ({"c": 1.0 / reached} if axis == "axial" else {})).items():
                 number = len(law.components) + (key == "c")
-                terms[f"mount/{','.join(mounts)}/{axis}/laws[{number}].{key}"] = Normal(0.0, HARDENING * size)
+                terms[f"{place}/laws[{number}].{key}"] = Normal(0.0, HARDENING * size)
         files[name] = _with_terms(isolator, added)
         changed |= {
             mount: _with_terms(system.mounts[mount].written, added)
