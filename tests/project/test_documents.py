@@ -52,6 +52,16 @@ def test_identification_runs_from_a_record_to_an_isolator(tmp_path, monkeypatch,
     assert "not fitted" not in capsys.readouterr().out
 
 
+@pytest.mark.slow
+def test_a_calibration_by_loops_runs_from_its_page():
+    names = {}
+    exec(compile(blocks("docs/calibrate.md"), "calibrate.md", "exec"), names)
+    k, alpha = names["found"].values
+    law, truth = names["law"], names["truth"]
+    assert k == pytest.approx(truth.k / law.k, rel=1e-3)
+    assert alpha == pytest.approx(truth.alpha / law.alpha, rel=2e-3)
+
+
 def test_own_law_runs_from_its_page(capsys):
     names = {}
     exec(compile(blocks("docs/own_law.md"), "own_law.md", "exec"), names)
