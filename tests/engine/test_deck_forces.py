@@ -105,7 +105,7 @@ def test_areas_that_cannot_be_are_said(areas, said):
     [
         ({"bolts": 3}, "`bolts` must be 1, 2 .in a line. or 4 .in a rectangle., got 3"),
         ({"bolts_along_roll": 0.1}, "need `bolts`, their number"),
-        ({"bolts": 4, "bolts_along_shear": 50.0}, "must be in metres"),
+        ({"bolts": 4, "bolts_along_shear": 50.0}, r"must be .* <= 2 \[m\], got 50\.0\. If these are millimetres, write 0\.05"),
     ],
 )
 def test_bolts_that_cannot_be_are_said(geometry, said):

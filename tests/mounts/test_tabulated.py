@@ -134,10 +134,10 @@ def test_beyond_the_table_the_end_slope_goes_on_if_that_is_stated():
         ({"areas": [1.0]}, "`areas` must have one entry for each of `amplitudes`, 0, got 1"),
         ({"areas": [1.0], "amplitudes": [0.01]}, "`areas` go with `force`"),
         ({"symmetric": True}, "`deflection` must begin at 0 where `symmetric` mirrors it, got -0.01 m"),
-        ({"symmetric": 1.0}, "`symmetric` must be a bool, got 1.0"),
-        ({"curve": "shock"}, '`curve` must be "virgin" or "mid"'),
-        ({"upper": "1, 2, 3"}, "`upper` must be a list of numbers"),
-        ({"upper": [0.0, math.nan, 1.0]}, "`upper` must be a finite number"),
+        ({"symmetric": 1.0}, "`symmetric` must be true or false, got 1.0"),
+        ({"curve": "shock"}, "`curve` must be one of 'virgin', 'mid'"),
+        ({"upper": "1, 2, 3"}, "`upper` must be a list of finite numbers, got '1, 2, 3'"),
+        ({"upper": [0.0, math.nan, 1.0]}, "`upper` must be a list of finite numbers, got"),
         ({"upper": [400.0, 50.0, -100.0], "lower": [300.0, -50.0, -200.0], "yield_deflection": 1.0}, "must not fall at zero"),
     ],
 )  # fmt: skip
@@ -221,7 +221,7 @@ def test_bad_files_of_points_are_refused(tmp_path, points, message):
     (tmp_path / "a.toml").write_text(FILE + 'points = "curve.csv"\n')
     with pytest.raises(ModelError, match=message) as error:
         wr.load_isolator(tmp_path / "a.toml")
-    assert "a.toml: [axial]" in str(error.value)
+    assert re.search(r"a\.toml, line \d+: \[axial\] ", str(error.value))
 
 
 def test_what_stands_twice_or_without_a_file_is_refused(tmp_path):
@@ -229,7 +229,9 @@ def test_what_stands_twice_or_without_a_file_is_refused(tmp_path):
     with pytest.raises(ModelError, match=r"\[axial\] `yield_deflection` is stated twice"):
         wr.load_isolator(tmp_path / "a.toml")
     (tmp_path / "a.toml").write_text(FILE + "deflection_yd = [0, 3.6]\nforce_N = [0, 8460]\n")
-    with pytest.raises(ModelError, match=r"\[axial\] `deflection_yd` has the unknown unit 'yd'"):
+    with pytest.raises(
+        ModelError, match=r"\[axial\] `deflection_yd` is unknown; known: deflection, deflection_m, deflection_mm"
+    ):
         wr.load_isolator(tmp_path / "a.toml")
     with pytest.raises(ModelError, match="`points` names a file, but this isolator was not read from a file"):
         wr.Isolator.from_dict({"name": "a", "axial": {"law": "tabulated", "points": "curve.csv"}})

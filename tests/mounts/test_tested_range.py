@@ -128,11 +128,11 @@ def test_command_and_report_say_it(isolator, tmp_path):
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        ({"amplitude": [2e-3]}, "two numbers"),
+        ({"amplitude": [2e-3]}, "must be 2 finite numbers, got"),
         ({"amplitude": [5e-3, 2e-3]}, "lowest and then the highest"),
         ({"amplitude": [-1e-3, 2e-3]}, "must be >= 0"),
         ({"deflection": [-1e-3, 2e-3]}, "amplitude"),
-        ({"amplitude": [1e-3, 2e-3], "speed": [1.0, 2.0]}, "`speed` is not known"),
+        ({"amplitude": [1e-3, 2e-3], "speed": [1.0, 2.0]}, "`speed` is unknown"),
     ],
 )
 def test_a_range_that_cannot_be_is_refused(table, said):

@@ -13,6 +13,7 @@ from wirerope_mj.content.identification import identification_content
 from wirerope_mj.content.numbers import several
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, check_writable
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.structure import Place
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import identify
@@ -194,11 +195,10 @@ def _start(path: Path, axis: str) -> Law:
         raise ModelError(f"{path}: no such file. A search starts at a law file or at an isolator file.")
     content = read_toml(path, "start of a search")
     if {"law", "laws"} & content.keys():
-        return read_law(content, f"{path}:", path.parent)
-    table, location = content.get(axis), f"{path}: [{axis}]"
-    if not isinstance(table, dict):
-        raise ModelError(f"{location} is missing; a search on this axis has no start there.")
-    return read_law(table, location, path.parent)
+        return read_law(content, Place(path))
+    if not isinstance(content.get(axis), dict):
+        raise ModelError(f"{path}: [{axis}] is missing; a search on this axis has no start there.")
+    return read_law(content[axis], Place(path, (axis,)))
 
 
 def _check_outputs(out: Path, report: Path, *, force: bool, pdf: bool) -> None:

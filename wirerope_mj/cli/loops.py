@@ -85,6 +85,7 @@ def _load(source: str, axis: str | None) -> "tuple[Isolator, str, bool]":
     import tomllib
 
     from wirerope_mj.foundation.resources import catalogue_folder
+    from wirerope_mj.foundation.structure import Place
     from wirerope_mj.foundation.toml_file import toml_content
     from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, read_law
     from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
@@ -98,7 +99,7 @@ def _load(source: str, axis: str | None) -> "tuple[Isolator, str, bool]":
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
         return load_isolator(path), path.stem, True  # says what is wrong with the file
     if "law" in content or "laws" in content:
-        law = read_law(content, f"{path}:", path.parent)
+        law = read_law(content, Place(path))
         axes: dict[str, Any] = {axis or "axial": law}
         # A law file has no ratings; a law that ends somewhere says so itself when a test leads there.
         end = law.finite_travel if law.needs_rating and law.finite_travel < math.inf else None

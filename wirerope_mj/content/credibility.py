@@ -200,7 +200,7 @@ def _isolators(system: System) -> _Part:
     devices = {mount.isolator.name: mount.isolator for mount in system.mounts.values()}
     if not devices:
         return _Part(name="isolator data", grade=4, text="there are no isolators")
-    kinds = sorted({one.provenance.kind for one in devices.values()}, key=_KINDS.__getitem__)
+    kinds: list[str] = sorted({one.provenance.kind for one in devices.values()}, key=_KINDS.__getitem__)
     assumed = sum(len(one.provenance.assumed) for one in devices.values())
     scatter = [_scatter(one) for one in devices.values() if one.spread is not None]
     grade = _KINDS[kinds[0]] + (len(scatter) == len(devices) and kinds[0] == "identified")

@@ -1,6 +1,8 @@
 """TOML files that users write, read with messages that name file, line and column."""
 
 import tomllib
+from bisect import bisect_left
+from collections.abc import Sequence
 from pathlib import Path
 
 from wirerope_mj.foundation.arrays import Entries
@@ -39,3 +41,40 @@ def toml_content(path: str | Path) -> Entries:
         return tomllib.loads(regular(path).read_text(encoding="utf-8"))
     except RecursionError:
         raise tomllib.TOMLDecodeError("lists or tables stand in one another too deeply") from None
+
+
+def line_of(path: Path, keys: Sequence[str | int], named: Sequence[str] = ()) -> int | None:
+    """Find the line at which a table of a TOML file begins, or the entry in it that is `named`; None where there is none.
+
+    Of the names those count that follow each other inward from the table. The shortest beginning of the file that TOML takes
+    and that holds the entry ends with it, so that the parser itself says where that is.
+    """
+    try:
+        lines, content = regular(path).read_text(encoding="utf-8").split("\n"), toml_content(path)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return None
+    inward = list(keys)
+    for name in named:
+        if entry_at(content, [*inward, name]) is not None:
+            inward.append(name)
+
+    def holds(number: int) -> bool:
+        """Return whether what begins in the first lines holds the entry."""
+        for end in range(number, len(lines)):
+            try:
+                return entry_at(tomllib.loads("\n".join(lines[:end])), inward) is not None
+            except tomllib.TOMLDecodeError:  # a list or a text that goes on below
+                continue
+        return True
+
+    return bisect_left(range(1, len(lines)), True, key=holds) + 1 if inward else None
+
+
+def entry_at(content: object, keys: Sequence[str | int]) -> object:
+    """Return the entry of nested tables and lists under some keys; None where there is none."""
+    for key in keys:
+        try:
+            content = content[key]  # type: ignore[index]
+        except (LookupError, TypeError):
+            return None
+    return content

@@ -2,26 +2,28 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Annotated, Literal
 
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.foundation.structure import Place, bounds, check, structure
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.isolator.parts import (
     Bracket,
     Geometry,
     Limits,
+    Part,
     Provenance,
     Rotation,
     Spread,
     Stiffening,
     require_law_in_metres,
 )
-from wirerope_mj.mounts.isolator.tables import AXES, PARTS, read_tables, write_toml
+from wirerope_mj.mounts.isolator.tables import AXES, read_law, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
 from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, is_law, on_bracket
@@ -34,15 +36,15 @@ COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axe
 class Isolator(Brief):
     """A device between two sites: one restoring-force law for each axis, limits and provenance."""
 
-    name: str  #: what the vendor or the laboratory calls it
+    name: Annotated[str, bounds(min_length=1)]  #: what the vendor or the laboratory calls it
     roll: Law | None = None  #: law across the bars (x); None = no force on this axis, as for the next two
     shear: Law | None = None  #: law along the bars (y)
     axial: Law | None = None  #: law from the base's bar to the payload's bar (z), deflection positive in tension
     #: None for independent axes; "biaxial": roll and shear share one hysteretic force, see `BiaxialBoucWen`; "loop": roll and
     #: axial share one and an elastic energy, as in a loop of rope, see `wirerope_mj.mounts.laws.LoopBoucWen`
-    coupling: str | None = None
+    coupling: Literal["biaxial", "loop"] | None = None
     #: axes without a law along which the device is meant to let its payload go; of others a model warns
-    free: tuple[str, ...] = ()
+    free: tuple[Literal["roll", "shear", "axial"], ...] = ()
     loop: LoopCoupling | None = None  #: the elastic energy of the coupling "loop"
     rotation: Rotation | None = None  #: stiffness against turning; None = the mount turns freely
     #: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it
@@ -56,9 +58,8 @@ class Isolator(Brief):
     validity: Validity = Validity()  #: cycles that the laws were identified from, by axis
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise ValueError(f"`name` must be a string that is not empty, got {self.name!r}.")
-        if plain(self.name) != self.name:
+        check(self)
+        if plain(self.name) != self.name or not self.name.strip():
             raise ValueError(f"`name` must be one line of visible characters, got {self.name!r}.")
         for axis, law in self.axes.items():
             if law is not None and not is_law(law):
@@ -67,12 +68,6 @@ class Isolator(Brief):
             raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
         self._require_coupling()
         self._require_free()
-        for name, kind in (("limits", Limits), ("provenance", Provenance), ("validity", Validity)):
-            if not isinstance(getattr(self, name), kind):
-                raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
-        for name, part in (("rotation", Rotation), ("stiffening", Stiffening), ("bracket", Bracket)):
-            if not isinstance(getattr(self, name), part | None):
-                raise ValueError(f"`{name}` must be a {part.__name__} or None, got {getattr(self, name)!r}.")
         for axis, law in self.axes.items():
             require_law_in_metres(axis, law)
         _ = self.coupled  # raises if the two laws cannot be coupled
@@ -83,27 +78,18 @@ class Isolator(Brief):
 
     def _require_coupling(self) -> None:
         """Raise ValueError if the coupling is not known, or what it needs is not there."""
-        if self.coupling not in (None, *COUPLINGS):
-            known = ", ".join(map(repr, COUPLINGS))
-            raise ValueError(f"`coupling` must be {known} or None (independent axes), got {self.coupling!r}.")
         both = COUPLINGS[self.coupling] if self.coupling is not None else ()
         if any(getattr(self, axis) is None for axis in both):
             raise ValueError(f"`coupling` {self.coupling!r} needs a law on both axes, {' and '.join(both)}.")
-        if self.loop is not None and not isinstance(self.loop, LoopCoupling):
-            raise ValueError(f"`loop` must be a LoopCoupling or None, got {self.loop!r}.")
         if (self.coupling == "loop") != (self.loop is not None):
             has = "there is none" if self.loop is None else f"`coupling` is {self.coupling!r}"
             raise ValueError(f"`coupling` 'loop' and its table `loop` need each other; {has}.")
 
     def _require_free(self) -> None:
-        """Raise ValueError if what is meant to be free is no axis, or has a law."""
-        if not isinstance(self.free, list | tuple):
-            raise ValueError(f"`free` must be a list of axes, got {self.free!r}.")
+        """Raise ValueError if what is meant to be free has a law."""
         for axis in self.free:
-            one_of("free", axis, AXES)
             if self.axes[axis] is not None:
                 raise ValueError(f"`free` names {axis}, which has a law: leave one of them out.")
-        object.__setattr__(self, "free", tuple(self.free))
 
     def _require_travel(self) -> None:
         """Raise ValueError if a law does not hold as far as its axis' rated travel."""
@@ -208,24 +194,18 @@ class Isolator(Brief):
         if self.free:
             content["free"] = list(self.free)
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in PARTS:
-            part = getattr(self, name)
-            table = {} if part is None else part.to_dict()
-            if table:
-                content[name] = table
-        return content
+        parts = {item.name: getattr(self, item.name) for item in fields(self)}
+        tables = {name: part.to_dict() for name, part in parts.items() if isinstance(part, Part | LoopCoupling)}
+        return content | {name: table for name, table in tables.items() if table}
 
     @classmethod
-    def from_dict(cls, content: Entries, *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
-        """Return the isolator that a file's content describes; messages call it `where`, points in a CSV file lie in `folder`.
+    def from_dict(cls, content: Entries, *, where: str | Path = "isolator") -> "Isolator":
+        """Return the isolator that a file's content describes; messages call it `where`, by the lines of that file if a path.
 
         ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where, axis, key
         and rule.
         """
-        try:
-            return cls(**read_tables(content, where, folder))
-        except ValueError as error:
-            raise ModelError(f"{where}: {error}") from error
+        return structure(cls, content, Place(where), {Law: read_law})
 
 
 _UNRATED_FRACTION = 0.05  # of the height, where no travel is rated: small enough for every mount

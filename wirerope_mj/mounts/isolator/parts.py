@@ -1,19 +1,21 @@
 """Parts of an isolator beside its laws: limits, geometry, provenance, spread, stiffening."""
 
 import math
-from collections.abc import Collection
 from dataclasses import dataclass, field, fields, replace
-from typing import ClassVar, Self
+from typing import Annotated, Literal, Self, get_args
 
-from wirerope_mj.foundation.arguments import finite, not_negative, one_of, positive
 from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.structure import NEEDED, bounds, check
 from wirerope_mj.mounts.laws import Law
 
 # Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
 # example.
-KINDS = ("catalogue", "identified", "published", "estimated", "illustrative")
+Kind = Literal["catalogue", "identified", "published", "estimated", "illustrative"]
+KINDS = get_args(Kind)
 # Largest travel, height or width [m]: the vendors' tables reach 0.24 m, and 2 mm taken for metres are as much.
 LARGEST = 2.0
+Length = Annotated[float, bounds("m", gt=0.0, le=LARGEST)]
+Stiffness = Annotated[float, bounds("N/m", gt=0.0)]
 # Largest rated travel in heights of the isolator: it cannot become shorter than nothing; in the other directions the 72 parts
 # of the vendors' tables reach 0.7, and 10 keeps clear of inches (26), centimetres and millimetres taken for metres.
 HEIGHTS = {"compression": 1.0, "tension": 10.0, "shear": 10.0, "roll": 10.0}
@@ -28,11 +30,10 @@ def require_law_in_metres(axis: str, law: Law | None) -> None:
             value = getattr(part, name)
             largest = max(map(abs, value), default=0.0) if isinstance(value, tuple) else value or 0.0
             if largest > LARGEST:
-                raise ValueError(f"[{axis}] {part.name}: {_too_large(name, largest)}")
-
-
-def _too_large(name: str, value: float) -> str:
-    return f"`{name}` must be in metres and at most {LARGEST:g} m, got {value:.6g}. {_in_metres(value)}"
+                raise ValueError(
+                    f"[{axis}] {part.name}: `{name}` must be in metres and at most {LARGEST:g} m, got {largest:.6g}. "
+                    f"{_in_metres(largest)}"
+                )
 
 
 def _in_metres(value: float) -> str:
@@ -43,14 +44,8 @@ def _in_metres(value: float) -> str:
 class Part:
     """A part of an isolator, a dataclass; what is None is not stated."""
 
-    above_zero: ClassVar[Collection[str]] = ()  # attributes that must be finite numbers > 0
-    lengths: ClassVar[Collection[str]] = ()  # attributes that must be so, too, and not so large that they are no metres
-
     def __post_init__(self) -> None:
-        for name in (*self.above_zero, *self.lengths):
-            value = getattr(self, name)
-            if value is not None and positive(name, value) > LARGEST and name in self.lengths:
-                raise ValueError(_too_large(name, value))
+        check(self)
 
     @property
     def stated(self) -> Entries:
@@ -69,21 +64,13 @@ def _plain(value: object) -> object:
     return value.to_dict() if isinstance(value, Part) else list(value) if isinstance(value, tuple) else value
 
 
-def _texts(name: str, value: object) -> tuple[str, ...]:
-    if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
-        raise ValueError(f"`{name}` must be a list of strings, got {value!r}.")
-    return tuple(value)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Bracket(Part):
     """Stiffness of what an isolator is bolted to, in series with it, by axis [N/m]; it has no mass. None = rigid."""
 
-    above_zero: ClassVar[Collection[str]] = ("roll", "shear", "axial")
-
-    roll: float | None = None
-    shear: float | None = None
-    axial: float | None = None
+    roll: Stiffness | None = None
+    shear: Stiffness | None = None
+    axial: Stiffness | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -104,14 +91,10 @@ class Stiffening(Part):
     about 10 to 30 % after 50.
     """
 
-    after_50: float  #: ratio by which the stiffness has grown after 50 cycles, 0 to 1; published 0.1 to 0.3
-    cycles: float = 1.0  #: cycles that the isolator has gone through when the run starts, >= 1; at 1 nothing changes
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= finite("after_50", self.after_50) <= 1.0:
-            raise ValueError(f"`after_50` must be a number from 0 to 1, got {self.after_50!r}.")
-        if finite("cycles", self.cycles) < 1.0:
-            raise ValueError(f"`cycles` must be >= 1, got {self.cycles!r}.")
+    #: ratio by which the stiffness has grown after 50 cycles; published 0.1 to 0.3
+    after_50: Annotated[float, bounds(ge=0.0, le=1.0)]
+    #: cycles that the isolator has gone through when the run starts; at 1 nothing changes
+    cycles: Annotated[float, bounds(ge=1.0)] = 1.0
 
     @property
     def factor(self) -> float:
@@ -132,27 +115,18 @@ class Travel(Part):
     compression and tension limit the axial deflection below and above zero, shear and roll both directions of theirs.
     """
 
-    lengths: ClassVar[Collection[str]] = HEIGHTS
-
-    compression: float | None = None
-    tension: float | None = None
-    shear: float | None = None
-    roll: float | None = None
+    compression: Length | None = None
+    tension: Length | None = None
+    shear: Length | None = None
+    roll: Length | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits(Part):
     """Ratings of the isolator: static_load [N] in compression and travel [m]; None = not judged."""
 
-    above_zero: ClassVar[Collection[str]] = ("static_load",)
-
-    static_load: float | None = None
+    static_load: Annotated[float, bounds("N", gt=0.0)] | None = None
     travel: Travel = Travel()
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not isinstance(self.travel, Travel):
-            raise ValueError(f"`travel` must be a Travel, got {self.travel!r}.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,15 +139,12 @@ class Geometry(Part):
     these axes [m]; None = not stated.
     """
 
-    above_zero: ClassVar[Collection[str]] = ("bolts",)
-    lengths: ClassVar[Collection[str]] = ("height", "width", "bar", "bolts_along_roll", "bolts_along_shear")
-
-    height: float | None = None
-    width: float | None = None
-    bar: float | None = None
+    height: Length | None = None
+    width: Length | None = None
+    bar: Length | None = None
     bolts: float | None = None
-    bolts_along_roll: float | None = None
-    bolts_along_shear: float | None = None
+    bolts_along_roll: Length | None = None
+    bolts_along_shear: Length | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -213,13 +184,9 @@ class Rotation(Part):
     K sin theta, from the potential K (1 - cos theta): elastic, without loss.
     """
 
-    roll: float = 0.0
-    shear: float = 0.0
-    axial: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name, value in self.stated.items():
-            not_negative(name, value, unit="N m/rad")
+    roll: Annotated[float, bounds("N m/rad", ge=0.0)] = 0.0
+    shear: Annotated[float, bounds("N m/rad", ge=0.0)] = 0.0
+    axial: Annotated[float, bounds("N m/rad", ge=0.0)] = 0.0
 
     def scaled(self, factor: float) -> Self:
         """Return `factor` times these stiffnesses."""
@@ -230,23 +197,12 @@ class Rotation(Part):
 class Provenance(Part):
     """Origin of the parameters."""
 
-    kind: str = "illustrative"  #: "catalogue", "identified", "published", "estimated" or "illustrative"
+    kind: Annotated[Kind, NEEDED] = "illustrative"  #: where the parameters come from
     source: str = ""  #: the document or measurement that the figures were taken from
     fitted_to: str = ""  #: which figures the parameters reproduce, and how
     assumed: tuple[str, ...] = ()  #: values that no source gives, one sentence each
     #: what the fitted axes give at 45 degrees against the vendor's figures there, by name; not fitted
     check_45: dict[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        one_of("kind", self.kind, KINDS)
-        for name in ("source", "fitted_to"):
-            if not isinstance(getattr(self, name), str):
-                raise ValueError(f"`{name}` must be a string, got {getattr(self, name)!r}.")
-        object.__setattr__(self, "assumed", _texts("assumed", self.assumed))
-        if not isinstance(self.check_45, dict):
-            raise ValueError(f"`check_45` must be a table of numbers, got {self.check_45!r}.")
-        for key, value in self.check_45.items():
-            finite(f"check_45.{key}", value)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -261,15 +217,10 @@ class Spread(Part):
     calibrated: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parameters", _texts("parameters", self.parameters))
-        matrix = self.covariance
-        if not isinstance(matrix, list | tuple) or not all(isinstance(row, list | tuple) for row in matrix):
-            raise ValueError(f"`covariance` must be rows of numbers, got {matrix!r}.")
-        rows = tuple(tuple(finite("covariance", value) for value in row) for row in matrix)
+        super().__post_init__()
         n = len(self.parameters)
-        if len(rows) != n or any(len(row) != n for row in rows):
+        if len(self.covariance) != n or any(len(row) != n for row in self.covariance):
             raise ValueError(f"`covariance` must have {n} rows of {n} numbers, one for each of `parameters`.")
-        object.__setattr__(self, "covariance", rows)
 
     def to_dict(self) -> Entries:
         """Return the spread as it stands in an isolator file."""

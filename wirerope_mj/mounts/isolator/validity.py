@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
-from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.parts import Part
 
@@ -30,14 +29,12 @@ class MeasuredRange(Part):
     rate: Pair | None = None  # largest deflection rates of the cycles [m/s], >= 0; None in the same way
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if value is None and item.name in ("frequency", "rate"):
-                continue
-            pair = _pair(item.name, value)
-            if item.name != "deflection" and pair[0] < 0.0:
-                raise ValueError(f"`{item.name}` must be >= 0, got {pair[0]!r}.")
-            object.__setattr__(self, item.name, pair)
+        super().__post_init__()
+        for name, (low, high) in self.stated.items():
+            if low > high:
+                raise ValueError(f"`{name}` must be the lowest and then the highest, got {low:g} and {high:g}.")
+            if name != "deflection" and low < 0.0:
+                raise ValueError(f"`{name}` must be >= 0, got {low!r}.")
 
     @property
     def text(self) -> str:
@@ -87,11 +84,6 @@ class Validity(Part):
     shear: MeasuredRange | None = None
     axial: MeasuredRange | None = None
 
-    def __post_init__(self) -> None:
-        for item in fields(self):
-            if not isinstance(getattr(self, item.name), MeasuredRange | None):
-                raise ValueError(f"`{item.name}` must be a MeasuredRange or None, got {getattr(self, item.name)!r}.")
-
     def outside(self, lowest: Sequence[float] | Array, highest: Sequence[float] | Array, *, small: bool) -> dict[str, str]:
         """Return how a mount's motion leaves the ranges, as text by axis; nothing of the axes that stay inside.
 
@@ -104,16 +96,6 @@ class Validity(Part):
         moving = {axis: high - low > far for axis, (low, high) in ends.items()}
         texts = {axis: one.outside(*ends[axis], small=small and moving[axis]) for axis, one in self.stated.items()}
         return {axis: text for axis, text in texts.items() if text}
-
-
-def _pair(name: str, value: object) -> Pair:
-    """Return two finite numbers in their order; ValueError if it is something else."""
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValueError(f"`{name}` must be two numbers, the lowest and the highest, got {value!r}.")
-    low, high = (float(finite(name, one)) for one in value)
-    if low > high:
-        raise ValueError(f"`{name}` must be the lowest and then the highest, got {value!r}.")
-    return low, high
 
 
 def _span(pair: Pair, factor: float) -> str:

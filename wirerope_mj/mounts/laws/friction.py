@@ -104,8 +104,7 @@ class Masing(Law):
     example: ClassVar[Entries] = {
         "stiffness": [6e4, 4e4, 3e4], "slip_force": [60.0, 100.0, 200.0], "k": 2e4, "k2": 1e5, "k3": 2e7,
     }  # fmt: skip
-    lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
-    damping_parameters: ClassVar[tuple[str, ...]] = lists
+    damping_parameters: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     elastic: ClassVar[tuple[str, ...]] = ("k", "k2", "k3")
     force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0, "k2": 1.0, "k3": 1.0}

@@ -2,14 +2,15 @@
 
 import math
 from abc import ABC
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Entries
+from wirerope_mj.foundation.structure import check
 from wirerope_mj.mounts.laws.loop import Loop
 
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
@@ -74,8 +75,6 @@ class Law(ABC):
     force_powers: ClassVar[Mapping[str, float]]
     # Power of the deflection over which friction builds up in the unit of each parameter; none of a law without friction.
     yield_powers: ClassVar[Mapping[str, float]] = {}
-    options: ClassVar[Mapping[str, type]] = {}  # parameters that are no numbers but choices, and their types
-    lists: ClassVar[tuple[str, ...]] = ()  # parameters that are lists of numbers
     leaders: ClassVar[Mapping[str, str]] = {}  # the parameter that another one is equal to unless it is stated itself
     units: ClassVar[Mapping[str, str]] = {}  # of the parameters; those without have none
     factors: ClassVar[tuple[str, ...]] = ()  # names of factors on all of several laws in parallel
@@ -84,18 +83,7 @@ class Law(ABC):
     _trace: ClassVar[Callable[..., Loop]]
 
     def __post_init__(self) -> None:
-        optional = {field.name for field in fields(self) if field.default is None}
-        for key, value in list(vars(self).items()):
-            if key in self.options:
-                if not isinstance(value, self.options[key]):
-                    raise ValueError(f"`{key}` must be a {self.options[key].__name__}, got {value!r}.")
-            elif key in self.lists:
-                if isinstance(value, str) or not isinstance(value, Sequence | np.ndarray):
-                    raise ValueError(f"`{key}` must be a list of numbers, got {value!r}.")
-                object.__setattr__(self, key, tuple(finite(key, entry) for entry in value))
-            elif not (value is None and key in optional):
-                number = finite(key, value)
-                object.__setattr__(self, key, int(value) if isinstance(value, int | np.integer) else number)
+        check(self)
         self._validate()
 
     def _validate(self) -> None:
@@ -212,7 +200,8 @@ class Law(ABC):
 
     def same_structure(self, other: "Law | None") -> bool:
         """Return whether two laws are certainly computed alike but for the values of their parameters."""
-        counted = self.lists or self.options  # parameters that say how many there are, or what is done with them
+        # lists say how many parameters there are, texts and flags what is done with them
+        counted = any(isinstance(value, tuple | str | bool) for value in vars(self).values())
         return type(self) is type(other) and (not counted or self == other)
 
     def unchecked(self, values: Entries) -> Self:

@@ -1,15 +1,14 @@
 """Bouc-Wen's law in the plane of roll and axial deflection, in which a rope loop bends, and the energy that couples them."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval2d
 
-from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
+from wirerope_mj.foundation.structure import bounds, check
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.parallel import Parallel
@@ -35,22 +34,17 @@ class LoopCoupling:
     """
 
     #: ends of the box [m], all positive
-    roll: float
-    compression: float
-    tension: float
-    coefficients: Sequence[Sequence[float]]  #: c_ij [J], I rows of J numbers
+    roll: Annotated[float, bounds("m", gt=0.0, le=LARGEST)]
+    compression: Annotated[float, bounds("m", gt=0.0, le=LARGEST)]
+    tension: Annotated[float, bounds("m", gt=0.0, le=LARGEST)]
+    #: c_ij [J], I rows of J numbers
+    coefficients: Annotated[tuple[tuple[float, ...], ...], bounds("J")]
 
     def __post_init__(self) -> None:
-        for name in ("roll", "compression", "tension"):
-            if positive(name, end := getattr(self, name), unit="m") > LARGEST:
-                raise ValueError(f"`{name}` must be at most {LARGEST:g} m, got {end!r} m: check its unit.")
+        check(self)
         rows = self.coefficients
-        if not isinstance(rows, list | tuple) or not all(isinstance(row, list | tuple) for row in rows):
-            raise ValueError(f"`coefficients` must be rows of numbers [J], got {rows!r}.")
         if not any(rows) or len({len(row) for row in rows}) != 1:
             raise ValueError(f"`coefficients` must be rows of equally many numbers, got lengths {[*map(len, rows)]}.")
-        numbers = tuple(tuple(finite("coefficients", value, unit="J") for value in row) for row in rows)
-        object.__setattr__(self, "coefficients", numbers)
 
     @property
     def scale(self) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from numba import carray, types
 from numba.core.dispatcher import Dispatcher
 
+from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.c_functions import SIGNATURE
 from wirerope_mj.mounts.laws.law import Law
@@ -66,6 +67,11 @@ class OwnLaw(Law):
     @abstractmethod
     def force(p: Array, x: float, v: float, z: Array, zdot: Array) -> float:
         """Return the force [N] and write the rates of the states to `zdot`."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):  # whatever their annotations say
+            object.__setattr__(self, item.name, finite(item.name, getattr(self, item.name)))
+        self._validate()
 
     def _validate(self) -> None:
         try:

@@ -48,7 +48,6 @@ class Stop(Law):
         "reversal": 5e-4, "c": 200.0,
     }  # fmt: skip
     smoothable: ClassVar[bool] = True
-    lists: ClassVar[tuple[str, ...]] = ("depths", "forces")
     not_negative: ClassVar[tuple[str, ...]] = ("rounding", "loss", "c")
     units: ClassVar[Mapping[str, str]] = {
         "gap_below": "m", "gap_above": "m", "k": "N/m^exponent", "depths": "m", "forces": "N", "rounding": "m", "reversal": "m",

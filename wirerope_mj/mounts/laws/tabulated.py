@@ -4,18 +4,21 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
-from typing import ClassVar
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.structure import In
 from wirerope_mj.foundation.summary import AsCall
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed
 from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS
 
 TABULATED = 12
+IN_LENGTH, IN_FORCE = In(LENGTH_UNITS, bare=True), In(FORCE_UNITS, bare=True)  # what its keys in a file may end with
 _FARTHEST_YIELD = 100.0  # times the travel, at which a loop has no width any more that a number could say
 
 
@@ -59,22 +62,20 @@ class Tabulated(AsCall, Law):
     state_names: ClassVar[tuple[str, ...]] = ("z",)  # the hysteretic force where the loop is widest
     travel_rule: ClassVar[str] = "its table ends (`extrapolate = true` goes on with its end slope)"
     needs_rating: ClassVar[bool] = False
-    lists: ClassVar[tuple[str, ...]] = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
-    options: ClassVar[Mapping[str, type]] = {"curve": str, "symmetric": bool, "extrapolate": bool}
     force_powers: ClassVar[Mapping[str, float]] = {"upper": 1.0, "lower": 1.0, "force": 1.0, "areas": 1.0}
     units: ClassVar[Mapping[str, str]] = {
         "deflection": "m", "upper": "N", "lower": "N", "force": "N", "amplitudes": "m", "areas": "J", "yield_deflection": "m",
     }  # fmt: skip
 
-    deflection: Sequence[float]
-    upper: Sequence[float] = ()
-    lower: Sequence[float] = ()
-    force: Sequence[float] = ()
-    curve: str = "virgin"
-    amplitudes: Sequence[float] = ()
-    areas: Sequence[float] = ()
+    deflection: Annotated[Sequence[float], IN_LENGTH]
+    upper: Annotated[Sequence[float], IN_FORCE] = ()
+    lower: Annotated[Sequence[float], IN_FORCE] = ()
+    force: Annotated[Sequence[float], IN_FORCE] = ()
+    curve: Literal["virgin", "mid"] = "virgin"
+    amplitudes: Annotated[Sequence[float], IN_LENGTH] = ()
+    areas: Annotated[Sequence[float], In({"J": 1.0}, bare=True)] = ()
     #: x_y, the length over which unloading leaves one limit curve for the other by 1 - 1/e [m]; > 0 if there is hysteresis
-    yield_deflection: float = 0.0
+    yield_deflection: Annotated[float, IN_LENGTH] = 0.0
     symmetric: bool = False  #: the points begin at 0 and are mirrored about it
     #: beyond its ends the table goes on with their slope and g; else the law does not hold there
     extrapolate: bool = False
@@ -103,8 +104,6 @@ class Tabulated(AsCall, Law):
 
     def _validate_width(self) -> None:
         """Raise ValueError unless the width of the loop is well stated."""
-        if self.curve not in ("virgin", "mid"):
-            raise ValueError(f'`curve` must be "virgin" or "mid", got {self.curve!r}.')
         if len(self.amplitudes) != len(self.areas):
             raise ValueError(
                 f"`areas` must have one entry for each of `amplitudes`, {len(self.amplitudes)}, got {len(self.areas)}."

@@ -38,7 +38,7 @@ def load_isolator(path: str | Path | VendorPart, *, beside: str | Path | None = 
 
 
 def _read(path: Path) -> Isolator:
-    return Isolator.from_dict(read_toml(path, "isolator file"), where=str(path), folder=path.parent)
+    return Isolator.from_dict(read_toml(path, "isolator file"), where=path)
 
 
 def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path | VendorPart:

@@ -141,7 +141,7 @@ def _coupling(
         sheet.shape, bending_stiffness=size, loops=1, roll=range_of_roll, compression=travel, tension=travel
     )
     ends = {name: float(f"{getattr(coupling, name):.9g}") for name in ("roll", "compression", "tension")}
-    return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in coupling.coefficients])
+    return LoopCoupling(**ends, coefficients=tuple(tuple(float(f"{c:.9g}") for c in row) for row in coupling.coefficients))
 
 
 def _fitted_to(sheet: DataSheet) -> str:

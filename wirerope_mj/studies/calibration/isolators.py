@@ -73,7 +73,7 @@ def _parameters(isolator: Isolator) -> Iterator[tuple[str, float]]:
         for number, part in enumerate(law.components if law is not None else ()):
             before = f"{axis}.laws[{number}]." if law is not part else f"{axis}."
             for key, value in part.to_dict().items():
-                if key == "law" or key in part.options or isinstance(value, str | bool):
+                if key == "law" or isinstance(value, str | bool):
                     continue
                 if isinstance(value, list):
                     yield from ((f"{before}{key}[{k}]", float(one)) for k, one in enumerate(value))

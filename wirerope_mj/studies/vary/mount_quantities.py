@@ -68,7 +68,7 @@ class LawParameter(MountColumn, ValueOrFactor):
                     f"`vary`: {name!r}: mount {mount!r} has {count} laws on its {axis} axis; name a parameter of one, "
                     f"laws[0].alpha to laws[{count - 1}].alpha, or a factor on all: {', '.join(whole.factors)}."
                 ) from None
-        names = [key for key in law.to_dict() if key != "law" and key not in law.options]
+        names = [key for key, value in law.to_dict().items() if not isinstance(value, str | bool)]
         lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}
         if parameter not in names + [f"{key}[{n}]" for key, value in lists.items() for n in range(len(value))]:
             raise ModelError(

@@ -1,0 +1,380 @@
+"""Tables of files made into the classes that state their fields, bounds and units once; JSON Schemas of the same classes.
+
+A class is a dataclass. The type of a field says what its key may hold: `float` is a finite number, and
+`Annotated[float, bounds("m", gt=0.0)]` a length > 0. msgspec brings values into their types, holds them to their bounds and
+writes their schemas; keys, units, lines and what a message says of them are done here.
+"""
+
+import inspect
+import math
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from datetime import date
+from difflib import get_close_matches
+from functools import cache, reduce
+from operator import or_
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import msgspec
+import numpy as np
+
+from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.errors import ModelError, WireRopeError
+from wirerope_mj.foundation.plain_text import quoted, short
+from wirerope_mj.foundation.toml_file import line_of
+from wirerope_mj.foundation.units import in_si
+
+T = TypeVar("T")
+NEEDED = "needed"  # mark of a field that a file must state, though it has a default in Python
+DATE = "date"  # mark of a text that may stand in a file as a date of TOML
+DASHED = "dashed"  # mark of a field whose key has - in place of _
+
+
+def bounds(unit: str = "", **limits: Any) -> msgspec.Meta:
+    """Mark the unit of a field and its bounds, gt, ge, lt, le, or min_length, as `msgspec.Meta` has them."""
+    return msgspec.Meta(**limits, extra_json_schema={"unit": unit} if unit else None)
+
+
+Positive = Annotated[float, bounds(gt=0.0)]
+NotNegative = Annotated[float, bounds(ge=0.0)]
+
+
+@dataclass(frozen=True, eq=False)
+class In:
+    """Mark of a field whose key in a file ends with one of some units, `travel_mm`; if `bare`, it may stand alone, in SI."""
+
+    units: Mapping[str, float | tuple[float, ...]]  # their values in SI: of a number or of all in a list, or of columns
+    bare: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Among:
+    """Mark of a field, a mapping, whose keys stand in the table of the file itself, beside those of other fields."""
+
+    keys: Collection[str]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a table stands: in a file, under which keys; makes the errors that say so."""
+
+    file: Path | str  # lines are found in a path, and not in a text, which messages begin with all the same
+    keys: tuple[str | int, ...] = ()
+    error: type[WireRopeError] = ModelError
+
+    def at(self, *keys: str | int) -> "Place":
+        """Return the place of a table, or of an entry, in this one."""
+        return replace(self, keys=(*self.keys, *keys))
+
+    @property
+    def table(self) -> str:
+        """The table as TOML has it, "[limits.travel]" or "[[stage]] 2"; "" for the whole file."""
+        dotted = ".".join(key for key in self.keys if isinstance(key, str))
+        last = self.keys[-1] if self.keys else ""
+        return f"[[{dotted}]] {last + 1}" if isinstance(last, int) else f"[{dotted}]" if dotted else ""
+
+    def fault(self, text: str) -> WireRopeError:
+        """Return the error of a fault in the table, with the line of the `key` or [table] that `text` names first."""
+        named = [table or key for table, key in re.findall(r"\[(\w+)\]|`([^`]+)`", text)]
+        line = line_of(self.file, self.keys, named) if isinstance(self.file, Path) else None
+        where = f"{self.file}, line {line}" if line else str(self.file)
+        return self.error(f"{where}: {self.table} {text}" if self.table else f"{where}: {text}")
+
+
+Readers = Mapping[type, Callable[[Entries, Place], Any]]  # of classes that are not read field by field
+
+
+def structure(kind: type[T], table: object, place: Place, readers: Readers | None = None) -> T:
+    """Make a dataclass of a table of a file.
+
+    Args:
+        kind: of which the fields are the keys of the table; a field that is a dataclass is a table in it.
+        table: as TOML or JSON is read.
+        place: where it stands, for messages.
+        readers: of tables that are not read field by field, by the class that they return.
+
+    Raises:
+        WireRopeError: `place.error`; names file, line, table and key, what must hold of it, what was got, and the nearest key.
+    """
+    if not isinstance(table, dict):
+        raise place.fault(f"it must be a table, got {quoted(table)}.")
+    dataclass_: Any = kind
+    known, needed = keys_of(dataclass_), _needed(dataclass_)
+    values: Entries = {}
+    for key, entry in table.items():
+        if key not in known:
+            near = get_close_matches(key, known, n=1)
+            meant = f" Did you mean `{near[0]}`?" if near else ""
+            raise place.fault(f"`{short(key)}` is unknown; known: {', '.join(known)}.{meant}")
+        found = known[key]
+        value = _structured(found.hint, entry, place, key, readers or {})
+        if found.among:
+            values.setdefault(found.field, {})[key] = value
+        elif found.field in values:
+            raise place.fault(f"`{found.field}` is stated twice, as `{key}`, too.")
+        else:
+            values[found.field] = _in_si(value, found.factor)
+    for name, keys in needed.items():
+        if name not in values:
+            said = " or ".join(f"`{key}`" for key in keys)
+            raise place.fault(f"{said} is missing; needed: {', '.join(keys[0] for keys in needed.values())}.")
+    try:
+        return kind(**values)
+    except ValueError as error:
+        raise place.fault(str(error)) from None
+
+
+def check(thing: Any) -> None:
+    """Bring the fields of a frozen dataclass into their types, as its `__post_init__`; ValueError names the one that is not."""
+    kind: Any = type(thing)
+    for name, hint in _hints(kind).items():
+        object.__setattr__(thing, name, checked(name, getattr(thing, name), hint))
+
+
+def checked(name: str, value: object, hint: Any) -> Any:
+    """Return a value as its type has it, an integer as a float; ValueError says what must hold of it, and what it is."""
+    if type(value) is float and hint is float and math.isfinite(value):
+        return value
+    options = _options(hint)
+    value = _plain(value)
+    if isinstance(value, date) and any(DATE in marks for _, marks in options):
+        value = str(value)
+    if value is None and any(option is NoneType for option, _ in options):
+        return None
+    how, inner = _tables_in(hint)
+    if how is None and isinstance(value, inner):
+        return value
+    if how is tuple and isinstance(value, list | tuple) and all(isinstance(one, inner) for one in value):
+        return tuple(value)
+    if how is dict and isinstance(value, dict) and all(isinstance(one, inner) for one in value.values()):
+        return value
+    values = _values_in(hint)
+    try:
+        if values is not NoneType and _is_finite(value):
+            made = msgspec.convert(value, values)
+            return tuple(made) if isinstance(made, list) else made
+    except msgspec.ValidationError:
+        pass
+    meant = ""
+    for option, marks in options:
+        most = next((mark.le for mark in marks if isinstance(mark, msgspec.Meta) and _unit(mark) == "m"), None)
+        if option is float and most is not None and isinstance(value, int | float) and most < value <= 1e3 * most:
+            meant = f" If these are millimetres, write {1e-3 * value:.6g}."
+    raise ValueError(f"`{name}` must be {said_of(hint)}, got {quoted(value)}.{meant}")
+
+
+def said_of(hint: Any) -> str:
+    """Say what a type holds: "a finite number > 0 [m]"."""
+    return " or ".join(_said_of(option, marks) for option, marks in _options(hint) if option is not NoneType)
+
+
+def _said_of(option: Any, marks: tuple[Any, ...]) -> str:
+    metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
+    limits = [f" {sign} {limit:g}" for meta in metas for sign, limit in _limits(meta)]
+    units = [f" [{unit}]" for meta in metas if (unit := _unit(meta))]
+    filled = [" that is not empty" for meta in metas if meta.min_length]
+    return f"{_kind_of(option)}{' and'.join(limits)}{''.join(units)}{''.join(filled)}"
+
+
+def _kind_of(option: Any) -> str:
+    origin, args = get_origin(option) or option, get_args(option)
+    if origin is Literal:
+        return f"one of {', '.join(map(repr, args))}"
+    if origin is tuple and args and args[-1] is not Ellipsis:
+        return f"{len(args)} {_PLURALS[args[0]]}"
+    if origin in (tuple, list, Sequence):
+        inner = _options(args[0])[0][0]
+        inner = "tables" if _is_class(inner) else _PLURALS.get(inner) or _kind_of(inner).replace("a list", "lists")
+        return f"a list of {inner}"
+    if origin in (dict, Mapping):
+        return f"a table of {_PLURALS.get(_options(args[1])[0][0], 'tables')}"
+    return _KINDS.get(option) or f"a {option.__name__}"
+
+
+_KINDS = {float: "a finite number", int: "an integer", bool: "true or false", str: "a text"}
+_PLURALS = {float: "finite numbers", int: "integers", str: "texts"}
+
+
+def _limits(meta: msgspec.Meta) -> list[tuple[str, float]]:
+    signs = ((">", meta.gt), (">=", meta.ge), ("<", meta.lt), ("<=", meta.le))
+    return [(sign, limit) for sign, limit in signs if limit is not None]
+
+
+def _unit(meta: msgspec.Meta) -> str:
+    return str((meta.extra_json_schema or {}).get("unit", ""))
+
+
+def _is_class(option: Any) -> bool:
+    return isinstance(option, type) and option not in _KINDS and option is not NoneType and get_origin(option) is None
+
+
+def _plain(value: object) -> object:
+    """Return numbers of NumPy as Python's, in lists, too."""
+    if isinstance(value, list | tuple):
+        return type(value)(map(_plain, value)) if type(value) in (list, tuple) else value
+    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+
+
+def _is_finite(value: object) -> bool:
+    if isinstance(value, list | tuple):
+        return all(map(_is_finite, value))
+    if isinstance(value, dict):
+        return all(map(_is_finite, value.values()))
+    return not isinstance(value, float) or math.isfinite(value)
+
+
+@cache
+def _options(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[Any, ...]]]:
+    """Return the types of a union, or the only one, each with its marks."""
+    if get_origin(hint) is Annotated:
+        return _options(hint.__origin__, (*marks, *hint.__metadata__))
+    if get_origin(hint) in (Union, UnionType):
+        return [option for one in get_args(hint) for option in _options(one, marks)]
+    return [(hint, marks)]
+
+
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
+    hints = get_type_hints(kind, include_extras=True)
+    return {item.name: hints[item.name] for item in fields(kind) if item.init}
+
+
+@dataclass(frozen=True)
+class _Key:
+    field: str
+    hint: Any
+    factor: float | tuple[float, ...] | None = None
+    among: bool = False
+
+
+@cache
+def keys_of(kind: Any) -> dict[str, _Key]:
+    """Return the keys that a table of a class may have in a file, and how each fills a field."""
+    keys: dict[str, _Key] = {}
+    for name, hint in _hints(kind).items():
+        marks = [mark for _, all_of in _options(hint) for mark in all_of]
+        spelled = name.replace("_", "-") if DASHED in marks else name
+        units = next((mark for mark in marks if isinstance(mark, In)), None)
+        among = next((mark for mark in marks if isinstance(mark, Among)), None)
+        if among:
+            keys |= {key: _Key(name, get_args(_options(hint)[0][0])[1], among=True) for key in among.keys}
+        if not among and (units is None or units.bare):
+            keys[spelled] = _Key(name, hint)
+        keys |= {f"{name}_{unit}": _Key(name, hint, factor) for unit, factor in (units.units if units else {}).items()}
+    return keys
+
+
+@cache
+def _needed(kind: Any) -> dict[str, list[str]]:
+    """Return the fields that a file must state, each with the keys that may state it."""
+    items = {item.name: item for item in fields(kind)}
+    keys: dict[str, list[str]] = {}
+    for key, found in keys_of(kind).items():
+        item = items[found.field]
+        marked = any(NEEDED in marks for _, marks in _options(found.hint))
+        if marked or (item.default is MISSING and item.default_factory is MISSING):
+            keys.setdefault(found.field, []).append(key)
+    return keys
+
+
+def _structured(hint: Any, value: Any, place: Place, key: str, readers: Readers) -> Any:
+    """Return the value of a key: tables and lists of tables as what they are made into, all else as its type has it."""
+    how, inner = _tables_in(hint)
+    if how is None and isinstance(value, dict):
+        return _made(inner, value, place.at(key), readers)
+    if how is dict and isinstance(value, dict):
+        return {name: _made(inner, entry, place.at(key, name), readers) for name, entry in value.items()}
+    if how is tuple and isinstance(value, list) and all(isinstance(entry, dict) for entry in value):
+        return tuple(_made(inner, entry, place.at(key, number), readers) for number, entry in enumerate(value))
+    try:
+        return checked(key, value, hint)
+    except ValueError as error:
+        text = str(error).replace(f"a {inner.__name__}", "a table") if how is None else str(error)
+        raise place.fault(text) from None
+
+
+@cache
+def _values_in(hint: Any) -> Any:
+    """Return the type without the classes in it, or in its lists and mappings, as msgspec takes it."""
+    if _tables_in(hint)[0] is float:
+        return hint
+    options = [
+        Annotated[(option, *marks)] if marks else option
+        for option, marks in _options(hint)
+        if option is not NoneType and _tables_in(option)[0] is float
+    ]
+    return reduce(or_, options) if options else NoneType
+
+
+@cache
+def _tables_in(hint: Any) -> tuple[Any, Any]:
+    """Return how tables stand in a type, None if alone, `tuple` or `dict`, and their class; twice `float` if not at all."""
+    for option, _ in _options(hint):
+        origin, args = get_origin(option), get_args(option)
+        if _is_class(option):
+            return None, option
+        if origin in (tuple, dict) and _is_class(inner := _options(args[0 if origin is tuple else -1])[0][0]):
+            return origin, inner
+    return float, float
+
+
+def _made(kind: Any, value: Any, place: Place, readers: Readers) -> Any:
+    return readers[kind](value, place) if kind in readers else structure(kind, value, place, readers)
+
+
+def _in_si(value: Any, factor: float | tuple[float, ...] | None) -> Any:
+    """Return a number, or those of a list or of columns, in SI; a text as it is."""
+    if factor is None or isinstance(value, str):
+        return value
+    if isinstance(factor, tuple):
+        return tuple(tuple(map(in_si, row, factor)) for row in value)
+    return tuple(in_si(one, factor) for one in value) if isinstance(value, list | tuple) else in_si(value, factor)
+
+
+def schema(kind: Any, schemas: Mapping[type, Entries] | None = None) -> Entries:
+    """Return the JSON Schema of the tables of a class; `schemas` are those of classes that have readers."""
+    explained = _comments(kind)
+    properties: Entries = {}
+    for key, found in keys_of(kind).items():
+        about = explained.get(found.field)
+        properties[key] = ({"description": about} if about else {}) | _value_schema(found.hint, schemas or {})
+    content: Entries = {"type": "object", "description": (kind.__doc__ or "").split("\n")[0], "properties": properties}
+    needed = _needed(kind).values()
+    alone = [keys[0] for keys in needed if len(keys) == 1]
+    several = [{"oneOf": [{"required": [key]} for key in keys]} for keys in needed if len(keys) > 1]
+    content |= {"required": alone} if alone else {}
+    return content | ({"allOf": several} if several else {}) | {"additionalProperties": False}
+
+
+def _value_schema(hint: Any, schemas: Mapping[type, Entries]) -> Entries:
+    found: list[Entries] = []
+    how, inner = _tables_in(hint)
+    if how is not float:
+        tables = schemas[inner] if inner in schemas else schema(inner, schemas)
+        lists = {"type": "array", "items": tables}
+        found.append(tables if how is None else lists if how is tuple else {"type": "object", "additionalProperties": tables})
+    for option, marks in _options(hint):
+        if option is not NoneType and _tables_in(option)[0] is float:
+            metas = tuple(mark for mark in marks if isinstance(mark, msgspec.Meta))
+            found.append(msgspec.json.schema(Annotated[(option, *metas)] if metas else option))
+            found += [{"type": "string", "format": "date"}] if DATE in marks else []
+    return found[0] if len(found) == 1 else {"anyOf": found}
+
+
+def _comments(kind: type) -> dict[str, str]:
+    """Return what the source of a class says of its fields: the comment behind each, or those above it."""
+    texts: dict[str, str] = {}
+    for part in reversed(kind.__mro__):
+        above: list[str] = []
+        for line in inspect.getsource(part).splitlines() if is_dataclass(part) else ():
+            text = line.partition("#")[2].lstrip(": ").strip()
+            if line.strip().startswith("#"):
+                above.append(text)
+                continue
+            if name := re.match(r"    (\w+): ", line):
+                texts[name[1]] = text or " ".join(above)
+            above = []
+    return texts
