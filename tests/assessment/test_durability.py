@@ -231,10 +231,10 @@ def test_hours_are_of_what_goes_on_and_not_of_shocks(tmp_path):
         ("exponent = 4", "there must be a table"),
         ('exponent = 4\n[[stage]]\nrun = "a"', "either `repetitions` or `hours`"),
         ('exponent = 4\n[[stage]]\nrun = "a"\nhours = 1\nrepetitions = 2', "either `repetitions` or `hours`"),
-        ('[[stage]]\nrun = "a"\nhours = 1', "`exponent` of the fatigue curve is missing"),
+        ('[[stage]]\nrun = "a"\nhours = 1', "`exponent` is missing; needed: exponent"),
         ('exponent = 4\n[[stage]]\nrun = "a"\nhours = -1', "`hours`"),
-        ('exponent = 4\nlife = 2\n[[stage]]\nrun = "a"\nhours = 1', "`life` is not known"),
-        ("exponent = ", "this is not TOML"),
+        ('exponent = 4\nlife = 2\n[[stage]]\nrun = "a"\nhours = 1', "line 2: `life` is unknown; known: stage, exponent"),
+        ("exponent = ", "not valid TOML"),
         ('exponent = 4\n[[stage]]\nrun = "nothing"\nhours = 1', "there is no such folder"),
     ],
 )

@@ -229,7 +229,9 @@ def test_limits_that_are_no_numbers(text, message):
 
 
 def test_a_limit_beyond_every_float_in_a_stored_scenario():
-    with pytest.raises(ValueError, match="`judge.limits.acceleration/block`: `values` must be a finite number, got 1000"):
+    with pytest.raises(
+        ValueError, match=r"judge: \[limits\] `acceleration/block` must be a list of finite numbers, got \[1000"
+    ):
         read_judge_table({"limits": {"acceleration/block": [10**400]}})
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.foundation.structure import DASHED, DATE, NEEDED, Among, In, Place, bounds, check, schema, structure
+from wirerope_mj.foundation.structure import DATE, NEEDED, Among, In, Key, Place, bounds, check, schema, structure
 from wirerope_mj.foundation.toml_file import read_toml
 
 pytestmark = pytest.mark.quick
@@ -37,7 +37,7 @@ class Part:
     #: direction
     travel: Annotated[float, In({"mm": 1e-3, "in": 0.0254})]
     points: Annotated[tuple[tuple[float, float], ...], In({"mm_N": (1e-3, 1.0)})] = ()
-    load_case: Annotated[bool, DASHED] = False
+    load_case: Annotated[bool, Key("load-case")] = False
     tests: Annotated[dict[str, str | tuple[str, ...]], Among(("half-sine", "sweep"))] = field(default_factory=dict)
     by_axis: dict[str, Rope] = field(default_factory=dict)
     finish: str | None = None
@@ -105,7 +105,7 @@ def test_a_table_becomes_its_class(tmp_path):
         ("diameter = 0.03", "diameter = inf", r"line 23: \[by_axis\.roll\] `diameter` must be a finite number"),
         ("[6, 1]", "[6,\n1.5]", r"line 16: \[\[ropes\]\] 1 `strands` must be a list of integers, got \[6, 1\.5\]"),
         ('"left"', '"up"', "line 20: .*`lay` must be one of 'left', 'right', got 'up'"),
-        ("[3, 4.5]", "[3, 4.5, 6]", "line 5: `points_mm_N` must be a list of 2 finite numbers, got"),
+        ("[3, 4.5]", "[3, 4.5, 6]", "line 5: `points_mm_N` must be a list of lists of 2 finite numbers, got"),
         ('name = "a"', "name = true", "line 1: `name` must be a text that is not empty, got True"),
         ('name = "a"', 'name = "none"', "line 1: `name` must name something"),
         ('kind = "used"', "", "a.toml: `kind` is missing; needed: name, kind, travel_mm"),
@@ -115,7 +115,7 @@ def test_a_table_becomes_its_class(tmp_path):
         ("[[ropes]]\ndiameter = 0.01", "[ropes]\ndiameter = 0.01", None),
         ("2026-11-01", "1", "line 3: `issued` must be a text, got 1"),
         ('["15 g", "20 g"]', "15", "line 10: `half-sine` must be a text or a list of texts, got 15"),
-        ("{ diameter = 0.03 }", "3", r"line 23: \[by_axis\.roll\] it must be a table, got 3"),
+        ("{ diameter = 0.03 }", "3", r"line 23: \[by_axis\] `roll` must be a table, got 3"),
     ],
 )
 def test_a_fault_is_named_with_line_key_and_remedy(tmp_path, old, new, message):

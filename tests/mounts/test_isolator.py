@@ -149,7 +149,7 @@ WRONG = [
     ),
     ("provenance/source", 1, r"\[provenance\] `source` must be a text"),
     ("provenance/assumed", "all", r"\[provenance\] `assumed` must be a list of texts"),
-    ("provenance/check_45", {"x": "y"}, r"\[provenance\] `check_45` must be a table of finite numbers, got {'x': 'y'}"),
+    ("provenance/check_45", {"x": "y"}, r"\[provenance\.check_45\] `x` must be a finite number, got 'y'"),
     ("spread/covariance", [[1.0]], r"\[spread\] `covariance` must have 2 rows of 2 numbers"),
     ("spread/parameters", 3, r"\[spread\] `parameters` must be a list of texts"),
 ]

@@ -37,5 +37,5 @@ def test_the_same_values_in_both_tables_are_one_law(tmp_path):
 
 
 def test_a_roll_that_is_neither_is_refused(tmp_path):
-    with pytest.raises(ModelError, match=r'`roll` must be a table \[roll\], "rope loop", or absent'):
+    with pytest.raises(ModelError, match="`roll` must be a table or 'rope loop', got 'as axial'"):
         fitted(tmp_path, 'roll = "as axial"\n' + SHEET)

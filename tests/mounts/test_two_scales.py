@@ -176,7 +176,7 @@ def test_other_rows_have_a_law_with_their_stiffnesses(name):
 def test_a_number_of_scales_without_a_rule_is_refused(tmp_path):
     sheet = tmp_path / "sheet.toml"
     sheet.write_text(SHEETS["enidine_wr12_400"].read_text().replace("scales = 2", "scales = 3"))
-    with pytest.raises(ModelError, match="`scales` must be 1 or 2, got 3"):
+    with pytest.raises(ModelError, match="`scales` must be one of 1, 2, got 3"):
         fit_datasheet(sheet)
 
 

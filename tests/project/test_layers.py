@@ -61,6 +61,7 @@ OWNERS = {
     "jinja2": {"views/report"},
     "weasyprint": {"views/report"},
     "docx": {"views/report"},
+    "msgspec": {"foundation"},
     "pyuff": {"motions/records", "engine/flexible"},
     "pyyeti": {"engine/flexible"},
     "pymoo": {"studies/search"},

@@ -159,11 +159,11 @@ def test_samples_that_are_not_numbers_are_never_identical(run):
 @pytest.mark.parametrize(
     ("table", "values", "message"),
     [
-        ("simulate", {"durration": 1.0}, "`simulate.durration` is unknown; known: duration"),
-        ("simulate", {"sample_rate": float("nan")}, "`simulate.sample_rate` must be a number > 0, got nan"),
+        ("simulate", {"durration": 1.0}, "[simulate] `durration` is unknown; known: duration"),
+        ("simulate", {"sample_rate": float("nan")}, "[simulate] `sample_rate` must be a finite number > 0 [Hz], got nan"),
         ("simulate", {"duration": 1e9}, "make 500000000001 samples, and response.parquet holds 26"),
         ("simulate", {"timestep": 1e-9}, "`simulate.timestep` is 1e-09, and response.parquet was computed with 0.001"),
-        ("model", {"file": 3}, "`model.file` must be a string, got 3"),
+        ("model", {"file": 3}, "[model] `file` must be a text, got 3"),
         ("model", {"file": "../../model.xml"}, "model file '../../model.xml' is not in this folder"),
         ("model", {"file": "\0"}, "is not in this folder"),
         ("motion", {"peak": 90.0}, "`motion.peak` is 90.0, and response.parquet was computed with 60.0"),

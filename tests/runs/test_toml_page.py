@@ -1,65 +1,74 @@
-"""docs/toml_files.md names every key that the readers of TOML files know."""
+"""docs/toml_files.md names every key that the classes of TOML files have, and the schemas that ship say what they say."""
 
 import inspect
+import json
 import re
-from dataclasses import fields
+import tomllib
 from pathlib import Path
 
+import jsonschema
 import pytest
 
-from wirerope_mj.content.blocks import TEXTS, Document, Revision
-from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
-from wirerope_mj.mounts.isolator import AXES, tables
-from wirerope_mj.mounts.isolator.parts import Travel
+from wirerope_mj.cli import main
+from wirerope_mj.foundation.resources import catalogue_folder, scenarios_folder
 from wirerope_mj.mounts.laws import LAWS
-from wirerope_mj.mounts.vendor_parts import sheet as sheet_file
-from wirerope_mj.runs import job_file, measured, scenario_file
+from wirerope_mj.runs.job_file import REPORTED
+from wirerope_mj.runs.schemas import FILES, SHIPPED, file_schema
 
-PAGE = (Path(__file__).parents[2] / "docs" / "toml_files.md").read_text(encoding="utf-8")
-NAMED = set(re.findall(r"`\[*([\w-]+)\]*`", PAGE))
+pytestmark = pytest.mark.quick
 
-
-@pytest.mark.quick
-def test_every_key_of_an_isolator_file_is_there():
-    keys = {*tables._KEYS, *AXES, *tables.PARTS, "law", "laws"}
-    keys |= {field.name for part in tables.PARTS.values() for field in fields(part)} | {field.name for field in fields(Travel)}
-    assert keys <= NAMED
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "toml_files.md").read_text(encoding="utf-8")
+NAMED = set(re.findall(r"`\[*([\w.-]+)\]*`", PAGE))
+UNIT = r"(m|mm|cm|in|um|ft|N|daN|kN|lbf|kip|kgf|N_per_mm|lb_per_in|J)"
 
 
-@pytest.mark.quick
+def keys_in(content):
+    """Yield every key of a schema."""
+    for part in content if isinstance(content, list) else content.values():
+        if isinstance(part, dict | list):
+            yield from keys_in(part)
+    yield from content.get("properties", {}) if isinstance(content, dict) else ()
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_every_key_of_a_file_is_on_the_page(kind):
+    keys = set(keys_in(file_schema(kind)))
+    known = NAMED | {name.rpartition(".")[2] for name in NAMED}  # such as document.history
+    assert {*REPORTED} <= NAMED
+    assert not {key for key in keys if key not in known and re.sub(f"_{UNIT}(_{UNIT})?$", "", key) not in known}
+
+
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_stands_there_with_all_its_parameters(name):
     (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{name}` ")]
     assert set(inspect.signature(LAWS[name]).parameters) <= set(re.findall(r"`(\w+)`", row))
 
 
-@pytest.mark.quick
-def test_every_key_of_a_data_sheet_is_there():
-    source = inspect.getsource(sheet_file)
-    keys = set(re.findall(r'(?:quantity|number|text|texts|integer|pairs)\("(\w+)"', source))
-    keys |= {f"{name}_{kind}" for kind in ("stiffness", "load") for name in ("vibration", "static", "shock")} - {
-        "vibration_load", "static_stiffness",
-    }  # fmt: skip
-    assert keys | {"roll", "damping_range", "diagonal"} <= NAMED
+@pytest.mark.parametrize("kind", FILES)
+def test_a_schema_that_ships_is_that_of_the_classes(kind):
+    """`python -m wirerope_mj.runs.schemas` writes them."""
+    assert json.loads((SHIPPED / f"{kind}.json").read_text(encoding="utf-8")) == file_schema(kind)
+    jsonschema.Draft202012Validator.check_schema(file_schema(kind))
+    assert f"`{kind}.json`" in PAGE
 
 
-@pytest.mark.quick
-def test_every_key_of_levels_and_of_a_run_is_there():
-    keys = {*SPOKEN_MOTIONS, "standard", "motion", "factor"}
-    keys |= {key for table, known in scenario_file._TABLES.items() for key in (table, *known)}
-    keys |= {*scenario_file._NEEDED, "format", "name", "question", "judge"}
-    assert keys <= NAMED
-    assert scenario_file.read_judge_table({}).keys() <= NAMED
+def test_every_file_that_ships_keeps_its_schema():
+    sheets = catalogue_folder() / "datasheets"
+    isolators = {path for path in catalogue_folder().rglob("*.toml") if path.parent != sheets}
+    files = {
+        "isolator": isolators,
+        "datasheet": {*sheets.glob("*.toml")},
+        "levels": {*(scenarios_folder() / "levels").glob("*")},
+    }
+    assert all(map(len, files.values()))
+    for kind, paths in files.items():
+        validator = jsonschema.Draft202012Validator(file_schema(kind))
+        for path in paths:
+            validator.validate(tomllib.loads(path.read_text(encoding="utf-8")))
 
 
-@pytest.mark.quick
-def test_every_key_of_a_map_of_a_measurement_is_there():
-    assert {*measured._OPTIONS, "channels", "file", "name"} <= NAMED
-
-
-@pytest.mark.quick
-def test_every_key_of_a_job_is_there():
-    keys = {*job_file._JOB, *job_file._CASE, *job_file.REPORTED, "files", "text", *TEXTS}
-    keys |= {field.name for kind in (Document, Revision) for field in fields(kind)} - {"texts"}
-    assert {f"document.{name}" for name in ("history", "text")} <= set(re.findall(r"`\[+([\w.]+)\]+`", PAGE))
-    assert keys - {"case", "document", "history", "text"} <= NAMED
+def test_the_command_writes_them_where_editors_find_them(tmp_path, capsys):
+    assert main(["schemas", str(tmp_path / "schemas")]) == 0
+    assert str(tmp_path / "schemas" / "job.json") in capsys.readouterr().out
+    assert {path.name for path in (tmp_path / "schemas").iterdir()} == {f"{kind}.json" for kind in FILES}

@@ -1,4 +1,4 @@
-"""`wirerope new` and `levels`: what one begins with, a model from tables or from a template, and levels to fill in."""
+"""`wirerope new`, `levels` and `schemas`: a model from tables or a template, levels to fill in, schemas for editors."""
 
 import sys
 from pathlib import Path
@@ -113,4 +113,19 @@ def levels(name: str | None = None, *, out: Path | None = None, force: Flag = Fa
     with atomic_file(target) as temporary:
         temporary.write_bytes(templates[name].read_bytes())
     print(f"written: {target}")
+    return 0
+
+
+def schemas(folder: Path) -> int:
+    """Write JSON Schemas of all TOML files, by which editors complete and check their keys.
+
+    A file names its own in its first line, `#:schema schemas/isolator.json`, as Taplo and the editors that use it read it.
+
+    Args:
+        folder: folder to write them to, such as schemas.
+    """
+    from wirerope_mj.runs.schemas import write_schemas
+
+    for path in write_schemas(folder):
+        print(f"written: {path}")
     return 0

@@ -4,19 +4,24 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from wirerope_mj.content.numbers import paragraphs
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.structure import DATE, Key
 from wirerope_mj.foundation.tables import TONES, Column, Table
 
-# Texts of a document's author, and where they stand
-TEXTS = {
-    "scope": "below the answer", "assumptions": "with what is assumed", "validation": "with what was validated",
-    "conclusion": "after the results",
-}  # fmt: skip
+
+@dataclass(frozen=True, kw_only=True)
+class Paragraphs:
+    """What the author of a document adds to what its results say."""
+
+    scope: str = ""  #: below the answer
+    assumptions: str = ""  #: beside what is assumed
+    validation: str = ""  #: beside what was validated
+    conclusion: str = ""  #: after the results
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +29,7 @@ class Revision:
     """A line of the history of a document."""
 
     revision: str
-    date: str = ""
+    date: Annotated[str, DATE] = ""
     author: str = ""
     change: str = ""
 
@@ -37,7 +42,7 @@ class Document:
     project: str = ""
     number: str = ""
     revision: str = ""
-    date: str = ""
+    date: Annotated[str, DATE] = ""
     # author, checker, approver: who signs
     author: str = ""
     checker: str = ""
@@ -47,7 +52,7 @@ class Document:
     standard: str = ""  # by which the load cases and limits were chosen
     logo: Path | None = None  # PNG or JPEG file; None for none
     history: tuple[Revision, ...] = ()  # revisions, the first one first
-    texts: Mapping[str, str] = field(default_factory=dict)  # paragraphs by the names of `TEXTS`
+    texts: Annotated[Paragraphs, Key("text")] = Paragraphs()
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
@@ -80,8 +85,8 @@ class Document:
         return Table(id="revisions", title="Revisions", columns=columns, rows=rows)
 
     def paragraphs(self, name: str) -> list[str]:
-        """Return the paragraphs of one of the `TEXTS`."""
-        return paragraphs(self.texts.get(name, ""))
+        """Return the paragraphs of the `Paragraphs`."""
+        return paragraphs(getattr(self.texts, name))
 
 
 # How far down something stands: on every screen, on the screen of the result, or on its pages only.

@@ -22,7 +22,7 @@ import msgspec
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import ModelError, WireRopeError
+from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.toml_file import line_of
 from wirerope_mj.foundation.units import in_si
@@ -30,7 +30,6 @@ from wirerope_mj.foundation.units import in_si
 T = TypeVar("T")
 NEEDED = "needed"  # mark of a field that a file must state, though it has a default in Python
 DATE = "date"  # mark of a text that may stand in a file as a date of TOML
-DASHED = "dashed"  # mark of a field whose key has - in place of _
 
 
 def bounds(unit: str = "", **limits: Any) -> msgspec.Meta:
@@ -50,6 +49,13 @@ class In:
     bare: bool = False
 
 
+@dataclass(frozen=True)
+class Key:
+    """Mark of a field whose key in a file is another than its name."""
+
+    name: str
+
+
 @dataclass(frozen=True, eq=False)
 class Among:
     """Mark of a field, a mapping, whose keys stand in the table of the file itself, beside those of other fields."""
@@ -63,11 +69,17 @@ class Place:
 
     file: Path | str  # lines are found in a path, and not in a text, which messages begin with all the same
     keys: tuple[str | int, ...] = ()
-    error: type[WireRopeError] = ModelError
+    error: type[Exception] = ModelError
+    remedy: str = ""  # with which every message ends
 
     def at(self, *keys: str | int) -> "Place":
         """Return the place of a table, or of an entry, in this one."""
         return replace(self, keys=(*self.keys, *keys))
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the file, from which relative paths in it start."""
+        return self.file.parent if isinstance(self.file, Path) else Path()
 
     @property
     def table(self) -> str:
@@ -76,12 +88,12 @@ class Place:
         last = self.keys[-1] if self.keys else ""
         return f"[[{dotted}]] {last + 1}" if isinstance(last, int) else f"[{dotted}]" if dotted else ""
 
-    def fault(self, text: str) -> WireRopeError:
+    def fault(self, text: str) -> Exception:
         """Return the error of a fault in the table, with the line of the `key` or [table] that `text` names first."""
         named = [table or key for table, key in re.findall(r"\[(\w+)\]|`([^`]+)`", text)]
         line = line_of(self.file, self.keys, named) if isinstance(self.file, Path) else None
         where = f"{self.file}, line {line}" if line else str(self.file)
-        return self.error(f"{where}: {self.table} {text}" if self.table else f"{where}: {text}")
+        return self.error(" ".join(filter(None, (f"{where}:", self.table, text, self.remedy))))
 
 
 Readers = Mapping[type, Callable[[Entries, Place], Any]]  # of classes that are not read field by field
@@ -97,7 +109,7 @@ def structure(kind: type[T], table: object, place: Place, readers: Readers | Non
         readers: of tables that are not read field by field, by the class that they return.
 
     Raises:
-        WireRopeError: `place.error`; names file, line, table and key, what must hold of it, what was got, and the nearest key.
+        Exception: `place.error`; names file, line, table and key, what must hold of it, what was got, and the nearest key.
     """
     if not isinstance(table, dict):
         raise place.fault(f"it must be a table, got {quoted(table)}.")
@@ -166,36 +178,36 @@ def checked(name: str, value: object, hint: Any) -> Any:
     raise ValueError(f"`{name}` must be {said_of(hint)}, got {quoted(value)}.{meant}")
 
 
-def said_of(hint: Any) -> str:
+def said_of(hint: Any, *, plural: bool = False) -> str:
     """Say what a type holds: "a finite number > 0 [m]"."""
-    return " or ".join(_said_of(option, marks) for option, marks in _options(hint) if option is not NoneType)
+    said = (_said_of(option, marks, plural) for option, marks in _options(hint) if option is not NoneType)
+    return " or ".join(said)
 
 
-def _said_of(option: Any, marks: tuple[Any, ...]) -> str:
-    metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
-    limits = [f" {sign} {limit:g}" for meta in metas for sign, limit in _limits(meta)]
-    units = [f" [{unit}]" for meta in metas if (unit := _unit(meta))]
-    filled = [" that is not empty" for meta in metas if meta.min_length]
-    return f"{_kind_of(option)}{' and'.join(limits)}{''.join(units)}{''.join(filled)}"
-
-
-def _kind_of(option: Any) -> str:
+def _said_of(option: Any, marks: tuple[Any, ...], plural: bool) -> str:
     origin, args = get_origin(option) or option, get_args(option)
     if origin is Literal:
-        return f"one of {', '.join(map(repr, args))}"
-    if origin is tuple and args and args[-1] is not Ellipsis:
-        return f"{len(args)} {_PLURALS[args[0]]}"
-    if origin in (tuple, list, Sequence):
-        inner = _options(args[0])[0][0]
-        inner = "tables" if _is_class(inner) else _PLURALS.get(inner) or _kind_of(inner).replace("a list", "lists")
-        return f"a list of {inner}"
-    if origin in (dict, Mapping):
-        return f"a table of {_PLURALS.get(_options(args[1])[0][0], 'tables')}"
-    return _KINDS.get(option) or f"a {option.__name__}"
+        text = f"{'one of ' if len(args) > 1 else ''}{', '.join(map(repr, args))}"
+    elif origin is tuple and args[-1] is not Ellipsis:
+        text = f"{'lists of ' if plural else ''}{len(args)} {said_of(args[0], plural=True)}"
+    elif origin in (tuple, list, Sequence):
+        text = f"{'lists' if plural else 'a list'} of {said_of(args[0], plural=True)}"
+    elif origin in (dict, Mapping):
+        text = f"{'tables' if plural else 'a table'} of {said_of(args[1], plural=True)}"
+    elif option in _KINDS:
+        text = _KINDS[option][plural]
+    else:
+        text = "tables" if plural else f"a {option.__name__}"
+    metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
+    text += " and".join(f" {sign} {limit:g}" for meta in metas for sign, limit in _limits(meta))
+    text += "".join(f" [{unit}]" for meta in metas if (unit := _unit(meta)))
+    return text + (" that is not empty" if any(meta.min_length for meta in metas) else "")
 
 
-_KINDS = {float: "a finite number", int: "an integer", bool: "true or false", str: "a text"}
-_PLURALS = {float: "finite numbers", int: "integers", str: "texts"}
+_KINDS = {
+    float: ("a finite number", "finite numbers"), int: ("an integer", "integers"), bool: ("true or false", "flags"),
+    str: ("a text", "texts"),
+}  # fmt: skip
 
 
 def _limits(meta: msgspec.Meta) -> list[tuple[str, float]]:
@@ -208,7 +220,7 @@ def _unit(meta: msgspec.Meta) -> str:
 
 
 def _is_class(option: Any) -> bool:
-    return isinstance(option, type) and option not in _KINDS and option is not NoneType and get_origin(option) is None
+    return isinstance(option, type) and option not in (*_KINDS, NoneType, Any) and get_origin(option) is None
 
 
 def _plain(value: object) -> object:
@@ -243,7 +255,7 @@ def _hints(kind: Any) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class _Key:
+class _Filled:
     field: str
     hint: Any
     factor: float | tuple[float, ...] | None = None
@@ -251,19 +263,19 @@ class _Key:
 
 
 @cache
-def keys_of(kind: Any) -> dict[str, _Key]:
+def keys_of(kind: Any) -> dict[str, _Filled]:
     """Return the keys that a table of a class may have in a file, and how each fills a field."""
-    keys: dict[str, _Key] = {}
+    keys: dict[str, _Filled] = {}
     for name, hint in _hints(kind).items():
         marks = [mark for _, all_of in _options(hint) for mark in all_of]
-        spelled = name.replace("_", "-") if DASHED in marks else name
+        spelled = next((mark.name for mark in marks if isinstance(mark, Key)), name)
         units = next((mark for mark in marks if isinstance(mark, In)), None)
         among = next((mark for mark in marks if isinstance(mark, Among)), None)
         if among:
-            keys |= {key: _Key(name, get_args(_options(hint)[0][0])[1], among=True) for key in among.keys}
+            keys |= {key: _Filled(name, get_args(_options(hint)[0][0])[1], among=True) for key in among.keys}
         if not among and (units is None or units.bare):
-            keys[spelled] = _Key(name, hint)
-        keys |= {f"{name}_{unit}": _Key(name, hint, factor) for unit, factor in (units.units if units else {}).items()}
+            keys[spelled] = _Filled(name, hint)
+        keys |= {f"{name}_{unit}": _Filled(name, hint, factor) for unit, factor in (units.units if units else {}).items()}
     return keys
 
 
@@ -283,16 +295,22 @@ def _needed(kind: Any) -> dict[str, list[str]]:
 def _structured(hint: Any, value: Any, place: Place, key: str, readers: Readers) -> Any:
     """Return the value of a key: tables and lists of tables as what they are made into, all else as its type has it."""
     how, inner = _tables_in(hint)
-    if how is None and isinstance(value, dict):
+    if inner is Path and isinstance(value, str):
+        return place.folder / value
+    if how is None and isinstance(value, dict) and inner is not Path:
         return _made(inner, value, place.at(key), readers)
-    if how is dict and isinstance(value, dict):
-        return {name: _made(inner, entry, place.at(key, name), readers) for name, entry in value.items()}
+    values = [get_args(option)[1] for option, _ in _options(hint) if get_origin(option) in (dict, Mapping)]
+    if values and isinstance(value, dict):
+        return {name: _structured(values[0], entry, place.at(key), name, readers) for name, entry in value.items()}
     if how is tuple and isinstance(value, list) and all(isinstance(entry, dict) for entry in value):
         return tuple(_made(inner, entry, place.at(key, number), readers) for number, entry in enumerate(value))
+    if hint is Any:
+        return value
     try:
         return checked(key, value, hint)
     except ValueError as error:
-        text = str(error).replace(f"a {inner.__name__}", "a table") if how is None else str(error)
+        said = "the path of a file" if inner is Path else "a table"
+        text = str(error).replace(f"a {inner.__name__}", said) if how is None else str(error)
         raise place.fault(text) from None
 
 
@@ -352,7 +370,9 @@ def schema(kind: Any, schemas: Mapping[type, Entries] | None = None) -> Entries:
 def _value_schema(hint: Any, schemas: Mapping[type, Entries]) -> Entries:
     found: list[Entries] = []
     how, inner = _tables_in(hint)
-    if how is not float:
+    if inner is Path:
+        found.append({"type": "string"})
+    elif how is not float:
         tables = schemas[inner] if inner in schemas else schema(inner, schemas)
         lists = {"type": "array", "items": tables}
         found.append(tables if how is None else lists if how is tuple else {"type": "object", "additionalProperties": tables})

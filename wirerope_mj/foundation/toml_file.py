@@ -6,29 +6,27 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import ModelError, why_unread
+from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 
 
-def read_toml(path: str | Path, kind: str) -> Entries:
-    """Read a TOML file, which messages call a `kind`, as "isolator file".
+def read_toml(path: str | Path, kind: str, error: type[WireRopeError] = ModelError, remedy: str = "") -> Entries:
+    """Read a TOML file, which messages call a `kind`, as "isolator file"; `remedy` of one that a program wrote.
 
     Raises:
-        ModelError: the file cannot be read, is no text or is not TOML; names file, line and column, and what to do.
+        WireRopeError: `error`; the file cannot be read, is no text or is not TOML; names file, line and column, and what to do.
     """
     try:
         return toml_content(path)
-    except OSError as error:
-        raise ModelError(f"{path}: cannot read this {kind}: {why_unread(error)}") from None
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise ModelError(
-            f"{path}, line {line}: cannot read this {kind}: it is not a text file in UTF-8. Save it as plain text."
-        ) from None
-    except tomllib.TOMLDecodeError as error:
-        raise ModelError(
-            f"{path}: not valid TOML: {error}. A line is `key = value`, with texts in quotes and a point, no comma, in numbers."
-        ) from None
+    except OSError as fault:
+        raise error(f"{path}: cannot read this {kind}: {why_unread(fault)}") from None
+    except UnicodeDecodeError as fault:
+        line = fault.object[: fault.start].count(b"\n") + 1
+        text = f"{path}, line {line}: cannot read this {kind}: it is not a text file in UTF-8."
+        raise error(f"{text} {remedy or 'Save it as plain text.'}") from None
+    except tomllib.TOMLDecodeError as fault:
+        form = "A line is `key = value`, with texts in quotes and a point, no comma, in numbers."
+        raise error(f"{path}: not valid TOML: {fault}. {remedy or form}") from None
 
 
 def toml_content(path: str | Path) -> Entries:

@@ -3,13 +3,16 @@
 import inspect
 import shutil
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 from wirerope_mj.foundation.arguments import nonzero
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.foundation.resources import scenarios_folder
+from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
 from wirerope_mj.motions.harmonic import Sine, Sweep
@@ -85,6 +88,30 @@ def check_records(motion: Entries, folder: Path) -> None:
         check_records(part, folder)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """A motion of a file of levels."""
+
+    phrase: Annotated[dict[str, str], Among(SPOKEN_MOTIONS)] = field(default_factory=dict)  #: in the words of its kind
+    factor: float | None = None  #: on it
+
+    def __post_init__(self) -> None:
+        if len(self.phrase) != 1:
+            raise ValueError(f"it says one of {', '.join(SPOKEN_MOTIONS)}; got {', '.join(self.phrase) or 'nothing'}.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Levels:
+    """A file of levels: motions of a test, all of which are added."""
+
+    motions: Annotated[tuple[Level, ...], Key("motion")] = ()
+    standard: str = ""  #: what the levels are from
+
+    def __post_init__(self) -> None:
+        if not self.motions:
+            raise ValueError('there is no table [[motion]]; one says for instance half-sine = "15 g 11 ms z".')
+
+
 def level_templates() -> dict[str, Path]:
     """Return the files of levels that ship with the package, to be filled in, by name."""
     return {path.stem: path for path in sorted((scenarios_folder() / "levels").glob("*.toml"))}
@@ -100,33 +127,14 @@ def motion_of_levels(path: Path) -> BaseMotion:
         ModelError: the file cannot be read, a key is unknown, or a level is still open; names the file and the motion.
         RecordError: a file that it names cannot be read.
     """
-    content = read_toml(path, "file of levels")
-    unknown = [key for key in content if key not in ("standard", "motion")]
-    if unknown:
-        raise ModelError(f"{path}: `{unknown[0]}` is unknown; known: standard, motion.")
-    if not isinstance(content.get("standard", ""), str):
-        raise ModelError(f"{path}: `standard` must be a text, got {content['standard']!r}.")
-    tables = content.get("motion", [])
-    if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
-        raise ModelError(f'{path}: there is no table [[motion]]; one says for instance half-sine = "15 g 11 ms z".')
-    motions = [_motion(path, number, table) for number, table in enumerate(tables, start=1)]
+    place = Place(path)
+    levels = structure(Levels, read_toml(path, "file of levels"), place)
+    motions: list[BaseMotion] = []
+    for number, level in enumerate(levels.motions):
+        ((kind, phrase),) = level.phrase.items()
+        try:
+            motion = motion_from_phrase(kind, phrase, folder=path.parent)
+            motions.append(motion if level.factor is None else Scaled(motion, nonzero("factor", level.factor)))
+        except ValueError as error:
+            raise place.at("motion", number).fault(str(error)) from None
     return sum(motions[1:], start=motions[0])
-
-
-def _motion(path: Path, number: int, table: Entries) -> BaseMotion:
-    location = f"{path}, motion {number}"
-    kinds = [key for key in table if key != "factor"]
-    if len(kinds) != 1 or kinds[0] not in SPOKEN_MOTIONS:
-        raise ModelError(
-            f"{location}: it says one of {', '.join(SPOKEN_MOTIONS)}, and maybe `factor`; got {', '.join(table) or 'nothing'}."
-        )
-    phrase = table[kinds[0]]
-    if not isinstance(phrase, str):
-        raise ModelError(
-            f'{location}: `{kinds[0]}` must be a text such as "{SPOKEN_MOTIONS[kinds[0]].example}", got {phrase!r}.'
-        )
-    try:
-        motion = motion_from_phrase(kinds[0], phrase, folder=path.parent)
-        return Scaled(motion, nonzero("factor", table["factor"])) if "factor" in table else motion
-    except ValueError as error:
-        raise ModelError(f"{location}: {error}") from None

@@ -172,7 +172,7 @@ def job_table(folder: Path) -> Entries:
 def _write_job(job: Job, folder: Path) -> None:
     logo = ""
     if job.document is not None and job.document.logo is not None:
-        logo = f"logo{logo_ending(job.document.logo, str(job.path))}"
+        logo = f"logo{logo_ending(job.document.logo)}"
         with atomic_file(folder / logo) as beside:
             shutil.copyfile(job.document.logo, beside)
     content = {

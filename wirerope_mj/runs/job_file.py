@@ -2,12 +2,11 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, fields
-from datetime import date
-from difflib import get_close_matches
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
+from typing import Annotated
 
-from wirerope_mj.content.blocks import TEXTS, Document, Revision
+from wirerope_mj.content.blocks import Document
 from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.simulation.simulate import check_arguments, check_direction, duration_of
@@ -15,9 +14,10 @@ from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
-from wirerope_mj.foundation.plain_text import quoted, short
+from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_source
+from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
@@ -28,23 +28,90 @@ from wirerope_mj.runs.scenario_file import judged_by
 KIND = "file of a job"
 QUESTION = "Does the equipment keep its limits, and do the mounts keep theirs, under every load case?"
 
-_SIMULATE: Entries = {"duration": float, "initial": str, "sample_rate": float, "accuracy": float, "timestep": float}
-_RECORD: Entries = {"channels": list, "direction": str} | dict.fromkeys(PLAYED, float) | {
-    "baseline": str, "gaps": str, "unit": str,
-}  # fmt: skip
-_CASE: Entries = {
-    "name": str, "note": str, **dict.fromkeys(SPOKEN_MOTIONS, list), "levels": list, "record": str, **_RECORD, **_SIMULATE,
-}  # fmt: skip
-_JOB: Entries = {
-    "name": str, "question": str, "model": str, "report": list, "combined_travel": bool, "sheet": str, "case": list,
-    "records": dict, "simulate": dict, "limits": dict, "document": dict,
-}  # fmt: skip
+Texts = str | tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Simulated:
+    """How cases are simulated."""
+
+    duration: float | None = None  #: length [s]
+    initial: str | None = None  #: "settled", "relaxed" or "unloaded"
+    sample_rate: float | None = None  #: samples a second [Hz]
+    accuracy: float | None = None  #: of peaks, by which the step is chosen
+    timestep: float | None = None  #: step [s], in place of an accuracy
+
+
+@dataclass(frozen=True, kw_only=True)
+class Played(Simulated):
+    """How a measured record is played, and how its case is simulated."""
+
+    note: str = ""  #: such as a clause of a standard
+    channels: Texts | None = None  #: those to use, NAME=DIRECTION, or one with a direction
+    direction: str | None = None  #: of a record of one channel
+    scale: float | None = None  #: factor on it
+    baseline: str | None = None  #: what is taken off
+    start: float | None = None  #: instant at which it begins [s]
+    highpass: float | None = None  #: frequency below which nothing is kept [Hz]
+    resample: float | None = None  #: samples a second [Hz]
+    gaps: str | None = None  #: "refuse" or "fill"
+    unit: str | None = None  #: of its samples
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case(Played):
+    """A load case of a job: its name and what moves the base, all of which is added."""
+
+    name: str = ""  #: it names its folder, too
+    #: in the words of the option of `wirerope shock`, one or several that are added
+    phrases: Annotated[dict[str, Texts], Among(SPOKEN_MOTIONS)] = field(default_factory=dict)
+    levels: Texts = ()  #: files of levels
+    record: str | None = None  #: a measured record
+
+    @property
+    def stated(self) -> Entries:
+        """What the case states of its motion, in the order in which a run's folder holds it."""
+        phrases = {kind: self.phrases[kind] for kind in SPOKEN_MOTIONS if kind in self.phrases}
+        rest = {name: getattr(self, name) for name in ("levels", "record", "channels", "direction", *PLAYED)}
+        return phrases | {name: value for name, value in rest.items() if value not in (None, ())}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Records(Played):
+    """A case for each record that a pattern finds."""
+
+    files: str = ""  #: pattern below the folder of the job, such as "records/*.csv"
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobFile:
+    """A job: load cases of one installation, their limits, and the document that they make."""
+
+    model: str = ""  #: path of a model, relative to the file, or the name of one that ships
+    name: str | None = None  #: title of the document
+    question: str = QUESTION  #: what it answers
+    report: Texts = REPORTED[:7]  #: what each case shows
+    combined_travel: bool = True  #: whether the travels along all axes are judged together, by the in-house rule
+    sheet: str | None = None  #: CSV or XLSX file with a case in each row
+    cases: Annotated[tuple[Case, ...], Key("case")] = ()
+    records: Records | None = None
+    simulate: Simulated = Simulated()  #: for all cases that do not say it themselves
+    limits: dict[str, str] = field(default_factory=dict)  #: as `--limit`: "acceleration/rack" = "15 g"
+    document: Document | None = None
+
+    def __post_init__(self) -> None:
+        if not self.model:
+            raise ValueError('`model` is missing: the path of a model or the name of one that ships, model = "cabinet".')
+        for name in _texts(self.report):
+            if name not in REPORTED:
+                raise ValueError(f"`report` may hold {', '.join(REPORTED)}, got {quoted(name)}.")
+
+
+_SIMULATE = tuple(item.name for item in fields(Simulated))
 # Columns of a sheet of cases besides their names.
-_IN_SHEETS = {"duration": "time", "start": "time"} | {
-    name: PURE if kind is float else TEXT
-    for name, kind in _CASE.items()
-    if name not in ("name", "duration", "start", "sample_rate", "highpass", "resample", "accuracy", "timestep")
-}
+_IN_SHEETS = {"duration": "time", "start": "time", "scale": PURE} | dict.fromkeys(
+    ("note", *SPOKEN_MOTIONS, "levels", "record", "channels", "direction", "baseline", "gaps", "unit", "initial"), TEXT
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,158 +147,112 @@ def load_job(path: str | Path) -> Job:
         RecordError: a file that it names cannot be read.
     """
     path = Path(path)
-    content = read_toml(path, KIND)
-    checked(content, _JOB, f"{path}")
-    if "model" not in content:
-        raise ModelError(f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".')
-    source = model_source(content["model"], folder=path.resolve().parent, asker=str(path))
-    limits = tuple(_limits(path, content.get("limits", {})))
-    combined = content.get("combined_travel", True)
+    content = structure(JobFile, read_toml(path, KIND), Place(path))
+    source = model_source(content.model, folder=path.resolve().parent, asker=str(path))
+    limits = tuple(_limits(Place(path, ("limits",)), content.limits))
+    document = content.document and _with_logo(content.document, Place(path, ("document",)))
     try:
-        system = judged_by(load_system(source), combined_travel=combined, limits=limits)
+        system = judged_by(load_system(source), combined_travel=content.combined_travel, limits=limits)
     except WireRopeError as error:
         raise type(error)(f"{path}: {error}") from None
-    every = content.get("simulate", {})
-    checked(every, _SIMULATE, f"{path}, [simulate]")
-    question = content.get("question", QUESTION)
     cases: list[LoadCase] = []
-    for where, folder, table in _tables(path, content):
-        checked(table, _CASE, where)
-        name = table.get("name", "")
-        slug = re.sub(r"\W+", "-", name).strip("-").lower()
+    for place, folder, case in _cases(path, content):
+        slug = re.sub(r"\W+", "-", case.name).strip("-").lower()
         if not slug:
-            raise ModelError(f'{where}: `name` is missing: it names the case and its folder, name = "vertical shock".')
+            raise place.fault('`name` is missing: it names the case and its folder, name = "vertical shock".')
         if any(other.folder == slug for other in cases):
-            raise ModelError(f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit.")
-        said = _scenario(f"{where} {quoted(name)}", every | table, folder, system)
-        made = Scenario(question=question, model=source, name=name, limits=limits, combined_travel=combined, **said)
-        cases.append(LoadCase(name=name, folder=slug, note=table.get("note", ""), scenario=made))
+            raise place.fault(f"{quoted(case.name)} is given twice; names of cases must differ by a letter or a digit.")
+        every = {name: getattr(content.simulate, name) for name in _SIMULATE if getattr(case, name) is None}
+        made = Scenario(
+            question=content.question, model=source, name=case.name, limits=limits, combined_travel=content.combined_travel,
+            **_scenario(place, replace(case, **every), folder, system),
+        )  # fmt: skip
+        cases.append(LoadCase(name=case.name, folder=slug, note=case.note, scenario=made))
     if not cases:
         raise ModelError(
             f'{path}: there is no load case; one is [[case]] with a name and a motion, such as half-sine = "15 g 11 ms z", or '
             "comes from a `sheet` or from [records]."
         )
     return Job(
-        name=content.get("name", path.stem), question=question, cases=tuple(cases), report=_report(path, content),
-        document=read_document(content["document"], path) if "document" in content else None, path=path,
+        name=content.name or path.stem, question=content.question, cases=tuple(cases), report=_texts(content.report),
+        document=document, path=path,
     )  # fmt: skip
 
 
-def _limits(path: Path, table: Entries) -> Iterator[PayloadLimit]:
+def _limits(place: Place, table: dict[str, str]) -> Iterator[PayloadLimit]:
     for key, value in table.items():
-        if not isinstance(value, str):
-            raise ModelError(f'{path}, [limits]: `{short(key)}` must be a text such as "15 g", got {quoted(value)}.')
         try:
             yield limit_from_text(f"{key} = {value}")
         except ValueError as error:
-            raise ModelError(f'{path}, [limits]: {error} Here it is "acceleration/rack" = "15 g".') from None
+            raise place.fault(f'{error} Here it is "acceleration/rack" = "15 g".') from None
 
 
-def _report(path: Path, content: Entries) -> tuple[str, ...]:
-    names = tuple(_texts(content.get("report", list(REPORTED[:7]))))
-    for name in names:
-        if name not in REPORTED:
-            raise ModelError(f"{path}: `report` may hold {', '.join(REPORTED)}, got {quoted(name)}.")
-    return names
-
-
-def _tables(path: Path, content: Entries) -> Iterator[tuple[str, Path, Entries]]:
+def _cases(path: Path, content: JobFile) -> Iterator[tuple[Place, Path, Case]]:
     """Yield place, folder of its files, and table of each case: of the file, of its sheet, of its directory of records."""
-    folder = path.parent
-    for number, table in enumerate(content.get("case", []), start=1):
-        if not isinstance(table, dict):
-            raise ModelError(f"{path}: cases are tables [[case]], got {quoted(table)}.")
-        yield f"{path}, case {number}", folder, table
-    if "sheet" in content:
-        sheet = folder / content["sheet"]
+    for number, case in enumerate(content.cases):
+        yield Place(path, ("case", number)), path.parent, case
+    if content.sheet is not None:
+        sheet = path.parent / content.sheet
         for row in read_sheet(sheet, kind="sheet of load cases", needed={"name": TEXT}, further=_IN_SHEETS):
             given = {name: kind for name, kind in _IN_SHEETS.items() if row.has(name)}
             cells = {name: row.text(name) if kind == TEXT else row.number(name) for name, kind in given.items()}
-            yield row.location, sheet.parent, {"name": row.text("name")} | cells
-    if "records" in content:
-        yield from _records(path, content["records"])
+            place = Place(row.location)
+            yield place, sheet.parent, structure(Case, {"name": row.text("name")} | cells, place)
+    if content.records is not None:
+        place, pattern = Place(path, ("records",)), content.records.files
+        if not pattern or Path(pattern).is_absolute():
+            raise place.fault('`files` must be a pattern below the folder of the job, such as "records/*.csv".')
+        found = sorted(path.parent.glob(pattern))
+        if not found:
+            text = f"no file matches `files` = {pattern!r} in {path.resolve().parent}."
+            raise replace(place, error=RecordError).fault(text)
+        shared = {name: value for name, value in vars(content.records).items() if name != "files"}
+        for file in found:
+            yield place, path.parent, Case(name=file.stem, record=str(file.relative_to(path.parent)), **shared)
 
 
-def _records(path: Path, table: Entries) -> Iterator[tuple[str, Path, Entries]]:
-    """Yield a case for each record that a pattern finds."""
-    where = f"{path}, [records]"
-    checked(table, {"files": str, "note": str, **_RECORD, **_SIMULATE}, where)
-    pattern = table.get("files", "")
-    if not pattern or Path(pattern).is_absolute():
-        raise ModelError(f'{where}: `files` must be a pattern below the folder of the job, such as "records/*.csv".')
-    found = sorted(path.parent.glob(pattern))
-    if not found:
-        raise RecordError(f"{where}: no file matches `files` = {pattern!r} in {path.resolve().parent}.")
-    shared = {key: value for key, value in table.items() if key != "files"}
-    for file in found:
-        yield where, path.parent, {"name": file.stem, "record": str(file.relative_to(path.parent)), **shared}
-
-
-def _scenario(where: str, table: Entries, folder: Path, system: System) -> Entries:
+def _scenario(place: Place, case: Case, folder: Path, system: System) -> Entries:
     """Return motion, simulation and options of a case's scenario."""
-    phrases = [(kind, text) for kind in SPOKEN_MOTIONS for text in _texts(table.get(kind, []))]
-    levels = [folder / file for file in _texts(table.get("levels", []))]
-    record = folder / table["record"] if "record" in table else None
+    phrases = [(kind, text) for kind in SPOKEN_MOTIONS for text in _texts(case.phrases.get(kind, ()))]
+    levels = [folder / file for file in _texts(case.levels)]
+    record = folder / case.record if case.record is not None else None
+    where = replace(place, error=ModelError)
     if not (phrases or levels or record):
-        raise ModelError(
-            f'{where}: it says no motion: one of {", ".join(SPOKEN_MOTIONS)}, such as half-sine = "15 g 11 ms z", `levels` or '
-            "`record`."
+        raise where.fault(
+            f'{quoted(case.name)}: it says no motion: one of {", ".join(SPOKEN_MOTIONS)}, such as half-sine = "15 g 11 ms z", '
+            "`levels` or `record`."
         )
-    if "accuracy" in table and "timestep" in table:
-        raise ModelError(f"{where}: `accuracy` and `timestep` exclude each other: give one.")
-    played = {name: table[name] for name in PLAYED if name in table}
+    if case.accuracy is not None and case.timestep is not None:
+        raise where.fault(f"{quoted(case.name)}: `accuracy` and `timestep` exclude each other: give one.")
+    stated = case.stated
+    played = {name: stated[name] for name in PLAYED if name in stated}
     if played and record is None:
-        raise ModelError(f"{where}: `{next(iter(played))}` belongs to a `record`.")
-    channels = _texts(table["channels"]) if "channels" in table else None
+        raise where.fault(f"{quoted(case.name)}: `{next(iter(played))}` belongs to a `record`.")
+    channels = _texts(case.channels) if case.channels is not None else None
     try:
         phrases = with_dwells_found(phrases, system, folder=folder)
         motion = said_motion(
-            phrases, levels=levels, record=record, channels=channels, direction=table.get("direction"), played=played,
-            duration=table.get("duration"), folder=folder,
+            phrases, levels=levels, record=record, channels=channels, direction=case.direction, played=played,
+            duration=case.duration, folder=folder,
         )  # fmt: skip
-        duration = duration_of(motion, table.get("duration"), system)
+        duration = duration_of(motion, case.duration, system)
         check_direction(system, motion)
-        check_arguments(**{name: table.get(name) for name in ("accuracy", "timestep", "sample_rate")})
+        check_arguments(accuracy=case.accuracy, timestep=case.timestep, sample_rate=case.sample_rate)
     except (WireRopeError, ValueError) as error:
         kind = type(error) if isinstance(error, WireRopeError) else ModelError
-        raise kind(f"{where}: {error}") from None
-    table |= {kind: [text for one, text in phrases if one == kind] for kind, _ in phrases}
-    options = {
-        name: "; ".join(_texts(table[name])) if _CASE[name] is list else table[name]
-        for name in _CASE
-        if name in table and name not in ("name", "note", *_SIMULATE)
-    }
-    simulate = {name: table[name] for name in _SIMULATE if name in table}
+        raise replace(place, error=kind).fault(f"{quoted(case.name)}: {error}") from None
+    stated |= {kind: tuple(text for one, text in phrases if one == kind) for kind, _ in phrases}
+    lists = (*SPOKEN_MOTIONS, "levels", "channels")
+    options = {name: "; ".join(_texts(value)) if name in lists else value for name, value in stated.items()}
+    simulate = {name: getattr(case, name) for name in _SIMULATE if getattr(case, name) is not None}
     return {"motion": motion, "options": options, "simulate": simulate | {"duration": duration}}
 
 
-def _texts(value: str | list[str]) -> list[str]:
-    return [value] if isinstance(value, str) else value
+def _texts(value: Texts) -> tuple[str, ...]:
+    return (value,) if isinstance(value, str) else value
 
 
-_LINES = tuple(one.name for one in fields(Document) if one.name not in ("logo", "history", "texts"))
 _PICTURES = {b"\x89PNG\r\n\x1a\n": ".png", b"\xff\xd8\xff": ".jpg"}
-_SAID = {
-    str: "a text", float: "a number", bool: "true or false", list: "a text or a list of texts", dict: "a table",
-    date: "a date or a text",
-}  # fmt: skip
-
-
-def checked(table: Entries, known: Entries, where: str) -> None:
-    """Raise ModelError unless a table has known keys with values of their kinds; a list is one of texts, or of tables."""
-    for key, value in table.items():
-        if key not in known:
-            near = get_close_matches(key, known, n=1)
-            meant = f" Did you mean `{near[0]}`?" if near else ""
-            raise ModelError(f"{where}: `{short(key)}` is unknown; known: {', '.join(known)}.{meant}")
-        kind = known[key]
-        right = {
-            float: isinstance(value, int | float) and not isinstance(value, bool),
-            list: isinstance(value, str) or (isinstance(value, list) and all(isinstance(one, str | dict) for one in value)),
-            date: isinstance(value, str | date),
-        }.get(kind, isinstance(value, kind))
-        if not right:
-            raise ModelError(f"{where}: `{key}` must be {_SAID[kind]}, got {quoted(value)}.")
 
 
 def read_document(table: Entries, path: Path) -> Document:
@@ -239,42 +260,37 @@ def read_document(table: Entries, path: Path) -> Document:
 
     ModelError if a key is unknown or of another kind, or the logo is no PNG or JPEG; names it.
     """
-    where = f"{path}, [document]"
-    kinds = dict.fromkeys(_LINES, str) | {"date": date}
-    checked(table, kinds | {"logo": str, "history": list, "text": dict}, where)
-    checked(table.get("text", {}), dict.fromkeys(TEXTS, str), f"{where}, text")
-    revisions = []
-    for number, row in enumerate(table.get("history", []), start=1):
-        if not isinstance(row, dict):
-            raise ModelError(f"{where}: `history` must be tables [[document.history]], got {quoted(row)}.")
-        known = {one.name: date if one.name == "date" else str for one in fields(Revision)}
-        checked(row, known, f"{where}, history {number}")
-        if "revision" not in row:
-            raise ModelError(f"{where}, history {number}: `revision` is missing.")
-        revisions.append(Revision(**{name: str(value) for name, value in row.items()}))
-    logo = path.parent / table["logo"] if "logo" in table else None
-    if logo is not None:
-        logo_ending(logo, where)
-    lines = {name: str(table[name]) for name in _LINES if name in table}
-    return Document(**lines, logo=logo, history=tuple(revisions), texts=dict(table.get("text", {})))
+    place = Place(path, ("document",))
+    return _with_logo(structure(Document, table, place), place)
 
 
-def logo_ending(logo: Path, where: str) -> str:
-    """Return ".png" or ".jpg" by what a picture's file begins with; ModelError if it is neither."""
+def _with_logo(document: Document, place: Place) -> Document:
+    if document.logo is not None:
+        try:
+            logo_ending(document.logo)
+        except ValueError as error:
+            raise place.fault(str(error)) from None
+    return document
+
+
+def logo_ending(logo: Path) -> str:
+    """Return ".png" or ".jpg" by what a picture's file begins with; ValueError if it is neither."""
     try:
         with regular(logo).open("rb") as file:
             begins = file.read(8)
     except OSError:
-        raise ModelError(f"{where}: there is no file {str(logo)!r} for `logo`.") from None
+        raise ValueError(f"there is no file {str(logo)!r} for `logo`.") from None
     ending = next((ending for mark, ending in _PICTURES.items() if begins.startswith(mark)), "")
     if not ending:
-        raise ModelError(f"{where}: `logo` must be a PNG or JPEG file, and {logo} is neither.")
+        raise ValueError(f"`logo` must be a PNG or JPEG file, and {logo} is neither.")
     return ending
 
 
 def document_table(document: Document, logo: str) -> Entries:
     """Return the table of a document as `read_document` reads it; `logo` is the name of the logo's copy."""
-    table: Entries = {name: getattr(document, name) for name in _LINES if getattr(document, name)}
+    lines = [item.name for item in fields(Document) if item.name not in ("logo", "history", "texts")]
+    table: Entries = {name: getattr(document, name) for name in lines if getattr(document, name)}
     table |= {"logo": logo} if logo else {}
     table |= {"history": [asdict(one) for one in document.history]} if document.history else {}
-    return table | ({"text": dict(document.texts)} if document.texts else {})
+    texts = {name: text for name, text in asdict(document.texts).items() if text}
+    return table | ({"text": texts} if texts else {})

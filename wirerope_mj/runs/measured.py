@@ -2,7 +2,9 @@
 
 import shutil
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import tomli_w
 
@@ -14,6 +16,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import file_inside
+from wirerope_mj.foundation.structure import Place, Positive, structure
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions import Measured, load_measured
 from wirerope_mj.runs.folder import digest_of, update_checksums, warn_of_alterations
@@ -21,16 +24,34 @@ from wirerope_mj.runs.sources import is_run, run_verdicts
 from wirerope_mj.views.report import report_html
 
 FOLDER = "measured"
-_KIND = "map of a measurement"
-_OPTIONS = ("start", "clock", "baseline", "gaps")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnMap:
+    """A map of a measurement: what the columns of a test's file are."""
+
+    channels: dict[str, str]  #: COLUMN = "PHRASE", such as A1 = "point/rack_top z g"
+    start: float | None = None  #: instant of the run at which the first sample was taken [s]
+    clock: Positive | None = None  #: seconds of the run in one of the file's clock
+    baseline: Literal["none", "rest", "mean"] | None = None
+    gaps: Literal["refuse", "fill"] | None = None
+    file: str | None = None  #: in a run's folder: the test's file beside it
+    name: str | None = None  #: what the test is called there
+
+    @property
+    def arguments(self) -> Entries:
+        """What it says, as `load_measured` takes it."""
+        return {key: value for key, value in vars(self).items() if value is not None and key not in ("file", "name")}
+
+
+def _column_map(path: Path) -> ColumnMap:
+    return structure(ColumnMap, read_toml(path, "map of a measurement", RecordError), Place(path, error=RecordError))
 
 
 def read_map(items: Sequence[str]) -> Entries:
     """Read what the columns of a measurement are, as `load_measured` takes it: `COLUMN=PHRASE`, or a TOML file.
 
-    The file has a table `channels`, COLUMN = "PHRASE", and maybe `start`, `clock`, `baseline` and `gaps`. ValueError if
-    an item is neither, or a column is given twice; ModelError or RecordError if the file cannot be read, or a key is
-    unknown.
+    ValueError if an item is neither, or a column is given twice; RecordError if the file is no `ColumnMap`.
     """
     channels: dict[str, str] = {}
     options: Entries = {}
@@ -39,14 +60,14 @@ def read_map(items: Sequence[str]) -> Entries:
         if sign:
             found: Entries = {"channels": {column.strip(): phrase.strip()}}
         elif item.endswith(".toml"):
-            found = _checked(Path(item), read_toml(Path(item), _KIND))
+            found = _column_map(Path(item)).arguments
         else:
             raise ValueError(f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.')
         for name, phrase in found["channels"].items():
             if name in channels:
                 raise ValueError(f"`--map` must say once what a column is, got {name!r} twice.")
             channels[name] = phrase
-        options |= {key: value for key, value in found.items() if key in _OPTIONS}
+        options |= {key: value for key, value in found.items() if key != "channels"}
     return {"channels": channels, **options}
 
 
@@ -82,22 +103,10 @@ def tests_of(folder: Path) -> tuple[Measured, ...]:
     """
     tests = []
     for path in sorted((folder / FOLDER).glob("*.toml")):
-        content = read_toml(path, _KIND)
-        known = _checked(path, {key: value for key, value in content.items() if key not in ("file", "name")})
-        file = file_inside(path.parent, content.get("file"), "measurement")
-        tests.append(load_measured(file, name=str(content.get("name", path.stem)), **known))
+        found = _column_map(path)
+        file = file_inside(path.parent, found.file, "measurement")
+        tests.append(load_measured(file, name=found.name or path.stem, **found.arguments))
     return tuple(tests)
-
-
-def _checked(path: Path, content: Entries) -> Entries:
-    """Return the content of a map; RecordError for an unknown key, or if it names no columns."""
-    unknown = [key for key in content if key not in (*_OPTIONS, "channels")]
-    if unknown:
-        raise RecordError(f"{path}: `{unknown[0]}` is unknown; known: channels, {', '.join(_OPTIONS)}.")
-    channels = content.get("channels")
-    if not isinstance(channels, dict) or not all(isinstance(phrase, str) for phrase in channels.values()):
-        raise RecordError(f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".')
-    return content
 
 
 def write_correlation(

@@ -1,19 +1,18 @@
 """The scenario as it stands in a run's folder, checked where it is read, and how it is judged."""
 
-import math
-import tomllib
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.declared import is_subject, limit_subjects
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import ModelError, RecordError, why_unread
+from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limits_by_patterns
-from wirerope_mj.foundation.toml_file import toml_content
+from wirerope_mj.foundation.structure import Place, Positive, bounds, keys_of, structure
+from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.runs.folder import FORMAT, SCENARIO
 
 
@@ -32,24 +31,8 @@ def judge_table(*, combined_travel: bool, limits: Sequence[PayloadLimit]) -> Ent
 
 def read_judge_table(content: Entries) -> Entries:
     """Return the arguments of `judged_by` that `judge_table` stored; ValueError names the key that is not what it must be."""
-    unknown = [key for key in content if key not in ("combined_travel", "limits")]
-    if unknown:
-        raise ValueError(f"`judge.{unknown[0]}` is unknown; known: combined_travel, limits.")
-    combined, stored = content.get("combined_travel", True), content.get("limits", {})
-    if not isinstance(combined, bool):
-        raise ValueError(f"`judge.combined_travel` must be true or false, got {combined!r}.")
-    if not isinstance(stored, dict):
-        raise ValueError(f"`judge.limits` must be a table, got {stored!r}.")
-    limits = []
-    for key, values in stored.items():
-        kind, _, name = key.partition("/")
-        if not isinstance(values, list) or not all(type(one) in (int, float) for one in values):
-            raise ValueError(f"`judge.limits.{key}` must be a list of numbers, got {values!r}.")
-        try:
-            limits.append(PayloadLimit(kind=kind, name=name, values=tuple(values)))
-        except ValueError as error:
-            raise ValueError(f"`judge.limits.{key}`: {error}") from None
-    return {"combined_travel": combined, "limits": tuple(limits)}
+    judge = structure(JudgeTable, content, Place("judge", error=ValueError))
+    return {"combined_travel": judge.combined_travel, "limits": judge.payload_limits}
 
 
 def subjects_of(system: System) -> dict[str, list[str]]:
@@ -78,17 +61,74 @@ def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
     return replace(system, limits=(*kept, *limits))
 
 
-# Tables of which every key counts, and their keys.
-_TABLES = {
-    "model": ("file", "changes"),
-    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners", "engine"),
-}
-_NEEDED = {
-    "model": ("file",), "simulate": ("duration", "initial", "timestep", "sample_rate", "callback"),
-    "motion": ("kind", "description"), "options": (), "versions": (),
-}  # fmt: skip
 _REMEDY = "Put it right, or take the file from another copy of the folder."
-_CHOICES = {"initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python"), "engine": ("mujoco", "kernel")}
+Seconds = Annotated[float, bounds("s", gt=0.0)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelTable:
+    """The model of a run."""
+
+    file: str  #: its file in the folder
+    changes: str | None = None  #: file of what a variant differs by
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulateTable:
+    """How a run was simulated."""
+
+    duration: Seconds
+    initial: Literal["settled", "relaxed", "unloaded"]
+    timestep: Seconds
+    sample_rate: Annotated[float, bounds("Hz", gt=0.0)]
+    callback: Literal["native", "python"]
+    engine: Literal["mujoco", "kernel"] | None = None
+    accuracy: Positive | None = None  #: by which the step was chosen
+    corners: tuple[float, ...] = ()  #: instants at which the motion is not smooth [s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgeTable:
+    """How a run is judged."""
+
+    combined_travel: bool = True  #: whether the travels along all axes are judged together
+    limits: dict[str, tuple[float, ...]] = field(default_factory=dict)  #: KIND/NAME = [values], in place of the model's
+
+    @property
+    def payload_limits(self) -> tuple[PayloadLimit, ...]:
+        """The limits; ValueError if one is none."""
+        found = []
+        for key, values in self.limits.items():
+            kind, _, name = key.partition("/")
+            try:
+                found.append(PayloadLimit(kind=kind, name=name, values=values))
+            except ValueError as error:
+                raise ValueError(f"`limits` `{key}`: {error}") from None
+        return tuple(found)
+
+    def __post_init__(self) -> None:
+        _ = self.payload_limits
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredScenario:
+    """The scenario of a run, as it stands in its folder."""
+
+    format: int
+    name: str  #: of the scenario
+    question: str
+    written: Any = None  #: when it was simulated
+    options: Entries  #: of the scenario, as given
+    model: ModelTable
+    simulate: SimulateTable
+    motion: Entries  #: `kind`, `description` and its parameters
+    judge: JudgeTable = JudgeTable()
+    versions: dict[str, str]  #: of the packages that computed it
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.motion.get("description"), str):
+            raise ValueError("`motion` has no text `description`.")
+        check_motion("motion", self.motion)
 
 
 def scenario_content(folder: Path) -> Entries:
@@ -99,64 +139,9 @@ def scenario_content(folder: Path) -> Entries:
     path = folder / SCENARIO
     if not path.is_file():
         raise RecordError(f"{folder}: this is not a run; there is no {SCENARIO} here.")
-    try:
-        content = toml_content(path)
-    except OSError as error:
-        raise RecordError(f"{path}: {why_unread(error)}") from None
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise RecordError(f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}") from None
-    except tomllib.TOMLDecodeError as error:
-        raise RecordError(f"{path}: this is not the scenario of a run, nor TOML: {error}. {_REMEDY}") from None
+    content = read_toml(path, "scenario of a run", RecordError, _REMEDY)
     if "format" in content and content["format"] != FORMAT:
         raise RecordError(f"{path}: `format` is {content['format']!r}, not {FORMAT}; use the version that wrote it.")
-    try:
-        _check(content)
-    except ValueError as error:
-        raise RecordError(f"{path}: this is not the scenario of a run as it was written: {error} {_REMEDY}") from None
+    known = {key: value for key, value in content.items() if key in keys_of(StoredScenario)}
+    structure(StoredScenario, known, Place(path, error=RecordError, remedy=_REMEDY))
     return content
-
-
-def _check(content: Entries) -> None:
-    """Raise ValueError that names the key unless the scenario is what `run_scenario` writes."""
-    for name in ("format", "name", "question"):
-        if name not in content:
-            raise ValueError(f"`{name}` is missing.")
-        if name != "format" and not isinstance(content[name], str):
-            raise ValueError(f"`{name}` must be a string, got {content[name]!r}.")
-    for table, needed in _NEEDED.items():
-        if not isinstance(content.get(table), dict):
-            raise ValueError(f"the table `{table}` is missing.")
-        for key in needed:
-            if key not in content[table]:
-                raise ValueError(f"`{table}.{key}` is missing.")
-        for key in content[table]:
-            if table in _TABLES and key not in _TABLES[table]:
-                raise ValueError(f"`{table}.{key}` is unknown; known: {', '.join(_TABLES[table])}.")
-    for table, names in (("model", _TABLES["model"]), ("motion", _NEEDED["motion"]), ("versions", content["versions"])):
-        for key in names:
-            if not isinstance(content[table].get(key, ""), str):
-                raise ValueError(f"`{table}.{key}` must be a string, got {content[table][key]!r}.")
-    _check_simulate(content["simulate"])
-    judge = content.get("judge", {})  # only where it says something
-    if not isinstance(judge, dict):
-        raise ValueError(f"`judge` must be a table, got {judge!r}.")
-    read_judge_table(judge)
-    check_motion("motion", content["motion"])
-
-
-def _check_simulate(simulate: Entries) -> None:
-    for name in ("duration", "sample_rate", "timestep", "accuracy"):
-        if name in simulate and not (_is_finite(simulate[name]) and simulate[name] > 0.0):
-            raise ValueError(f"`simulate.{name}` must be a number > 0, got {simulate[name]!r}.")
-    for name, choices in _CHOICES.items():
-        if name in simulate and simulate[name] not in choices:
-            raise ValueError(f"`simulate.{name}` must be one of {', '.join(choices)}, got {simulate[name]!r}.")
-    corners = simulate.get("corners", [])
-    if not isinstance(corners, list) or not all(_is_finite(corner) for corner in corners):
-        raise ValueError("`simulate.corners` must be a list of finite instants [s].")
-
-
-def _is_finite(value: Any) -> bool:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and abs(value) <= 1e300 and math.isfinite(value)  # larger integers are no float

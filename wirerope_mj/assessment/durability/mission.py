@@ -1,11 +1,10 @@
 """Cycles of the mounts of a run, and a service life as a file: runs, and how often each of them happens."""
 
 import math
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -14,11 +13,12 @@ from wirerope_mj.assessment.criteria.sampled import STEADY, elements, parabolas,
 from wirerope_mj.assessment.durability.cycles import Cycles, rainflow_cycles
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.response.scene import SceneMount
-from wirerope_mj.foundation.arguments import one_of, positive
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
-from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.toml_file import toml_content
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.structure import Key, Place, Positive, structure
+from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import AXES
 
 Quantity = Literal["deflection", "force"]
@@ -128,27 +128,33 @@ PER_PERIOD = 100  # Samples to a period of the mean frequency of a deflection th
 # Kinds of motions that go on for hours, or of which a part that was measured stands for them.
 _LASTING = STEADY | {"random-vibration", "record", "force-table"}
 _SHORTEST = 0.05  # Fraction of a stationary vibration that a run must hold for hours of it to be counted
-_KEYS = ("exponent", "quantity", "constant", "stage")
-_STAGE_KEYS = ("run", "repetitions", "hours")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
     """A run's folder, and how often it happens in a service life: `repetitions`, or as often as fits into `hours`."""
 
-    run: Path
-    repetitions: float | None = None
-    hours: float | None = None
+    run: Path  #: folder of a run
+    repetitions: Positive | None = None
+    hours: Positive | None = None
+
+    def __post_init__(self) -> None:
+        if (self.repetitions is None) == (self.hours is None):
+            raise ValueError(f"the stage {str(self.run)!r} must say either `repetitions` or `hours`.")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mission:
     """A service life."""
 
-    stages: tuple[Stage, ...]  # what happens in it
-    exponent: float  # b of the fatigue curve N = C / A^b
+    stages: Annotated[tuple[Stage, ...], Key("stage")] = ()  # what happens in it
+    exponent: Positive  # b of the fatigue curve N = C / A^b
     quantity: Quantity = "deflection"  # of the mounts that is counted
-    constant: float | None = None  # C, in the quantity's SI unit to the power b; None: damage is relative
+    constant: Positive | None = None  # C, in the quantity's SI unit to the power b; None: damage is relative
+
+    def __post_init__(self) -> None:
+        if not self.stages:
+            raise ValueError("there must be a table [[stage]] for each run of the service life.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,48 +178,8 @@ def read_mission(path: str | Path) -> Mission:
 
     RecordError if the file cannot be read, or a key is missing, unknown or out of its range.
     """
-    file = Path(path)
-    try:
-        return _mission(toml_content(file), file.parent)
-    except OSError as error:
-        raise RecordError(f"{file}: {why_unread(error)}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise RecordError(f"{file}: this is not TOML: {error}") from None
-    except ValueError as error:
-        raise RecordError(f"{file}: {error}") from None
-
-
-def _mission(content: Entries, folder: Path) -> Mission:
-    _require_known(content, _KEYS)
-    stages = content.get("stage")
-    if not isinstance(stages, list) or not stages or not all(isinstance(stage, dict) for stage in stages):
-        raise ValueError("there must be a table [[stage]] for each run of the service life.")
-    if "exponent" not in content:
-        raise ValueError("`exponent` of the fatigue curve is missing.")
-    quantity = content.get("quantity", "deflection")
-    one_of("quantity", quantity, get_args(Quantity))
-    constant = content.get("constant")
-    return Mission(
-        stages=tuple(_stage(stage, folder) for stage in stages), exponent=positive("exponent", content["exponent"]),
-        quantity=quantity, constant=None if constant is None else positive("constant", constant),
-    )  # fmt: skip
-
-
-def _stage(content: Entries, folder: Path) -> Stage:
-    _require_known(content, _STAGE_KEYS)
-    run = content.get("run")
-    if not isinstance(run, str):
-        raise ValueError("a [[stage]] must say the folder of its `run`.")
-    often = [key for key in ("repetitions", "hours") if key in content]
-    if len(often) != 1:
-        raise ValueError(f"the stage {run!r} must say either `repetitions` or `hours`.")
-    return Stage(run=folder / run, **{often[0]: positive(often[0], content[often[0]])})
-
-
-def _require_known(content: Entries, known: tuple[str, ...]) -> None:
-    for key in content:
-        if key not in known:
-            raise ValueError(f"`{key}` is not known; known: {', '.join(known)}.")
+    path = Path(path)
+    return structure(Mission, read_toml(path, "service life", RecordError), Place(path, error=RecordError))
 
 
 def mission_damage(mission: Mission) -> list[MountDamage]:

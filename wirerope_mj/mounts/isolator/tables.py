@@ -10,7 +10,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
-from wirerope_mj.foundation.structure import Place, structure
+from wirerope_mj.foundation.structure import Place, schema, structure
 from wirerope_mj.foundation.table_files import read_header, rows_in_si
 from wirerope_mj.foundation.table_header import Header
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
@@ -52,6 +52,27 @@ def _read_alone(table: Entries, place: Place) -> Law:
     if "laws" in table:
         raise place.fault("it holds `laws` itself: put all of them into one list.")
     return read_law(table, place)
+
+
+def law_schema() -> Entries:
+    """Return the JSON Schema of the table of an axis, which is `$defs/law` of the file's."""
+    found: list[Entries] = []
+    for name, kind in sorted(LAWS.items()):
+        content = schema(kind)
+        keys = content["properties"]
+        for key in keys:
+            keys[key] |= {"unit": kind.units[key]} if key in kind.units else {}
+            keys[key] |= {"minimum": 0} if key in kind.not_negative else {}
+            keys[key] |= {"exclusiveMinimum": 0} if key in kind.above_zero else {}
+        content["properties"] = {"law": {"const": name}} | keys
+        content["required"] = ["law", *content.get("required", [])]
+        if kind is Tabulated:
+            content["properties"]["points"] = {"description": "name of a CSV file of the curves", "type": "string"}
+            del content["allOf"]
+        found.append(content)
+    laws = {"type": "array", "items": {"$ref": "#/$defs/law"}, "minItems": 1}
+    several = {"type": "object", "properties": {"laws": laws}, "required": ["laws"], "additionalProperties": False}
+    return {"anyOf": [*found, several]}
 
 
 def read_curve(path: Path) -> dict[str, list[float]]:

@@ -1,131 +1,117 @@
 """Data sheets of vendors that state force-deflection curves, static ones or shock ones or both, and isolators that follow them.
 
-A sheet that has the key `curve` is one of these: `curve = "shock"` says which of its curves the laws follow, the other is
-compared. It has the tables [compression], [tension], [shear] and [roll] that the vendor states, all numbers > 0:
-
-    static_mm_N, shock_mm_daN    [[deflection, force], ...] from rest, without the point (0, 0); or static, shock = "points.csv"
-    areas_mm_J                   [[amplitude, area], ...] of closed cycles about zero; or
-    damping_mm                   [[amplitude, damping ratio], ...]; neither: no hysteresis
-    travel_mm                    rated; the end of the curve by default
-
-and beside them `name`, `source`, `yield_deflection_mm` (where there is hysteresis), and if they are stated `height_mm`,
-`width_mm`, `static_load_N`, `assumed`. Without [tension] the curve of compression is mirrored, without [roll] that of shear is
-taken.
+A sheet that has the key `curve` is one of these. What its keys mean stands at the fields of `CurveSheet` and `Side`.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast
+from typing import Annotated, Literal, cast
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
+from wirerope_mj.foundation.structure import In, Key, Place, bounds, structure
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Travel
 from wirerope_mj.mounts.isolator.tables import read_curve
 from wirerope_mj.mounts.laws import Tabulated
 from wirerope_mj.mounts.vendor_parts import law_values
-from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
-from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, LENGTH, Pairs, TomlTable
+from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue, Force, Length, Pairs
 
 KINDS = ("static", "shock")
 _FAR = 20.0  # times that a rated travel may be longer or shorter than its curve: inches are 25.4 mm
 _SIDES = ("compression", "tension", "shear", "roll")  # Kinds of curves, and the tables of a sheet
 
 
+Curve = Annotated[Pairs, In({
+    f"{length}_{force}": (LENGTH_UNITS[length], FORCE_UNITS[force]) for length in ("mm", "in") for force in ("N", "daN", "kN")
+})]  # fmt: skip
+
+
 @dataclass(frozen=True, kw_only=True)
 class Side:
-    """Values of one direction, in SI units and positive: curves from (0, 0), areas, damping ratios, travel."""
+    """Curves of one direction, and the hysteresis along it; neither areas nor damping ratios: none."""
 
-    curves: Mapping[str, Pairs]
-    areas: Pairs
-    damping: Pairs
-    travel: float | None
+    static: Curve = ()  #: [[deflection, force], ...] from rest, without the point (0, 0)
+    static_file: Annotated[str, Key("static")] | None = None  #: name of a CSV file of such points beside the sheet
+    shock: Curve = ()  #: as `static`
+    shock_file: Annotated[str, Key("shock")] | None = None
+    areas: Annotated[Pairs, In({"mm_J": (1e-3, 1.0)})] = ()  #: [[amplitude, area], ...] of closed cycles about zero
+    damping: Annotated[Pairs, In({"mm": (1e-3, 1.0)})] = ()  #: [[amplitude, damping ratio], ...]
+    travel: Length | None = None  #: rated; the end of the curve by default
+
+    @property
+    def curves(self) -> dict[str, Pairs]:
+        """The curves from (0, 0) that there are, in SI units and positive."""
+        return {kind: points for kind in KINDS if (points := getattr(self, kind))}
+
+    def __post_init__(self) -> None:
+        if self.areas and self.damping:
+            raise ValueError("give `areas_mm_J` or `damping_mm`, not both.")
+        end = max((points[-1][0] for points in self.curves.values()), default=self.travel)
+        if self.travel and end and not 1.0 / _FAR < self.travel / end < _FAR:
+            ends = f"`travel` is {1e3 * self.travel:.6g} mm and the curve ends at {1e3 * end:.6g} mm"
+            raise ValueError(f"{ends}; is its unit another?")
 
 
 @dataclass(frozen=True, kw_only=True)
 class CurveSheet:
-    """A vendor's curves, in SI units; `curve` is the kind that the laws follow."""
+    """A vendor's force-deflection curves of one isolator."""
 
+    curve: Literal["static", "shock"]  #: which of the curves the laws follow; the other is compared
     name: str
     source: str
-    curve: str
-    sides: Mapping[str, Side]
-    yield_deflection: float
-    static_load: float | None
-    height: float | None
-    width: float | None
-    assumed: tuple[str, ...]
+    compression: Side | None = None
+    tension: Side | None = None  #: absent: the curve of compression, mirrored
+    shear: Side | None = None
+    roll: Side | None = None  #: absent: the curve of shear
+    yield_deflection: Annotated[float, In({"mm": 1e-3, "in": 0.0254}), bounds(ge=0.0)] = 0.0  #: where there is hysteresis
+    static_load: Force | None = None
+    height: Length | None = None
+    width: Length | None = None
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def sides(self) -> dict[str, Side]:
+        """The directions that there are, by the names of their tables."""
+        return {name: side for name in _SIDES if (side := getattr(self, name)) is not None}
+
+    def __post_init__(self) -> None:
+        if not {"compression", "shear", "roll"} & set(self.sides):
+            raise ValueError("a table of curves is missing: [compression], [shear] or [roll].")
+        for name, side in self.sides.items():
+            if self.curve not in side.curves:
+                kind = self.curve
+                raise ValueError(f"[{name}] states no {kind} curve, which `curve` asks for: `{kind}_mm_N` is missing.")
+        if self.tension and (not self.compression or self.tension.areas or self.tension.damping):
+            raise ValueError("[tension] goes with [compression], where areas and damping ratios stand.")
 
 
-def read_curve_sheet(content: Mapping[str, object], path: Path) -> CurveSheet:
-    """Return the sheet of a file's content; ModelError names file, table, key and rule."""
-    table = TomlTable(content, f"{path}:")
-    curve = table.text("curve")
-    if curve not in KINDS:
-        raise ModelError(f"{path}: `curve` must be one of {', '.join(KINDS)}, got {curve!r}.")
-    tables = {name: TomlTable(table.entries.pop(name), f"{path}: [{name}]") for name in _SIDES if name in table.entries}
-    sides = {name: _side(one, path.parent) for name, one in tables.items()}
-    for name, side in sides.items():
-        if curve not in side.curves:
-            raise ModelError(f"{path}: [{name}] states no {curve} curve, which `curve` asks for: `{curve}_mm_N` is missing.")
-    if not {"compression", "shear", "roll"} & set(sides):
-        raise ModelError(f"{path}: a table of curves is missing: [compression], [shear] or [roll].")
-    if "tension" in sides and ("compression" not in sides or sides["tension"].areas or sides["tension"].damping):
-        raise ModelError(f"{path}: [tension] goes with [compression], where areas and damping ratios stand.")
-    sheet = CurveSheet(
-        name=table.text("name"), source=table.text("source"), curve=curve, sides=sides,
-        yield_deflection=table.optional_quantity("yield_deflection", LENGTH) or 0.0,
-        static_load=table.optional_quantity("static_load", FORCE), height=table.optional_quantity("height", LENGTH),
-        width=table.optional_quantity("width", LENGTH), assumed=table.texts("assumed"),
-    )  # fmt: skip
-    table.require_empty()
-    return sheet
+def read_curve_sheet(content: Entries, path: Path) -> CurveSheet:
+    """Return the sheet of a file's content; ModelError names file, line, table, key and rule."""
+    return structure(CurveSheet, content, Place(path), {Side: _side})
 
 
-def _side(table: TomlTable, folder: Path) -> Side:
-    curves = {kind: points for kind in KINDS if (points := _points(table, kind, folder))}
-    areas = _scaled(table.pairs("areas_mm_J"), 1e-3, 1.0)
-    damping = _scaled(table.pairs("damping_mm"), 1e-3, 1.0)
-    if areas and damping:
-        raise ModelError(f"{table.location} give `areas_mm_J` or `damping_mm`, not both.")
-    travel = table.optional_quantity("travel", LENGTH)
-    end = max((points[-1][0] for points in curves.values()), default=travel)
-    if travel and end and not 1.0 / _FAR < travel / end < _FAR:
-        raise ModelError(
-            f"{table.location} `travel` is {1e3 * travel:.6g} mm and the curve ends at {1e3 * end:.6g} mm; is its unit another?"
-        )
-    table.require_empty()
-    return Side(curves=curves, areas=areas, damping=damping, travel=travel)
-
-
-def _points(table: TomlTable, kind: str, folder: Path) -> Pairs:
-    """Take the points of one curve, in SI units."""
-    if kind not in table.entries:
-        for length in LENGTH:
-            for force in FORCE:
-                if rows := table.pairs(f"{kind}_{length}_{force}"):
-                    return _scaled(rows, LENGTH_UNITS[length], FORCE_UNITS[force])
-        return []
-    location = f"{table.location} `{kind}`"
-    if not isinstance(file := table.entries.pop(kind), str):
-        raise ModelError(f"{location} is the name of a CSV file; points have their units in their key, `{kind}_mm_N`.")
-    try:
-        columns = read_curve(folder / file)
-    except RecordError as error:
-        raise ModelError(f"{location}: {error}") from None
-    if set(columns) != {"deflection", "force"}:
-        raise ModelError(f"{location}: {file} must have the columns deflection and force.")
-    rows = [row for row in zip(columns["deflection"], columns["force"], strict=True) if row != (0.0, 0.0)]
-    if any(min(row) <= 0.0 for row in rows):
-        raise ModelError(f"{location}: {file}: points must be > 0, those of compression too: the table names the direction.")
-    return rows
-
-
-def _scaled(rows: Pairs, first: float, second: float) -> Pairs:
-    return [(in_si(x, first), in_si(y, second)) for x, y in rows]
+def _side(table: Entries, place: Place) -> Side:
+    """Return the curves of a table, those of CSV files read."""
+    side = structure(Side, table, place)
+    for kind in KINDS:
+        if file := getattr(side, f"{kind}_file"):
+            try:
+                columns = read_curve(place.folder / file)
+            except RecordError as error:
+                raise place.fault(f"`{kind}`: {error}") from None
+            if set(columns) != {"deflection", "force"}:
+                raise place.fault(f"`{kind}`: {file} must have the columns deflection and force.")
+            rows = tuple(row for row in zip(columns["deflection"], columns["force"], strict=True) if row != (0.0, 0.0))
+            if any(min(row) <= 0.0 for row in rows):
+                raise place.fault(
+                    f"`{kind}`: {file}: points must be > 0, those of compression too: the table names the direction."
+                )
+            read: Entries = {kind: rows, f"{kind}_file": None}
+            side = replace(side, **read)
+    return side
 
 
 # Of the deflections of a table along its axis.
@@ -133,7 +119,7 @@ _SIGNS = {"compression": -1.0, "tension": 1.0, "shear": 1.0, "roll": 1.0}
 _CLOSE = 1e-10  # Relative error of a damping ratio at which the search for its area ends
 
 
-def fit_curves(content: Mapping[str, object], path: Path) -> Isolator:
+def fit_curves(content: Entries, path: Path) -> Isolator:
     """Return the isolator whose laws follow the chosen curves of a sheet; ModelError names file, table and rule."""
     sheet = read_curve_sheet(content, path)
     sides, assumed = sheet.sides, list(sheet.assumed)

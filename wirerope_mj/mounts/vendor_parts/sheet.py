@@ -2,36 +2,24 @@
 
 Every value carries its unit in its key, `travel_mm` or `travel_in`, `shock_stiffness_N_per_mm` or `..._lb_per_in`.
 A sheet has the tables [compression] and [shear] (which also stands for roll, as in the catalogues, unless there is [roll]), and
-[diagonal] if the vendor states values at 45 degrees: they are compared, never fitted. An axis is fitted to the values it has:
-
-    vibration_stiffness    secant of the steady loop of `vibration_amplitude` (default: `VIBRATION_AMPLITUDE` of the travel)
-    shock_stiffness        secant of the virgin path at the rated travel
-    static_load            on the virgin path at `static_deflection`
-    shock_load             on the virgin path at the rated travel
-    points_mm_N            [[deflection, force], ...] of a force-deflection curve: the virgin path
-    cycles_mm_N_per_mm     [[amplitude, secant stiffness], ...] of steady loops
-    resonance              of the mass of the static load, cycles of the static deflection about the sag; compared only
-
-`scales = 2` fits friction on two scales by the rule of `wirerope_mj.mounts.vendor_parts.secants`; the damping ratio is then
-that of the vibration stiffness' amplitude where `damping_amplitude` does not say otherwise.
-
-`compared` lists values of an axis that are printed beside the fit and not fitted. `roll = "rope loop"` says that the table
-[shear] is that of shear alone: roll is then what the loop gives beside the axial stiffness.
+[diagonal] if the vendor states values at 45 degrees: they are compared, never fitted. What its keys mean stands at the fields
+of `SheetFile` and `AxisTable`. `scales = 2` fits friction on two scales by the rule of
+`wirerope_mj.mounts.vendor_parts.secants`; the damping ratio is then that of the vibration stiffness' amplitude where
+`damping_amplitude` does not say otherwise.
 """
 
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Annotated, Literal
 
-from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.structure import In, Key, Place, bounds, structure
 from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STANDARD_GRAVITY, STIFFNESS_UNITS
 from wirerope_mj.mounts.rope_loop import LoopShape, loop_shape
 from wirerope_mj.mounts.vendor_parts.law_values import Secant
-from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, RULES, VIBRATION_AMPLITUDE
-from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, FREQUENCY, LENGTH, STIFFNESS, TomlTable
+from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, VIBRATION_AMPLITUDE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,37 +127,137 @@ def two_stiffnesses(travel: float, vibration: float, shock: float, amplitude: fl
     return of_loop, StatedValue(name="shock stiffness", deflection=travel, stiffness=shock, steady=False)
 
 
+_LARGEST = 1e9  # number that no data sheet states, in any of its units; nor does any state one over it
+Number = Annotated[float, bounds(ge=1.0 / _LARGEST, le=_LARGEST)]
+Length = Annotated[Number, In({unit: LENGTH_UNITS[unit] for unit in ("mm", "in")})]
+Force = Annotated[Number, In({unit: FORCE_UNITS[unit] for unit in ("N", "daN", "kN")})]
+Stiffness = Annotated[Number, In({unit.replace("/", "_per_"): value for unit, value in STIFFNESS_UNITS.items()})]
+Pairs = tuple[tuple[Number, Number], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisTable:
+    """Values that a data sheet states of one axis, of which at least two are fitted."""
+
+    travel: Length  #: rated
+    vibration_stiffness: Stiffness | None = None  #: secant of the steady loop of `vibration_amplitude`
+    vibration_amplitude: Length | None = None
+    shock_stiffness: Stiffness | None = None  #: secant of the virgin path at the travel
+    static_load: Force | None = None  #: on the virgin path at `static_deflection`
+    static_deflection: Length | None = None
+    shock_load: Force | None = None  #: on the virgin path at the travel
+    #: of the mass of the static load [Hz]; compared only
+    resonance: Annotated[Number, Key("resonance_Hz")] | None = None
+    #: [[deflection, force], ...] of a force-deflection curve: the virgin path
+    points: Annotated[Pairs, Key("points_mm_N")] = ()
+    #: [[amplitude, secant stiffness], ...] of steady loops
+    cycles: Annotated[Pairs, Key("cycles_mm_N_per_mm")] = ()
+    damping_target: Number | None = None  #: damping ratio that the fit aims at
+    hardening: Number = 1.0  #: k3 / k1 in parts of that of the rope loop
+    compared: tuple[str, ...] = ()  #: values that are printed beside the fit and not fitted
+
+    def __post_init__(self) -> None:
+        if self.static_load is not None and self.static_deflection is None:
+            raise ValueError("`static_deflection_mm` or `static_deflection_in` is missing.")
+        if self.static_deflection is not None and self.static_deflection >= self.travel:
+            raise ValueError("`static_deflection` must be below `travel`.")
+        if self.resonance is not None and self.static_load is None:
+            raise ValueError("`resonance_Hz` needs the static load whose mass it is of.")
+        for name in self.compared:
+            if name not in self._by_key:
+                raise ValueError(f"`compared` names {name!r}, which the table does not state.")
+        if len(self.values.fitted) < 2:
+            raise ValueError("it must state at least two stiffnesses or points to fit.")
+
+    @property
+    def _by_key(self) -> dict[str, StatedValue]:
+        """The stated values by the names that `compared` knows."""
+        vibration, shock = self.vibration_stiffness, self.shock_stiffness
+        both = two_stiffnesses(self.travel, vibration or 0.0, shock or 0.0, self.vibration_amplitude)
+        stated = [value for value in both if value.stiffness > 0.0]
+        if self.static_load is not None and self.static_deflection is not None:
+            stated.append(_force("static force", self.static_deflection, self.static_load))
+            if self.resonance is not None:
+                mass = self.static_load / STANDARD_GRAVITY
+                stiffness = mass * (2.0 * math.pi * self.resonance) ** 2
+                resonance = StatedValue(
+                    name="resonance", unit="Hz", steady=True, fitted=False, deflection=self.static_deflection,
+                    stiffness=stiffness, mass=mass,
+                )  # fmt: skip
+                stated.append(resonance)
+        if self.shock_load is not None:
+            stated.append(_force("shock force", self.travel, self.shock_load))
+        stated += [_force(f"force at {x:g} mm", 1e-3 * x, force) for x, force in self.points]
+        stated += [
+            StatedValue(name=f"cycles of {x:g} mm", deflection=1e-3 * x, stiffness=1e3 * stiffness, steady=True)
+            for x, stiffness in self.cycles
+        ]
+        return {value.name.replace(" ", "_"): value for value in stated}
+
+    @property
+    def values(self) -> AxisValues:
+        """The values in SI units."""
+        stated = [replace(one, fitted=one.fitted and name not in self.compared) for name, one in self._by_key.items()]
+        return AxisValues(travel=self.travel, stated=tuple(stated), damping=self.damping_target, hardening=self.hardening)
+
+
+def _force(name: str, deflection: float, force: float) -> StatedValue:
+    """Return a force on the virgin path as a stated value."""
+    return StatedValue(name=name, unit="N", deflection=deflection, stiffness=force / deflection, steady=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SheetFile:
+    """A vendor's data sheet of one isolator."""
+
+    name: str  #: of the part
+    source: str  #: the document that its values are from
+    height: Length  #: unloaded
+    width: Length  #: across the bars
+    rope: Length  #: diameter
+    bar: Length  #: thickness of one bar
+    bar_assumed: bool = False  #: no source states the bars: bottoming is then not judged
+    bar_length: Length | None = None
+    loops: Annotated[int, bounds(gt=0)] | None = None
+    static_load: Force  #: rated, in compression
+    damping_target: Number | None = None  #: of compression, where its table has none
+    damping_amplitude: Length | None = None
+    damping_range: tuple[float, float] | None = None  #: [lowest, highest] that the vendor states
+    yield_deflection: Length | None = None  #: in place of a damping ratio
+    scales: Literal[1, 2] = 1  #: of friction
+    assumed: tuple[str, ...] = ()  #: sentences on what the sheet does not say
+    compression: AxisTable
+    shear: AxisTable  #: of roll, too, unless it says otherwise
+    roll: AxisTable | Literal["rope loop"] | None = None  #: "rope loop": the table of shear is that of shear alone
+    diagonal: AxisTable | None = None  #: the same at 45 degrees: compared, never fitted
+
+    def __post_init__(self) -> None:
+        damping = self.compression.damping_target or self.damping_target
+        if (self.yield_deflection is None) == (damping is None):
+            raise ValueError("give either `damping_target` or `yield_deflection_mm`: stiffnesses do not fix the loop's width.")
+        if self.damping_range is not None:
+            low, high = self.damping_range
+            tables = (self.compression, self.shear, self.roll, self.diagonal)
+            targets = [damping, *(table.damping_target for table in tables if isinstance(table, AxisTable))]
+            for target in targets:
+                if target is not None and not low <= target <= high:
+                    raise ValueError(f"`damping_target` must lie in the range {[low, high]}, got {target}.")
+
+
 def read_datasheet(path: str | Path) -> DataSheet:
-    """Return the data sheet in a TOML file; ModelError names file, table, key and rule."""
-    table = TomlTable(read_toml(path, "data sheet"), f"{path}:")
-    own_roll = isinstance(table.entries.get("roll"), dict)
-    named = ("compression", "shear", "diagonal", *(["roll"] if own_roll else []))
-    tables = {key: table.entries.pop(key) for key in named if key in table.entries}
-    for key in ("compression", "shear"):
-        if key not in tables:
-            raise ModelError(f"{path}: the table [{key}] is missing.")
-    axes: Entries = {key: _axis(TomlTable(content, f"{path}: [{key}]")) for key, content in tables.items()}
-    target, scales = table.optional_number("damping_target"), table.optional_integer("scales") or 1
-    if scales not in RULES:
-        raise ModelError(f"{path}: `scales` must be {' or '.join(map(str, RULES))}, got {scales}.")
-    if axes["compression"].damping is None:
-        axes["compression"] = replace(axes["compression"], damping=target)
-    height, width, rope, bar = (table.quantity(name, LENGTH) for name in ("height", "width", "rope", "bar"))
-    sheet = DataSheet(
-        name=table.text("name"), source=table.text("source"), height=height, width=width, rope=rope, bar=bar,
-        bar_assumed=table.flag("bar_assumed"), loops=table.optional_integer("loops"),
-        bar_length=table.optional_quantity("bar_length", LENGTH), static_load=table.quantity("static_load", FORCE),
-        damping_amplitude=table.optional_quantity("damping_amplitude", LENGTH)
-        or _damping_amplitude(axes["compression"], scales),
-        scales=scales, roll_of_loop=_roll_of_loop(table), yielding=table.optional_quantity("yield_deflection", LENGTH),
-        damping_range=_damping_range(table, axes), assumed=table.texts("assumed"), **axes,
+    """Return the data sheet in a TOML file; ModelError names file, line, table, key and rule."""
+    file = structure(SheetFile, read_toml(path, "data sheet"), Place(Path(path)))
+    names = ("name", "source", "height", "width", "rope", "bar", "bar_assumed", "bar_length", "loops", "static_load", "scales")
+    compression = file.compression.values
+    if compression.damping is None:
+        compression = replace(compression, damping=file.damping_target)
+    roll, diagonal = (table.values if isinstance(table, AxisTable) else None for table in (file.roll, file.diagonal))
+    return DataSheet(
+        **{name: getattr(file, name) for name in (*names, "damping_range", "assumed")},
+        compression=compression, shear=file.shear.values, roll=roll, diagonal=diagonal, roll_of_loop=file.roll == "rope loop",
+        yielding=file.yield_deflection,
+        damping_amplitude=file.damping_amplitude or _damping_amplitude(compression, file.scales),
     )  # fmt: skip
-    table.require_empty()
-    if (sheet.yielding is None) == (sheet.compression.damping is None):
-        raise ModelError(
-            f"{path}: give either `damping_target` or `yield_deflection_mm`: stiffnesses do not fix the loop's width."
-        )
-    return sheet
 
 
 def _damping_amplitude(compression: AxisValues, scales: int) -> float:
@@ -178,80 +266,3 @@ def _damping_amplitude(compression: AxisValues, scales: int) -> float:
         return DAMPING_AMPLITUDE
     small = (value.deflection for value in compression.stated if value.name == "vibration stiffness")
     return next(small, VIBRATION_AMPLITUDE * compression.travel)
-
-
-def _roll_of_loop(table: TomlTable) -> bool:
-    if "roll" not in table.entries:
-        return False
-    if (value := table.entries.pop("roll")) != "rope loop":
-        raise ModelError(f'{table.location} `roll` must be a table [roll], "rope loop", or absent (as shear), got {value!r}.')
-    return True
-
-
-def _damping_range(table: TomlTable, axes: dict[str, AxisValues]) -> tuple[float, float] | None:
-    """Take the vendor's range of damping ratios; every target must lie inside."""
-    if "damping_range" not in table.entries:
-        return None
-    ends = table.entries.pop("damping_range")
-    if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(end, int | float) for end in ends):
-        raise ModelError(f"{table.location} `damping_range` must be [lowest, highest], got {ends!r}.")
-    for values in axes.values():
-        if values.damping is not None and not ends[0] <= values.damping <= ends[1]:
-            raise ModelError(f"{table.location} `damping_target` must lie in the range {ends}, got {values.damping}.")
-    return float(ends[0]), float(ends[1])
-
-
-def _axis(table: TomlTable) -> AxisValues:
-    """Return the values of one axis."""
-    damping, hardening = table.optional_number("damping_target"), table.optional_number("hardening")
-    compared, travel = table.texts("compared"), table.quantity("travel", LENGTH)
-    amplitude = table.optional_quantity("vibration_amplitude", LENGTH)
-    vibration, shock = (table.optional_quantity(f"{name}_stiffness", STIFFNESS) for name in ("vibration", "shock"))
-    both = two_stiffnesses(travel, vibration or 0.0, shock or 0.0, amplitude)
-    stiffnesses = [value for value in both if value.stiffness > 0.0]
-    stated = [*stiffnesses, *_loads(table, travel), *_curve_points(table)]
-    table.require_empty()
-    names = [value.name.replace(" ", "_") for value in stated]
-    for name in compared:
-        if name not in names:
-            raise ModelError(f"{table.location} `compared` names {name!r}, which the table does not state.")
-    pairs = zip(names, stated, strict=True)
-    values = tuple(replace(value, fitted=value.fitted and name not in compared) for name, value in pairs)
-    if sum(value.fitted for value in values) < 2:
-        raise ModelError(f"{table.location} must state at least two stiffnesses or points to fit.")
-    return AxisValues(travel=travel, stated=values, damping=damping, hardening=hardening or 1.0)
-
-
-def _loads(table: TomlTable, travel: float) -> list[StatedValue]:
-    """Take static and shock load, and the resonance of the static load's mass."""
-    values: list[StatedValue] = []
-    load, shock = (table.optional_quantity(f"{name}_load", FORCE) for name in ("static", "shock"))
-    resonance = table.optional_quantity("resonance", FREQUENCY)
-    if load is not None:
-        depth = table.quantity("static_deflection", LENGTH)
-        if depth >= travel:
-            raise ModelError(f"{table.location} `static_deflection` must be below `travel`.")
-        values.append(_force("static force", depth, load))
-        if resonance is not None:
-            mass = load / STANDARD_GRAVITY
-            size = {"deflection": depth, "stiffness": mass * (2.0 * math.pi * resonance) ** 2, "mass": mass}
-            values.append(StatedValue(name="resonance", unit="Hz", steady=True, fitted=False, **size))
-    elif resonance is not None:
-        raise ModelError(f"{table.location} `resonance_Hz` needs the static load whose mass it is of.")
-    if shock is not None:
-        values.append(_force("shock force", travel, shock))
-    return values
-
-
-def _curve_points(table: TomlTable) -> list[StatedValue]:
-    """Take points of a force-deflection curve and secants of steady loops."""
-    values = [_force(f"force at {x:g} mm", 1e-3 * x, force) for x, force in table.pairs("points_mm_N")]
-    return values + [
-        StatedValue(name=f"cycles of {x:g} mm", deflection=1e-3 * x, stiffness=1e3 * stiffness, steady=True)
-        for x, stiffness in table.pairs("cycles_mm_N_per_mm")
-    ]
-
-
-def _force(name: str, deflection: float, force: float) -> StatedValue:
-    """Return a force on the virgin path as a stated value."""
-    return StatedValue(name=name, unit="N", deflection=deflection, stiffness=force / deflection, steady=False)

@@ -1,0 +1,48 @@
+"""JSON Schemas of the TOML files that people write, made of the classes that read them, for editors.
+
+`python -m wirerope_mj.runs.schemas` writes those that ship, which a test holds against the classes.
+"""
+
+import json
+from pathlib import Path
+
+from wirerope_mj.assessment.durability.mission import Mission
+from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.structure import schema
+from wirerope_mj.motions.restore import Levels
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.tables import law_schema
+from wirerope_mj.mounts.laws import Law
+from wirerope_mj.mounts.vendor_parts.curve_fit import CurveSheet
+from wirerope_mj.mounts.vendor_parts.sheet import SheetFile
+from wirerope_mj.runs.job_file import JobFile
+from wirerope_mj.runs.measured import ColumnMap
+from wirerope_mj.runs.scenario_file import StoredScenario
+
+SHIPPED = Path(__file__).parents[1] / "schemas"
+# The classes of each kind of file: a data sheet is of one kind or the other.
+FILES: dict[str, tuple[type, ...]] = {
+    "isolator": (Isolator,), "datasheet": (SheetFile, CurveSheet), "levels": (Levels,), "job": (JobFile,), "life": (Mission,),
+    "map": (ColumnMap,), "scenario": (StoredScenario,),
+}  # fmt: skip
+
+
+def file_schema(kind: str) -> Entries:
+    """Return the schema of a kind of file, a key of `FILES`."""
+    found = [schema(one, {Law: {"$ref": "#/$defs/law"}}) for one in FILES[kind]]
+    content: Entries = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    content |= found[0] if len(found) == 1 else {"anyOf": found}
+    return content | ({"$defs": {"law": law_schema()}} if Isolator in FILES[kind] else {})
+
+
+def write_schemas(folder: Path) -> list[Path]:
+    """Write the schemas of all kinds of files into a folder and return their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"{kind}.json" for kind in FILES]
+    for path in paths:
+        path.write_text(json.dumps(file_schema(path.stem), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    return paths
+
+
+if __name__ == "__main__":
+    write_schemas(SHIPPED)
