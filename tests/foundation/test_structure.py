@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.foundation.structure import DATE, NEEDED, Among, In, Key, Place, bounds, check, schema, structure
+from wirerope_mj.foundation.schema import schema
+from wirerope_mj.foundation.structure import DATE, NEEDED, Among, In, Key, Place, bounds, check, structure
 from wirerope_mj.foundation.toml_file import read_toml
 
 pytestmark = pytest.mark.quick

@@ -112,7 +112,7 @@ def room_of(module):
 
 
 def test_every_folder_is_a_wing_or_a_room():
-    beside = {"__pycache__", "_data", "_kernels", "py.typed"}
+    beside = {"__pycache__", "_data", "_kernels", "py.typed", "schemas"}
     assert {entry.name for entry in PACKAGE.iterdir()} - beside == {"__init__.py", "__init__.pyi", *HOUSE}
     for wing in WINGS:
         folders = {entry.name for entry in (PACKAGE / wing).iterdir() if entry.is_dir()} - {"__pycache__"}

@@ -1,15 +1,14 @@
-"""Tables of files made into the classes that state their fields, bounds and units once; JSON Schemas of the same classes.
+"""Tables of files made into the classes that state their fields, bounds and units once.
 
 A class is a dataclass. The type of a field says what its key may hold: `float` is a finite number, and
 `Annotated[float, bounds("m", gt=0.0)]` a length > 0. msgspec brings values into their types, holds them to their bounds and
-writes their schemas; keys, units, lines and what a message says of them are done here.
+writes their schemas (`schema.py` beside this file); keys, units, lines and what a message says of them are done here.
 """
 
-import inspect
 import math
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from datetime import date
 from difflib import get_close_matches
 from functools import cache, reduce
@@ -114,7 +113,7 @@ def structure(kind: type[T], table: object, place: Place, readers: Readers | Non
     if not isinstance(table, dict):
         raise place.fault(f"it must be a table, got {quoted(table)}.")
     dataclass_: Any = kind
-    known, needed = keys_of(dataclass_), _needed(dataclass_)
+    known, needed = keys_of(dataclass_), needed_keys(dataclass_)
     values: Entries = {}
     for key, entry in table.items():
         if key not in known:
@@ -150,13 +149,13 @@ def checked(name: str, value: object, hint: Any) -> Any:
     """Return a value as its type has it, an integer as a float; ValueError says what must hold of it, and what it is."""
     if type(value) is float and hint is float and math.isfinite(value):
         return value
-    options = _options(hint)
+    options = options_of(hint)
     value = _plain(value)
     if isinstance(value, date) and any(DATE in marks for _, marks in options):
         value = str(value)
     if value is None and any(option is NoneType for option, _ in options):
         return None
-    how, inner = _tables_in(hint)
+    how, inner = tables_in(hint)
     if how is None and isinstance(value, inner):
         return value
     if how is tuple and isinstance(value, list | tuple) and all(isinstance(one, inner) for one in value):
@@ -180,7 +179,7 @@ def checked(name: str, value: object, hint: Any) -> Any:
 
 def said_of(hint: Any, *, plural: bool = False) -> str:
     """Say what a type holds: "a finite number > 0 [m]"."""
-    said = (_said_of(option, marks, plural) for option, marks in _options(hint) if option is not NoneType)
+    said = (_said_of(option, marks, plural) for option, marks in options_of(hint) if option is not NoneType)
     return " or ".join(said)
 
 
@@ -239,12 +238,12 @@ def _is_finite(value: object) -> bool:
 
 
 @cache
-def _options(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[Any, ...]]]:
+def options_of(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[Any, ...]]]:
     """Return the types of a union, or the only one, each with its marks."""
     if get_origin(hint) is Annotated:
-        return _options(hint.__origin__, (*marks, *hint.__metadata__))
+        return options_of(hint.__origin__, (*marks, *hint.__metadata__))
     if get_origin(hint) in (Union, UnionType):
-        return [option for one in get_args(hint) for option in _options(one, marks)]
+        return [option for one in get_args(hint) for option in options_of(one, marks)]
     return [(hint, marks)]
 
 
@@ -267,12 +266,12 @@ def keys_of(kind: Any) -> dict[str, _Filled]:
     """Return the keys that a table of a class may have in a file, and how each fills a field."""
     keys: dict[str, _Filled] = {}
     for name, hint in _hints(kind).items():
-        marks = [mark for _, all_of in _options(hint) for mark in all_of]
+        marks = [mark for _, all_of in options_of(hint) for mark in all_of]
         spelled = next((mark.name for mark in marks if isinstance(mark, Key)), name)
         units = next((mark for mark in marks if isinstance(mark, In)), None)
         among = next((mark for mark in marks if isinstance(mark, Among)), None)
         if among:
-            keys |= {key: _Filled(name, get_args(_options(hint)[0][0])[1], among=True) for key in among.keys}
+            keys |= {key: _Filled(name, get_args(options_of(hint)[0][0])[1], among=True) for key in among.keys}
         if not among and (units is None or units.bare):
             keys[spelled] = _Filled(name, hint)
         keys |= {f"{name}_{unit}": _Filled(name, hint, factor) for unit, factor in (units.units if units else {}).items()}
@@ -280,13 +279,13 @@ def keys_of(kind: Any) -> dict[str, _Filled]:
 
 
 @cache
-def _needed(kind: Any) -> dict[str, list[str]]:
+def needed_keys(kind: Any) -> dict[str, list[str]]:
     """Return the fields that a file must state, each with the keys that may state it."""
     items = {item.name: item for item in fields(kind)}
     keys: dict[str, list[str]] = {}
     for key, found in keys_of(kind).items():
         item = items[found.field]
-        marked = any(NEEDED in marks for _, marks in _options(found.hint))
+        marked = any(NEEDED in marks for _, marks in options_of(found.hint))
         if marked or (item.default is MISSING and item.default_factory is MISSING):
             keys.setdefault(found.field, []).append(key)
     return keys
@@ -294,12 +293,12 @@ def _needed(kind: Any) -> dict[str, list[str]]:
 
 def _structured(hint: Any, value: Any, place: Place, key: str, readers: Readers) -> Any:
     """Return the value of a key: tables and lists of tables as what they are made into, all else as its type has it."""
-    how, inner = _tables_in(hint)
+    how, inner = tables_in(hint)
     if inner is Path and isinstance(value, str):
         return place.folder / value
     if how is None and isinstance(value, dict) and inner is not Path:
         return _made(inner, value, place.at(key), readers)
-    values = [get_args(option)[1] for option, _ in _options(hint) if get_origin(option) in (dict, Mapping)]
+    values = [get_args(option)[1] for option, _ in options_of(hint) if get_origin(option) in (dict, Mapping)]
     if values and isinstance(value, dict):
         return {name: _structured(values[0], entry, place.at(key), name, readers) for name, entry in value.items()}
     if how is tuple and isinstance(value, list) and all(isinstance(entry, dict) for entry in value):
@@ -317,24 +316,24 @@ def _structured(hint: Any, value: Any, place: Place, key: str, readers: Readers)
 @cache
 def _values_in(hint: Any) -> Any:
     """Return the type without the classes in it, or in its lists and mappings, as msgspec takes it."""
-    if _tables_in(hint)[0] is float:
+    if tables_in(hint)[0] is float:
         return hint
     options = [
         Annotated[(option, *marks)] if marks else option
-        for option, marks in _options(hint)
-        if option is not NoneType and _tables_in(option)[0] is float
+        for option, marks in options_of(hint)
+        if option is not NoneType and tables_in(option)[0] is float
     ]
     return reduce(or_, options) if options else NoneType
 
 
 @cache
-def _tables_in(hint: Any) -> tuple[Any, Any]:
+def tables_in(hint: Any) -> tuple[Any, Any]:
     """Return how tables stand in a type, None if alone, `tuple` or `dict`, and their class; twice `float` if not at all."""
-    for option, _ in _options(hint):
+    for option, _ in options_of(hint):
         origin, args = get_origin(option), get_args(option)
         if _is_class(option):
             return None, option
-        if origin in (tuple, dict) and _is_class(inner := _options(args[0 if origin is tuple else -1])[0][0]):
+        if origin in (tuple, dict) and _is_class(inner := options_of(args[0 if origin is tuple else -1])[0][0]):
             return origin, inner
     return float, float
 
@@ -350,51 +349,3 @@ def _in_si(value: Any, factor: float | tuple[float, ...] | None) -> Any:
     if isinstance(factor, tuple):
         return tuple(tuple(map(in_si, row, factor)) for row in value)
     return tuple(in_si(one, factor) for one in value) if isinstance(value, list | tuple) else in_si(value, factor)
-
-
-def schema(kind: Any, schemas: Mapping[type, Entries] | None = None) -> Entries:
-    """Return the JSON Schema of the tables of a class; `schemas` are those of classes that have readers."""
-    explained = _comments(kind)
-    properties: Entries = {}
-    for key, found in keys_of(kind).items():
-        about = explained.get(found.field)
-        properties[key] = ({"description": about} if about else {}) | _value_schema(found.hint, schemas or {})
-    content: Entries = {"type": "object", "description": (kind.__doc__ or "").split("\n")[0], "properties": properties}
-    needed = _needed(kind).values()
-    alone = [keys[0] for keys in needed if len(keys) == 1]
-    several = [{"oneOf": [{"required": [key]} for key in keys]} for keys in needed if len(keys) > 1]
-    content |= {"required": alone} if alone else {}
-    return content | ({"allOf": several} if several else {}) | {"additionalProperties": False}
-
-
-def _value_schema(hint: Any, schemas: Mapping[type, Entries]) -> Entries:
-    found: list[Entries] = []
-    how, inner = _tables_in(hint)
-    if inner is Path:
-        found.append({"type": "string"})
-    elif how is not float:
-        tables = schemas[inner] if inner in schemas else schema(inner, schemas)
-        lists = {"type": "array", "items": tables}
-        found.append(tables if how is None else lists if how is tuple else {"type": "object", "additionalProperties": tables})
-    for option, marks in _options(hint):
-        if option is not NoneType and _tables_in(option)[0] is float:
-            metas = tuple(mark for mark in marks if isinstance(mark, msgspec.Meta))
-            found.append(msgspec.json.schema(Annotated[(option, *metas)] if metas else option))
-            found += [{"type": "string", "format": "date"}] if DATE in marks else []
-    return found[0] if len(found) == 1 else {"anyOf": found}
-
-
-def _comments(kind: type) -> dict[str, str]:
-    """Return what the source of a class says of its fields: the comment behind each, or those above it."""
-    texts: dict[str, str] = {}
-    for part in reversed(kind.__mro__):
-        above: list[str] = []
-        for line in inspect.getsource(part).splitlines() if is_dataclass(part) else ():
-            text = line.partition("#")[2].lstrip(": ").strip()
-            if line.strip().startswith("#"):
-                above.append(text)
-                continue
-            if name := re.match(r"    (\w+): ", line):
-                texts[name[1]] = text or " ".join(above)
-            above = []
-    return texts

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wirerope_mj.assessment.durability.mission import Mission
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.structure import schema
+from wirerope_mj.foundation.schema import schema
 from wirerope_mj.motions.restore import Levels
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.tables import law_schema

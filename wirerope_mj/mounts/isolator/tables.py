@@ -10,7 +10,8 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
-from wirerope_mj.foundation.structure import Place, schema, structure
+from wirerope_mj.foundation.schema import schema
+from wirerope_mj.foundation.structure import Place, structure
 from wirerope_mj.foundation.table_files import read_header, rows_in_si
 from wirerope_mj.foundation.table_header import Header
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
