@@ -7,6 +7,7 @@ writes their schemas (`schema.py` beside this file); keys, units, lines and what
 
 import math
 import re
+import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, replace
 from datetime import date
@@ -234,7 +235,7 @@ def _is_finite(value: object) -> bool:
         return all(map(_is_finite, value))
     if isinstance(value, dict):
         return all(map(_is_finite, value.values()))
-    return not isinstance(value, float) or math.isfinite(value)
+    return not isinstance(value, float | int) or abs(value) <= sys.float_info.max
 
 
 @cache
