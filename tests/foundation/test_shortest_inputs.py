@@ -307,15 +307,15 @@ def test_commands_that_the_campaign_found(arguments, message, tmp_path, monkeypa
 @pytest.mark.parametrize(
     ("place", "value", "message"),
     [
-        (("sampling", "method"), None, "`sampling.method` is missing"),
+        (("sampling", "method"), None, r"\[sampling\] `method` is missing; needed: method, variants, seed"),
         (("vary", 0, "low"), None, "`vary.0`: missing a required argument: 'low'"),
         (("vary", 0, "kind"), 3, "`vary.0.kind` must be one of"),
         (("vary", 0, "name"), 2.5, "`vary.0` must be a table with the `name`"),
         (("vary", 0, "relative"), "yes", "`vary.0.relative` must be true or false"),
         (("model",), True, "`model` must be a table, got True"),
-        (("model", "file"), None, "`model.file` is missing"),
+        (("model", "file"), None, r"\[model\] `file` is missing"),
         (("model", "file"), "a" * 400, "the model file 'a{199}\\.\\.\\. is not in this folder"),
-        (("simulate", "duration"), None, "`simulate.duration` is missing"),
+        (("simulate", "duration"), None, r"\[simulate\] `duration` is missing"),
         (("simulate", "duration"), [], "no study can be made of it: `duration` must be a finite number"),
         (("motions", 0, "kind"), "song", "no study can be made of it: Unknown kind of motion 'song'"),
     ],

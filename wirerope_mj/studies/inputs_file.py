@@ -3,10 +3,10 @@
 import hashlib
 import inspect
 import re
-import tomllib
+from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path, PurePosixPath
-from typing import get_args
+from pathlib import Path
+from typing import Any, Literal, get_args
 
 import pyarrow as pa
 import tomli_w
@@ -18,7 +18,8 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.resources import version_of
-from wirerope_mj.foundation.toml_file import toml_content
+from wirerope_mj.foundation.structure import Place, keys_of, structure
+from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.responses import PEAKS
@@ -54,12 +55,63 @@ FORMAT = 2  # Of these files; those of format 1 are read, too, but such a study 
 _TEXTS = ("id", "name", "question")  # Keys that may differ between two folders of the same study
 _FILES = "files."  # Start of the keys of digests of model and records
 _KINDS: dict[str, type] = {kind.__name__: kind for kind in get_args(Distribution)}
-# Keys of each table that must be there, and that may be, with the types of their values; None: any may.
-_TABLES: dict[str, tuple[Entries, Entries | None]] = {
-    "model": ({"file": str}, {"changes": str, "path": str}),
-    "simulate": (dict.fromkeys(("duration", "timestep", "sample_rate", "initial"), object), {}),
-    "sampling": ({"method": str, "variants": int, "seed": int}, {}), "versions": ({}, None), "files": ({}, None),
-}  # fmt: skip
+_REMEDY = "Take the file from another copy of the folder."
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyModel:
+    """The model of a study, by its files in the folder."""
+
+    file: str
+    changes: str | None = None  #: what a variant differs by
+    path: str | None = None
+
+    def __post_init__(self) -> None:
+        for key, value in vars(self).items():
+            if value is not None and "\0" in value:
+                raise ValueError(f"`{key}` must be the path of a file, got {quoted(value)}.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudySimulate:
+    """How the variants of a study are simulated; the study itself checks the values."""
+
+    duration: Any
+    timestep: Any
+    sample_rate: Any
+    initial: Any
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sampling:
+    """How the inputs of a study are sampled."""
+
+    method: str
+    variants: int
+    seed: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyInputs:
+    """The inputs of a study."""
+
+    format: Literal[1, 2]
+    id: str  #: a digest of all other keys but the next two
+    name: str
+    question: str
+    model: StudyModel
+    simulate: StudySimulate
+    sampling: Sampling
+    vary: tuple[Entries, ...]  #: `name`, `kind` of the distribution and its parameters
+    motions: tuple[Entries, ...]  #: of the base
+    versions: Entries  #: of the packages that compute
+    files: Entries = field(default_factory=dict)  #: digests of model and records; the first format has none
+
+    def __post_init__(self) -> None:
+        for number, one in enumerate(self.vary):
+            _check_distribution(f"vary.{number}", one)
+        for number, motion in enumerate(self.motions):
+            check_motion(f"motions.{number}", motion)
 
 
 def read_inputs(folder: Path) -> Entries:
@@ -70,21 +122,13 @@ def read_inputs(folder: Path) -> Entries:
     path = folder / STUDY
     if not path.is_file():
         raise RecordError(f"{folder}: this is not a study; there is no {STUDY} here.")
-    try:
-        content = toml_content(path)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
-        raise RecordError(f"{path}: this is not the file of a study, nor TOML. Take it from another copy.") from None
+    content = read_toml(path, "file of a study", RecordError, _REMEDY)
     if "format" in content and content["format"] not in (FIRST, FORMAT):
         raise RecordError(f"{path}: `format` is {content['format']!r}, not {FORMAT}; use the version that wrote it.")
-    for key in ("format", *_TEXTS):
-        if key not in content or (key in _TEXTS and not isinstance(content[key], str)):
-            raise RecordError(f"{path}: this is not the file of a study: `{key}` is missing or no string.")
-    if content["id"] != identity(content):  # a digest of all other keys: they are what was written
+    if "id" in content and content["id"] != identity(content):  # a digest of all other keys: they are what was written
         raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
-    try:
-        _check_inputs(content)
-    except ValueError as error:
-        raise RecordError(f"{path}: this is not the file of a study as it was written: {error}") from None
+    known = {key: value for key, value in content.items() if key in keys_of(StudyInputs)}
+    structure(StudyInputs, known, Place(path, error=RecordError, remedy=_REMEDY))
     if content["format"] != FIRST:
         return content
     # Today's names; the format stays, which says how the table is written.
@@ -176,39 +220,8 @@ def _flat(content: object, path: str = "") -> Entries:
     return {k: v for key, value in items for k, v in _flat(value, f"{path}.{key}" if path else str(key)).items()}
 
 
-def _check_inputs(content: Entries) -> None:
-    """Raise ValueError that names the key unless a study can be made from the inputs."""
-    for name, (needed, further) in _TABLES.items():
-        if name == "files" and name not in content:  # of the first format
-            continue
-        _check_table(name, content.get(name), needed, further)
-    for name in ("vary", "motions"):
-        if not isinstance(content.get(name), list):
-            raise ValueError(f"`{name}` must be a list of tables, got {quoted(content.get(name))}.")
-    for number, one in enumerate(content["vary"]):
-        _check_distribution(f"vary.{number}", one)
-    for number, motion in enumerate(content["motions"]):
-        check_motion(f"motions.{number}", motion)
-
-
-def _check_table(name: str, table: object, needed: Entries, further: Entries | None) -> None:
-    if not isinstance(table, dict):
-        raise ValueError(f"`{name}` must be a table, got {quoted(table)}.")
-    for key in needed:
-        if key not in table:
-            raise ValueError(f"`{name}.{key}` is missing.")
-    for key, value in table.items():
-        kind = {**needed, **(further or {})}.get(key, object if further is None else None)
-        if kind is None:
-            raise ValueError(f"`{name}.{key}` is unknown; known: {', '.join([*needed, *(further or {})])}.")
-        if kind is not object and (not isinstance(value, kind) or isinstance(value, bool)):
-            raise ValueError(f"`{name}.{key}` must be {'text' if kind is str else 'an integer'}, got {quoted(value)}.")
-        if name == "model" and "\0" in value:
-            raise ValueError(f"`{name}.{key}` must be the path of a file, got {quoted(str(PurePosixPath(value)))}.")
-
-
-def _check_distribution(name: str, table: object) -> None:
-    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+def _check_distribution(name: str, table: Entries) -> None:
+    if not isinstance(table.get("name"), str):
         raise ValueError(f"`{name}` must be a table with the `name` of what varies, got {quoted(table)}.")
     one_of(f"{name}.kind", table.get("kind"), _KINDS)
     given = {key: value for key, value in table.items() if key not in ("name", "kind", "choices")}
