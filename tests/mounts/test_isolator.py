@@ -118,7 +118,7 @@ WRONG = [
     ("name", None, r"f\.toml: `name` is missing"),
     ("name", 3, r"f\.toml: `name` must be a text that is not empty"),
     ("colour", "red", r"f\.toml: `colour` is unknown; known: name, roll, shear, axial, coupling, free"),
-    ("axial", 3, r"f\.toml: `axial` must be a table, got 3"),
+    ("axial", 3, r"f\.toml: \[axial\] it must be a table, got 3"),
     ("axial/law", None, r"\[axial\] `law` is missing; the laws are .*bouc-wen, .*kelvin-voigt, .*ozdemir"),
     ("axial/law", "hooke", r"\[axial\] there is no `law` 'hooke'; the laws are asymmetric-bouc-wen, bouc-wen"),
     ("axial/law", 1, r"\[axial\] there is no `law` 1; the laws are"),

@@ -185,18 +185,27 @@ def test_a_scenario_that_was_edited_is_refused_by_file_and_key(run, table, value
 @pytest.mark.parametrize(
     ("edit", "message"),
     [
-        (lambda c: c["peaks"]["mounts"]["m1"]["deflection"].pop(), "`peaks.mounts.m1.deflection` must be 17 numbers"),
-        (lambda c: c["peaks"]["bodies"].pop("mass"), "`peaks.bodies` lacks 'mass'"),
+        (
+            lambda c: c["peaks"]["mounts"]["m1"]["deflection"].pop(),
+            r"\[peaks\.mounts\.m1\.deflection\] it must be 17 finite",
+        ),
+        (lambda c: c["peaks"]["bodies"].pop("mass"), "`peaks` `bodies` must be of deck, mass"),
         (
             lambda c: c["scene"]["bodies"][1]["geoms"][0].update(size=[0.1]),
-            "`scene.bodies.1.geoms.0.size` must be 3 numbers",
+            r"\[scene\.bodies\.1\.geoms\.0\] `size` must be 3 finite numbers",
         ),
-        (lambda c: c["scene"]["mounts"][0].update(colour=1), "`scene.mounts.0` has an unknown 'colour'"),
-        (lambda c: c["scene"]["mounts"][0]["travel"].update(up=1.0), "`scene.mounts.0.travel` has an unknown 'up'"),
-        (lambda c: c["events"].append([1.0]), r"`events.\d` must be a list of 2"),
+        (
+            lambda c: c["scene"]["mounts"][0].update(colour=1),
+            r"\[\[scene\.mounts\]\] 1 `colour` is unknown; known: name",
+        ),
+        (
+            lambda c: c["scene"]["mounts"][0]["travel"].update(up=1.0),
+            "`scene.mounts.m1.travel` must be .*, got 'up'",
+        ),
+        (lambda c: c["events"].append([1.0]), "`events` must be a list of"),
         (lambda c: c.update(motion=[]), "`motion` must be a table"),
-        (lambda c: c["states"][0].__setitem__(1, "AAAA"), r"`states.0.1` must be float64 numbers"),
-        (lambda c: c["numerics"].update(timestep="x"), "`numerics.timestep` must be a finite number"),
+        (lambda c: c["states"][0].__setitem__(1, "AAAA"), r"`states` must be float64 numbers"),
+        (lambda c: c["numerics"].update(timestep="x"), r"\[numerics\] `timestep` must be a finite number > 0, got"),
         (lambda c: c["bodies"].reverse(), "its columns are not those of its bodies, points and mounts: their order"),
     ],
 )

@@ -21,13 +21,14 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import msgspec
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.toml_file import line_of
 from wirerope_mj.foundation.units import in_si
 
 T = TypeVar("T")
+UNKNOWN = "unknown"  # mark of a number that may be NaN, where it is not known, or infinite
 NEEDED = "needed"  # mark of a field that a file must state, though it has a default in Python
 DATE = "date"  # mark of a text that may stand in a file as a date of TOML
 
@@ -64,6 +65,14 @@ class Among:
 
 
 @dataclass(frozen=True)
+class Shape:
+    """Mark of a field that is an array of numbers, and the sizes of its axes; None may be any."""
+
+    sizes: tuple[int | None, ...]
+    finite: bool = True  # else what is not known may be NaN
+
+
+@dataclass(frozen=True)
 class Place:
     """Where a table stands: in a file, under which keys; makes the errors that say so."""
 
@@ -85,8 +94,10 @@ class Place:
     def table(self) -> str:
         """The table as TOML has it, "[limits.travel]" or "[[stage]] 2"; "" for the whole file."""
         dotted = ".".join(key for key in self.keys if isinstance(key, str))
-        last = self.keys[-1] if self.keys else ""
-        return f"[[{dotted}]] {last + 1}" if isinstance(last, int) else f"[{dotted}]" if dotted else ""
+        numbers = [key for key in self.keys if isinstance(key, int)]
+        if len(numbers) == 1 and self.keys[-1] is numbers[0]:
+            return f"[[{dotted}]] {numbers[0] + 1}"
+        return f"[{'.'.join(map(str, self.keys))}]" if dotted else ""
 
     def fault(self, text: str) -> Exception:
         """Return the error of a fault in the table, with the line of the `key` or [table] that `text` names first."""
@@ -96,7 +107,7 @@ class Place:
         return self.error(" ".join(filter(None, (f"{where}:", self.table, text, self.remedy))))
 
 
-Readers = Mapping[type, Callable[[Entries, Place], Any]]  # of classes that are not read field by field
+Readers = Mapping[type, Callable[[Any, Place], Any]]  # of classes that are not read field by field
 
 
 def structure(kind: type[T], table: object, place: Place, readers: Readers | None = None) -> T:
@@ -151,8 +162,14 @@ def checked(name: str, value: object, hint: Any) -> Any:
     if type(value) is float and hint is float and math.isfinite(value):
         return value
     options = options_of(hint)
+    all_marks = {mark for _, marks in options for mark in marks if isinstance(mark, str | Shape)}
+    for mark in all_marks:
+        if isinstance(mark, Shape):
+            return _array(name, value, mark)
+    if UNKNOWN in all_marks and isinstance(value, float) and not math.isfinite(value):
+        return value
     value = _plain(value)
-    if isinstance(value, date) and any(DATE in marks for _, marks in options):
+    if isinstance(value, date) and DATE in all_marks:
         value = str(value)
     if value is None and any(option is NoneType for option, _ in options):
         return None
@@ -176,6 +193,20 @@ def checked(name: str, value: object, hint: Any) -> Any:
         if option is float and most is not None and isinstance(value, int | float) and most < value <= 1e3 * most:
             meant = f" If these are millimetres, write {1e-3 * value:.6g}."
     raise ValueError(f"`{name}` must be {said_of(hint)}, got {quoted(value)}.{meant}")
+
+
+def _array(name: str, value: object, shape: Shape) -> Array:
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.array(math.nan)
+    if not array.size and None in shape.sizes:
+        return np.zeros([size or 0 for size in shape.sizes])
+    fits = len(shape.sizes) == array.ndim and all(size in (None, n) for size, n in zip(shape.sizes, array.shape, strict=True))
+    if not fits or (shape.finite and not np.isfinite(array).all()):
+        sizes = " x ".join("n" if size is None else str(size) for size in shape.sizes)
+        raise ValueError(f"`{name}` must be {sizes} finite numbers, got {quoted(value, 60)}.")
+    return array
 
 
 def said_of(hint: Any, *, plural: bool = False) -> str:
@@ -295,6 +326,8 @@ def needed_keys(kind: Any) -> dict[str, list[str]]:
 def _structured(hint: Any, value: Any, place: Place, key: str, readers: Readers) -> Any:
     """Return the value of a key: tables and lists of tables as what they are made into, all else as its type has it."""
     how, inner = tables_in(hint)
+    if how is None and inner in readers:
+        return readers[inner](value, place.at(key))
     if inner is Path and isinstance(value, str):
         return place.folder / value
     if how is None and isinstance(value, dict) and inner is not Path:

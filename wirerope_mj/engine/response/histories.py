@@ -4,12 +4,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import AnyArray, Array, Entries
 from wirerope_mj.foundation.exports import Exported
+from wirerope_mj.foundation.structure import UNKNOWN, Positive, bounds
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import AXES
 
@@ -167,19 +168,20 @@ class BaseResponse(Brief):
 class Numerics:
     """Numerical settings of a response, and their estimated error."""
 
-    timestep: float  # largest step [s]
-    accuracy: float  # error allowed, relative to the peaks; NaN where the step was given
+    timestep: Positive  # largest step [s]
+    accuracy: Annotated[float, bounds(gt=0.0), UNKNOWN]  # error allowed, relative to the peaks; NaN where the step was given
     # error of samples and peaks estimated by step halving before the run; NaN where the step was given
-    error_estimate: float
-    steps: int  # number of steps
+    error_estimate: Annotated[float, bounds(ge=0.0), UNKNOWN]
+    steps: Annotated[int, bounds(ge=0)]  # number of steps
     callback: str  # "native" or "python"
     versions: dict[str, str]  # of the packages that computed it
     limited_by: str = ""  # what keeps the step from being longer; "" for older responses, which do not say it
     engine: str = "mujoco"  # "kernel" or "mujoco"
     why: str = ""  # why it was not the kernel; "" for older responses, which knew none
     # instant at which the motion is over [s]; NaN if it has no end, and for older responses
-    motion_end: float = math.nan
-    slowest_period: float = math.nan  # of the slowest mode for small amplitudes [s]; NaN for older responses
+    motion_end: Annotated[float, UNKNOWN] = math.nan
+    # of the slowest mode for small amplitudes [s]; NaN for older responses
+    slowest_period: Annotated[float, bounds(gt=0.0), UNKNOWN] = math.nan
 
     @property
     def error_text(self) -> str:
@@ -206,13 +208,6 @@ class ColumnPlan:
     points: Sequence[str]
     mounts: Sequence[tuple[str, tuple[str, ...]]]  # per mount its name and the names of its internal states ("axial.z")
     contacts: Sequence[str] = ()  # names of the pairs of geoms that the model declares
-
-    @classmethod
-    def of(cls, content: Entries) -> "ColumnPlan":
-        """Read the plan from a response's metadata."""
-        mounts = [(name, tuple(states)) for name, states in content["mounts"]]
-        contacts = content.get("contacts", ())  # older responses have none
-        return cls(bodies=content["bodies"], points=content["points"], mounts=mounts, contacts=contacts)
 
     @cached_property
     def names(self) -> list[str]:

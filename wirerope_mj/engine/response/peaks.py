@@ -51,12 +51,6 @@ class ContactPeak:
         """Return the contact as plain values."""
         return asdict(self) | {"geoms": list(self.geoms), "bodies": list(self.bodies)}  # as a file has them
 
-    @classmethod
-    def from_dict(cls, content: Entries) -> "ContactPeak":
-        """Return the contact that `to_dict` wrote."""
-        pairs = {name: (str(content[name][0]), str(content[name][1])) for name in ("geoms", "bodies")}
-        return cls(**(content | pairs))
-
 
 def _part(numbers: slice, text: str) -> property:
     """Make a property of a peak of some of its numbers; `text` is its docstring."""
@@ -212,19 +206,3 @@ class Peaks(Brief):
             "contacts": None if contacts is None else {name: pair.to_dict() for name, pair in contacts.items()},
             "travels": None if travels is None else {name: asdict(travel) for name, travel in travels.items()},
         }
-
-    @classmethod
-    def from_dict(cls, content: Entries) -> "Peaks":
-        """Return the peaks that `to_dict` wrote."""
-        contacts, travels = content.get("contacts"), content.get("travels")  # older responses have none
-        return cls(
-            **{
-                group: {
-                    name: kind(**{key: Peak.from_list(numbers) for key, numbers in entry.items()})
-                    for name, entry in content[group].items()
-                }
-                for group, kind in KINDS.items()
-            },
-            contacts=None if contacts is None else {n: ContactPeak.from_dict(pair) for n, pair in contacts.items()},
-            travels=None if travels is None else {name: CombinedTravel(**travel) for name, travel in travels.items()},
-        )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wirerope_mj.engine.response.checked import check_content
+from wirerope_mj.engine.response.checked import Metadata, read_metadata
 from wirerope_mj.engine.response.histories import (
     BaseResponse,
     BodyResponse,
@@ -22,12 +22,13 @@ from wirerope_mj.engine.response.histories import (
     exported_samples,
 )
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.scene import Scene, scene_from_dict, scene_to_dict
+from wirerope_mj.engine.response.scene import Scene, scene_to_dict
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.parquet_files import read_content, write_rows
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.structure import Place
 from wirerope_mj.foundation.summary import Summarised, quantity
 
 if TYPE_CHECKING:
@@ -230,29 +231,24 @@ def load_response(folder: str | Path) -> Response:
         inside = sorted(str(one.parent.relative_to(folder)) for one in path.parent.glob(f"cases/*/{FILE}"))
         runs = f"; the runs of this job are {', '.join(inside[:5])}" if inside else ""
         raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one{runs}.")
-    names, content = _read(path)
-    plan = ColumnPlan.of(content)
-    initial, final = (State.from_plain(state) for state in content["states"])
+    names, stored = _read(path)
+    initial, final = (State.from_plain(list(state)) for state in stored.states)
     response = response_of(
-        plan, FileSamples(names, path), peaks=Peaks.from_dict(content["peaks"]), motion=content["motion"],
-        scene=scene_from_dict(content["scene"]), events=content["events"], numerics=Numerics(**content["numerics"]),
-        initial_state=initial, final_state=final, path=path,
+        stored.plan, FileSamples(names, path), peaks=stored.peaks, motion=stored.motion, scene=stored.scene,
+        events=stored.events, numerics=stored.numerics, initial_state=initial, final_state=final, path=path,
     )  # fmt: skip
     if not response.time.size or (np.diff(response.time) <= 0.0).any():
         raise RecordError(f"{path}: column 'time' must hold instants that grow from sample to sample. {_AGAIN}")
     return response
 
 
-def _read(path: Path) -> tuple[list[str], Entries]:
-    """Return the names of the columns and the metadata of a file, both checked; RecordError if they cannot be a response's."""
+def _read(path: Path) -> tuple[list[str], Metadata]:
+    """Return the names of the columns and the metadata of a file; RecordError if they cannot be a response's."""
     import pyarrow as pa
 
     schema, content = read_content(path, kind="a response of wirerope_mj", remedy=_AGAIN, version=FORMAT)
-    try:
-        check_content(content, schema.names)
-    except ValueError as error:
-        raise RecordError(f"{path}: {error} {_AGAIN}") from None
+    metadata = read_metadata(content, schema.names, Place(str(path), error=RecordError, remedy=_AGAIN))
     strange = [field.name for field in schema if field.type != pa.float64()]
     if strange:
         raise RecordError(f"{path}: column {strange[0]!r} must hold float64 numbers. {_AGAIN}")
-    return schema.names, content
+    return schema.names, metadata

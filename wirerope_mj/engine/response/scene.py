@@ -1,15 +1,21 @@
 """The drawable content of a system: bodies with their geoms, and mounts, frozen and without the engine."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Literal
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.structure import UNKNOWN, Positive, Shape, bounds
 from wirerope_mj.foundation.summary import Brief
+
+GeomShape = Literal["box", "sphere", "capsule", "cylinder", "ellipsoid", "plane", "mesh"]
+Vector = Annotated[Array, Shape((3,))]
+Quaternion = Annotated[Array, Shape((4,))]
+Rows = Annotated[Array, Shape((None, 3))]
+Size = Annotated[float, bounds(gt=0.0), UNKNOWN]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,14 +23,14 @@ class Geom:
     """A shape that is fixed to a body."""
 
     name: str  # name in the model, "" if it has none
-    shape: str  # "box", "sphere", "capsule", "cylinder", "ellipsoid", "plane" or "mesh"
-    size: Array  # MuJoCo's sizes of the shape (half lengths, radii) [m], (3,)
-    position: Array  # its centre from the body's centre of mass, in body axes [m], (3,)
-    orientation: Array  # in body axes, quaternion w first, (4,)
-    rgba: Array  # colour, 0 to 1, (4,)
-    vertices: Array = field(default_factory=lambda: np.zeros((0, 3)))  # of a mesh [m], (n_vertices, 3), else (0, 3)
+    shape: GeomShape
+    size: Vector  # MuJoCo's sizes of the shape (half lengths, radii) [m], (3,)
+    position: Vector  # its centre from the body's centre of mass, in body axes [m], (3,)
+    orientation: Quaternion  # in body axes, quaternion w first, (4,)
+    rgba: Quaternion  # colour, 0 to 1, (4,)
+    vertices: Rows = field(default_factory=lambda: np.zeros((0, 3)))  # of a mesh [m], (n_vertices, 3), else (0, 3)
     # of a mesh, vertex numbers, (n_faces, 3), else (0, 3)
-    faces: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    faces: Rows = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,8 +40,8 @@ class SceneBody:
     name: str  # name of the body; "world" for what never moves
     moves: bool  # whether the response holds its motion under the same name
     on_base: bool  # whether it is fixed to the driven base
-    position: Array  # centre of mass in the modelled geometry [m], world frame, (3,)
-    orientation: Array  # in the modelled geometry, quaternion w first, (4,)
+    position: Vector  # centre of mass in the modelled geometry [m], world frame, (3,)
+    orientation: Quaternion  # in the modelled geometry, quaternion w first, (4,)
     geoms: tuple[Geom, ...]  # its shapes
     bends: bool = False  # whether it is a flexible part, drawn unbent
 
@@ -48,17 +54,17 @@ class SceneMount:
     isolator: str  # name of the device
     payload_body: str  # names of the bodies; "world" if fixed
     base_body: str
-    payload_point: Array  # the sites from the bodies' centres of mass, in body axes [m], (3,)
-    base_point: Array
-    axes: Array  # roll, shear and axial direction as columns in the base body's axes, (3, 3)
-    height: float  # of the unloaded device [m]; NaN if unknown
-    width: float
-    static_load: float  # rated static load [N]; NaN if not judged
-    travel: dict[str, float]  # rated travel [m] by "compression", "tension", "shear", "roll"; absent if not judged
+    payload_point: Vector  # the sites from the bodies' centres of mass, in body axes [m], (3,)
+    base_point: Vector
+    axes: Annotated[Array, Shape((3, 3))]  # roll, shear and axial direction as columns in the base body's axes, (3, 3)
+    height: Size  # of the unloaded device [m]; NaN if unknown
+    width: Size
+    static_load: Size  # rated static load [N]; NaN if not judged
+    travel: dict[str, Positive]  # rated travel [m] by "compression", "tension", "shear", "roll"; absent if not judged
     stop: bool = False  # whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`
     # number of bolts of its base side, and distances of the outermost along roll and shear [m]; NaN if unknown, (3,)
-    bolts: Array = field(default_factory=lambda: np.full(3, np.nan))
-    bar: float = math.nan  # thickness of one of its bars [m]; NaN if unknown
+    bolts: Annotated[Array, Shape((3,), finite=False)] = field(default_factory=lambda: np.full(3, np.nan))
+    bar: Size = math.nan  # thickness of one of its bars [m]; NaN if unknown
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -86,24 +92,6 @@ class Scene(Brief):
         return tuple(mount for mount in self.mounts if mount.stop)
 
 
-def scene_from_dict(content: Entries) -> Scene:
-    """Read the scene that `scene_to_dict` wrote."""
-    bodies = tuple(
-        _arrays(SceneBody, {**body, "geoms": tuple(_arrays(Geom, geom) for geom in body["geoms"])})
-        for body in content["bodies"]
-    )
-    mounts = tuple(_arrays(SceneMount, mount) for mount in content["mounts"])
-    limits = tuple(
-        PayloadLimit(kind=limit["kind"], name=limit["name"], values=tuple(limit["values"]))
-        for limit in content.get("limits", ())  # older responses have none
-    )
-    combined, areas = content.get("combined_travel", True), content.get("areas", {})  # older responses do not say them
-    return Scene(
-        name=content["name"], base=content["base"], bodies=bodies, mounts=mounts, limits=limits,
-        combined_travel=combined, areas={name: tuple(mounts) for name, mounts in areas.items()},
-    )  # fmt: skip
-
-
 def scene_to_dict(value: object) -> object:
     """Write a scene, or a part of one, as plain lists, numbers and strings."""
     if isinstance(value, np.ndarray):
@@ -115,10 +103,3 @@ def scene_to_dict(value: object) -> object:
     if hasattr(value, "__dataclass_fields__"):
         return {key: scene_to_dict(getattr(value, key)) for key in value.__dataclass_fields__}
     return value
-
-
-def _arrays(kind: Callable[..., Any], content: Entries) -> Any:
-    values = {key: np.array(v, dtype=np.float64) if isinstance(v, list) else v for key, v in content.items()}
-    for key in {"vertices", "faces"} & values.keys():
-        values[key] = values[key].reshape(-1, 3)
-    return kind(**values)

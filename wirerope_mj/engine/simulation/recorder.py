@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import FILE, Response, load_response, response_metadata, response_of
-from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
+from wirerope_mj.engine.response.scene import Geom, GeomShape, Scene, SceneBody, SceneMount
 from wirerope_mj.engine.simulation.gaps import gaps_of
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.system import Mount, System, once_per_system
@@ -18,7 +18,7 @@ from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
-_SHAPES = {
+_SHAPES: dict[mujoco.mjtGeom, GeomShape] = {
     mujoco.mjtGeom.mjGEOM_PLANE: "plane", mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
     mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule", mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
     mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder", mujoco.mjtGeom.mjGEOM_BOX: "box", mujoco.mjtGeom.mjGEOM_MESH: "mesh",

@@ -27,6 +27,8 @@ def read_law(table: Entries, place: Place) -> Law:
     A tabulated law may name a file of its `points`, which stands for the columns of that file. ModelError names file, line,
     table, key and rule.
     """
+    if not isinstance(table, dict):
+        raise place.fault(f"it must be a table, got {quoted(table)}.")
     if "laws" in table:
         return structure(Parallel, table, place, {Law: _read_alone})
     kind = LAWS.get(table["law"]) if isinstance(table.get("law"), str) else None
