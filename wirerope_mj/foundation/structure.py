@@ -161,17 +161,13 @@ def checked(name: str, value: object, hint: Any) -> Any:
     """Return a value as its type has it, an integer as a float; ValueError says what must hold of it, and what it is."""
     if type(value) is float and hint is float and math.isfinite(value):
         return value
-    options = options_of(hint)
-    all_marks = {mark for _, marks in options for mark in marks if isinstance(mark, str | Shape)}
-    for mark in all_marks:
-        if isinstance(mark, Shape):
-            return _array(name, value, mark)
-    if UNKNOWN in all_marks and isinstance(value, float) and not math.isfinite(value):
+    marks = marks_of(hint)
+    if shape := next((mark for mark in marks if isinstance(mark, Shape)), None):
+        return _array(name, value, shape)
+    if UNKNOWN in marks and isinstance(value, float) and not math.isfinite(value):
         return value
-    value = _plain(value)
-    if isinstance(value, date) and DATE in all_marks:
-        value = str(value)
-    if value is None and any(option is NoneType for option, _ in options):
+    value = str(value) if isinstance(value, date) and DATE in marks else _plain(value)
+    if value is None and (NoneType, ()) in options_of(hint):
         return None
     how, inner = tables_in(hint)
     if how is None and isinstance(value, inner):
@@ -188,9 +184,8 @@ def checked(name: str, value: object, hint: Any) -> Any:
     except msgspec.ValidationError:
         pass
     meant = ""
-    for option, marks in options:
-        most = next((mark.le for mark in marks if isinstance(mark, msgspec.Meta) and _unit(mark) == "m"), None)
-        if option is float and most is not None and isinstance(value, int | float) and most < value <= 1e3 * most:
+    for most in (mark.le for mark in marks if isinstance(mark, msgspec.Meta) and unit_of(mark) == "m"):
+        if most is not None and isinstance(value, int | float) and most < value <= 1e3 * most:
             meant = f" If these are millimetres, write {1e-3 * value:.6g}."
     raise ValueError(f"`{name}` must be {said_of(hint)}, got {quoted(value)}.{meant}")
 
@@ -230,8 +225,10 @@ def _said_of(option: Any, marks: tuple[Any, ...], plural: bool) -> str:
     else:
         text = "tables" if plural else f"a {option.__name__}"
     metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
-    text += " and".join(f" {sign} {limit:g}" for meta in metas for sign, limit in _limits(meta))
-    text += "".join(f" [{unit}]" for meta in metas if (unit := _unit(meta)))
+    signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+    limits = [(sign, getattr(meta, name)) for meta in metas for name, sign in signs.items()]
+    text += " and".join(f" {sign} {limit:g}" for sign, limit in limits if limit is not None)
+    text += "".join(f" [{unit}]" for meta in metas if (unit := unit_of(meta)))
     return text + (" that is not empty" if any(meta.min_length for meta in metas) else "")
 
 
@@ -241,12 +238,8 @@ _KINDS = {
 }  # fmt: skip
 
 
-def _limits(meta: msgspec.Meta) -> list[tuple[str, float]]:
-    signs = ((">", meta.gt), (">=", meta.ge), ("<", meta.lt), ("<=", meta.le))
-    return [(sign, limit) for sign, limit in signs if limit is not None]
-
-
-def _unit(meta: msgspec.Meta) -> str:
+def unit_of(meta: msgspec.Meta) -> str:
+    """Return the unit that `bounds` has marked."""
     return str((meta.extra_json_schema or {}).get("unit", ""))
 
 
@@ -280,6 +273,12 @@ def options_of(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[
 
 
 @cache
+def marks_of(hint: Any) -> tuple[Any, ...]:
+    """Return the marks of all types of a union."""
+    return tuple(mark for _, marks in options_of(hint) for mark in marks)
+
+
+@cache
 def _hints(kind: Any) -> dict[str, Any]:
     hints = get_type_hints(kind, include_extras=True)
     return {item.name: hints[item.name] for item in fields(kind) if item.init}
@@ -298,7 +297,7 @@ def keys_of(kind: Any) -> dict[str, _Filled]:
     """Return the keys that a table of a class may have in a file, and how each fills a field."""
     keys: dict[str, _Filled] = {}
     for name, hint in _hints(kind).items():
-        marks = [mark for _, all_of in options_of(hint) for mark in all_of]
+        marks = marks_of(hint)
         spelled = next((mark.name for mark in marks if isinstance(mark, Key)), name)
         units = next((mark for mark in marks if isinstance(mark, In)), None)
         among = next((mark for mark in marks if isinstance(mark, Among)), None)
@@ -317,13 +316,12 @@ def needed_keys(kind: Any) -> dict[str, list[str]]:
     keys: dict[str, list[str]] = {}
     for key, found in keys_of(kind).items():
         item = items[found.field]
-        marked = any(NEEDED in marks for _, marks in options_of(found.hint))
-        if marked or (item.default is MISSING and item.default_factory is MISSING):
+        if NEEDED in marks_of(found.hint) or item.default is item.default_factory is MISSING:
             keys.setdefault(found.field, []).append(key)
     return keys
 
 
-def _structured(hint: Any, value: Any, place: Place, key: str, readers: Readers) -> Any:
+def _structured(hint: Any, value: Any, place: Place, key: Any, readers: Readers) -> Any:
     """Return the value of a key: tables and lists of tables as what they are made into, all else as its type has it."""
     how, inner = tables_in(hint)
     if how is None and inner in readers:
@@ -331,12 +329,12 @@ def _structured(hint: Any, value: Any, place: Place, key: str, readers: Readers)
     if inner is Path and isinstance(value, str):
         return place.folder / value
     if how is None and isinstance(value, dict) and inner is not Path:
-        return _made(inner, value, place.at(key), readers)
+        return structure(inner, value, place.at(key), readers)
     values = [get_args(option)[1] for option, _ in options_of(hint) if get_origin(option) in (dict, Mapping)]
     if values and isinstance(value, dict):
         return {name: _structured(values[0], entry, place.at(key), name, readers) for name, entry in value.items()}
     if how is tuple and isinstance(value, list) and all(isinstance(entry, dict) for entry in value):
-        return tuple(_made(inner, entry, place.at(key, number), readers) for number, entry in enumerate(value))
+        return tuple(_structured(inner, entry, place.at(key), number, readers) for number, entry in enumerate(value))
     if hint is Any:
         return value
     try:
@@ -370,10 +368,6 @@ def tables_in(hint: Any) -> tuple[Any, Any]:
         if origin in (tuple, dict) and _is_class(inner := options_of(args[0 if origin is tuple else -1])[0][0]):
             return origin, inner
     return float, float
-
-
-def _made(kind: Any, value: Any, place: Place, readers: Readers) -> Any:
-    return readers[kind](value, place) if kind in readers else structure(kind, value, place, readers)
 
 
 def _in_si(value: Any, factor: float | tuple[float, ...] | None) -> Any:
