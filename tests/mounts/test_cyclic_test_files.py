@@ -199,6 +199,13 @@ def test_what_is_wrong_is_named_with_its_line(tmp_path, header, lines, message):
     assert re.search(message, str(caught.value)), caught.value
 
 
+@pytest.mark.parametrize("sign", [";", "|", "\t"])
+def test_rows_that_are_separated_otherwise_than_the_header_are_named(tmp_path, sign):
+    path = write(tmp_path, *(row.replace(",", sign) for row in rows()))
+    with pytest.raises(RecordError, match=r"test\.csv, line 2: 1 cell.*4"):
+        wr.load_cyclic_test(path)
+
+
 def test_line_numbers_count_comments_and_empty_lines(tmp_path):
     path = tmp_path / "t.csv"
     path.write_text("# one\n\nloop,deflection [mm],force [kN]\n# four\n1,0,0\n1,high,1\n", encoding="utf-8")

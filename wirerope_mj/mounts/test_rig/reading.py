@@ -162,7 +162,7 @@ def _columns(header: Header) -> dict[str, int]:
             )
     if "time" in columns:
         _, first = next(iter(numbered_rows(header)), (0, header.names))
-        if is_clock_time(first[columns["time"]]):
+        if columns["time"] < len(first) and is_clock_time(first[columns["time"]]):
             del columns["time"]  # of the day: nothing that loops need
     return columns
 
