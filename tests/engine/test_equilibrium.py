@@ -239,6 +239,20 @@ def test_a_plate_dropped_onto_its_stops_comes_to_rest_with_its_weight_on_them():
     assert abs(left) < 0.05 * 400.0 * G
 
 
+def test_a_body_that_reaches_beyond_what_rounding_holds_is_refused_in_words():
+    """A plate of 1e12 m: of the mass matrix of what its one mount leaves free, rounding has no inverse."""
+    box = (
+        '<body name="box" pos="0 0 .3"><freejoint/><geom size=".1" mass="30"/><site name="p" pos=".3 .2 -.1"/>'
+        '<geom type="box" size=".3 1e12 .01" pos="0 0 -.1" mass="2"/><body pos="0 0 .1">'
+        '<joint axis="0 1 0" stiffness="50" damping=".1"/><geom size=".02" pos="0 0 .05" mass="1"/></body></body>'
+    )
+    law = wr.BoucWen(alpha=1e5, beta=75.0, gamma=30.0, n=1.2, k=4e4)
+    text = mjcf(deck({"b": 'pos=".3 .2 .2"'}) + box, [("m1", "p", "b", "a")], gravity=G)
+    system = wr.load_system(text, isolators={"a": wr.Isolator(name="a", roll=law, shear=law, axial=law)})
+    with pytest.raises(wr.ConvergenceError, match="body 'box' still accelerates"):
+        wr.equilibrium(system)
+
+
 def test_a_mount_without_elastic_part_below_its_load_has_no_equilibrium():
     law = wr.BoucWen(**hysteresis(alpha=5e4, z_max=30.0))
     system = sdof(law, mass=3.5, gravity=G)  # 34.3 N

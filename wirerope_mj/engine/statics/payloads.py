@@ -277,7 +277,10 @@ def unresisted(system: System, data: mujoco.MjData, free: Integers, acceleration
     stiffness = motions.T @ mass @ returns
     if not np.isfinite(stiffness).all():
         return ()
-    rates, shapes = scipy.linalg.eigh(0.5 * (stiffness + stiffness.T), motions.T @ mass @ motions)
+    try:
+        rates, shapes = scipy.linalg.eigh(0.5 * (stiffness + stiffness.T), motions.T @ mass @ motions)
+    except np.linalg.LinAlgError:  # masses so far apart that rounding leaves nothing of the least
+        return ()
     motions_of: dict[tuple[int, bool], list[str]] = {}
     for rate, shape in zip(rates, shapes.T, strict=True):
         if rate < SLOW:
