@@ -7,10 +7,13 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
+from threading import Timer
 
 import numpy as np
 
+import wirerope_mj
 from wirerope_mj.foundation.kernel_files import LOADED, SHIPPED, cache_folder
 
 _MODULES = """
@@ -21,55 +24,23 @@ jupyter_config __init__ __main__ textwrap platform h5py pythonfmu3 fmu_slave tbb
 pandas openpyxl pyuff pymoo
 """
 PROGRAMS = (
-    "gcc",
-    "cc",
-    "ld",
-    "ldconfig",
-    "latex",
-    "dvipng",
-    "xdg-open",
-    "rerun",
-    "python",
-    "python3",
-    "uname",
-    "objdump",
-    "rerun-loader-evil",
-    "rerun-cli",
-)
+    "gcc", "cc", "ld", "ldconfig", "latex", "dvipng", "xdg-open", "rerun", "python", "python3", "uname", "objdump",
+    "rerun-loader-evil", "rerun-cli",
+)  # fmt: skip
 LIBRARIES = (
-    "libgcc_s.so.1",
-    "libglfw.so.3",
-    "libglfw.so",
-    "libpango-1.0.so.0",
-    "libpango-1.0-0",
-    "libtbb.so.12",
-    "libgomp.so.1",
-    "libarrow.so",
-    "libarrow_python.so",
-    "libparquet.so",
-    "libhdfs.so",
-    "librerun_c.so",
-)
+    "libgcc_s.so.1", "libglfw.so.3", "libglfw.so", "libpango-1.0.so.0", "libpango-1.0-0", "libtbb.so.12", "libgomp.so.1",
+    "libarrow.so", "libarrow_python.so", "libparquet.so", "libhdfs.so", "librerun_c.so",
+)  # fmt: skip
 NUMBA = (
-    "cache_dir: .k\n",
-    "cache_dir: .k\ncpu_name: generic\n",
-    "cache_dir: .\ndisable_jit: 1\n",
-    "cache_locator_classes: evil.Evil\n",
-    "cache_dir: !!python/object/apply:os.system ['touch {mark}']\n",
-    "- 1\n",
-    "\0\xff",
-    "opt: evil\n",
-    "captured_errors: evil\n",
-)
+    "cache_dir: .k\n", "cache_dir: .k\ncpu_name: generic\n", "cache_dir: .\ndisable_jit: 1\n",
+    "cache_locator_classes: evil.Evil\n", "cache_dir: !!python/object/apply:os.system ['touch {mark}']\n", "- 1\n", "\0\xff",
+    "opt: evil\n", "captured_errors: evil\n",
+)  # fmt: skip
 MATPLOTLIB = (
-    "text.usetex: True\n",
-    "backend: module://evil\n",
-    "text.latex.preamble: \\immediate\\write18{{touch {mark}}}\ntext.usetex: True\n",
-    "savefig.format: evil\n",
-    "axes.prop_cycle: __import__('os').system('touch {mark}')\n",
-    "\0\xff",
-    "font.family: evil\nfigure.dpi: 1e9\n",
-)
+    "text.usetex: True\n", "backend: module://evil\n",
+    "text.latex.preamble: \\immediate\\write18{{touch {mark}}}\ntext.usetex: True\n", "savefig.format: evil\n",
+    "axes.prop_cycle: __import__('os').system('touch {mark}')\n", "\0\xff", "font.family: evil\nfigure.dpi: 1e9\n",
+)  # fmt: skip
 SETTINGS = {
     "ipython_config.py": "import os; os.system('touch {mark}')",
     "pyvenv.cfg": "home = .\n",
@@ -195,8 +166,8 @@ class Hostile:
         path.write_bytes(content if isinstance(content, bytes) else content.encode("latin-1"))
 
 
-SERVERS, SERVED = ("explore",), 15.0
-"""Commands that do not end by themselves, and when they are ended [s]."""
+SERVERS = {"explore": "Open http"}
+"""Commands that do not end by themselves, and what they print once they serve."""
 
 _COMPILED: dict[Path, bytes | None] = {}
 
@@ -215,48 +186,27 @@ def shared_library(mark: Path) -> bytes | None:
     return _COMPILED[mark]
 
 
-def audited(
-    command: list[str],
-    folder: Path,
-    log: Path,
-    *,
-    python: str = sys.executable,
-    code: tuple[str, ...] = (),
-    timeout: float = 120.0,
-):
+def audited(command: list[str], folder: Path, log: Path, *, python: str = sys.executable, code: tuple[str, ...] = ()):
     """Run a command in a folder, and return its exit code, what it printed, and what it executed from elsewhere.
 
-    Raises:
-        subprocess.TimeoutExpired: it does not end.
+    A server is ended once it serves; what does not end in ten minutes is killed.
     """
-    import sysconfig
-
-    import wirerope_mj
-
-    allowed = {
-        sys.prefix,
-        sys.base_prefix,
-        sysconfig.get_path("stdlib"),
-        str(Path(wirerope_mj.__file__).parents[1]),
-        *code,
-    }
-    allowed |= {os.path.realpath(path) for path in allowed}
+    allowed = {sys.prefix, sys.base_prefix, sysconfig.get_path("stdlib"), str(Path(wirerope_mj.__file__).parents[1]), *code}
     environment = {
         **os.environ, "PYTHONPATH": str(Path(__file__).parent / "audited"), "AUDIT_LOG": str(log),
         "AUDIT_FOLDER": str(folder.resolve()),
-        "AUDIT_CODE": os.pathsep.join(sorted(allowed)),
+        "AUDIT_CODE": os.pathsep.join(sorted(allowed | {os.path.realpath(path) for path in allowed})),
     }  # fmt: skip
     process = subprocess.Popen(
         [str(Path(python).with_name("wirerope")), *command], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
     )  # fmt: skip
+    timer, printed = Timer(600.0, process.kill), ""
+    timer.start()
     with process:
-        try:
-            said, _ = process.communicate(timeout=SERVED if command[0] in SERVERS else timeout)
-        except subprocess.TimeoutExpired:
-            process.terminate()
-            if command[0] not in SERVERS:
-                process.kill()
-                raise
-            said, _ = process.communicate(timeout=timeout)
-    return process.returncode, said, log.read_text() if log.exists() else ""
+        for line in process.stdout:
+            printed += line
+            if command[0] in SERVERS and SERVERS[command[0]] in line:
+                process.terminate()
+    timer.cancel()
+    return process.returncode, printed, log.read_text() if log.exists() else ""

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 from campaign import Case
-from fuzz_missions import run
-from hostile import NUMBERS, pick
+from fuzz_studies import SYSTEM, short_run
+from generators import NUMBERS, pick
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.durability.mission import mission_damage, read_mission
@@ -137,8 +137,8 @@ def mission():
 
     def files(folder):
         return {"life.toml": (
-            f'exponent = {exponent}\nconstant = {constant}\n[[stage]]\nrun = "{run()}"\nrepetitions = {often}\n'
-            f'[[stage]]\nrun = "{run()}"\nhours = {hours}\n'
+            f'exponent = {exponent}\nconstant = {constant}\n[[stage]]\nrun = "{short_run()}"\nrepetitions = {often}\n'
+            f'[[stage]]\nrun = "{short_run()}"\nhours = {hours}\n'
         )}  # fmt: skip
 
     return [exponent, constant, often, hours], files
@@ -173,12 +173,6 @@ def calibration():
         return {"drop.csv": "\n".join(lines) + "\n", "vary": "\n".join(vary)}
 
     return [base, block, clock, low, high, mean, deviation, delay], files
-
-
-@cache
-def rigid():
-    """Return a system, loaded once a process."""
-    return wr.load_system("shock_table")
 
 
 @cache
@@ -218,7 +212,7 @@ def meaning(kind, folder, files):
     for name, text in files.items():
         (folder / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     if kind == "deck":
-        system = wr.on_deck(rigid(), panel_of_phrase(files["deck"]))
+        system = wr.on_deck(SYSTEM("shock_table"), panel_of_phrase(files["deck"]))
         model = system.model
         return np.concatenate([model.jnt_stiffness, model.dof_damping, model.body_mass, model.qpos_spring])
     if kind == "job":
@@ -254,7 +248,7 @@ def meaning(kind, folder, files):
         places = [np.asarray(made.points[name]) for name in sorted(made.points)]
         return np.concatenate([np.ravel(a) for a in (made.frequencies, made.damping, made.participation, *shapes, *places)])
     test = MeasuredTest.of(wr.load_measured(folder / "drop.csv", **read_map(["A0=base z", "A1=body/block z"])))
-    forward = SystemForward(rigid(), [test], read_vary(files["vary"].splitlines()))
+    forward = SystemForward(SYSTEM("shock_table"), [test], read_vary(files["vary"].splitlines()))
     values = forward.prior.values(
         np.array([[-1.0] * forward.prior.size, [0.0] * forward.prior.size, [2.0] * forward.prior.size])
     )
@@ -273,87 +267,85 @@ def as_it_stands(kind):
         return meaning(kind, Path(folder), files(Path(folder)))
 
 
-def respelled(rng, kind, numbers, files):
-    """Write the same in other words: units with their values, order, encoding, separators."""
+IN_COLUMNS = ("tables", "calibration")
+"""Kinds whose units stand above columns: their numbers follow them."""
+
+
+def respell(rng, kind, numbers):
+    """Write some numbers in other units."""
     units = [number for number in numbers if len(SPELLED.get(number.quantity, ())) > 1]
     for number in [pick(rng, units) for _ in range(int(rng.integers(1, 4)))] if units else ():
         known = SPELLED[number.quantity]
-        unit = pick(rng, [unit for unit in known if not (kind in ("job", "deck") and "²" in unit)])
-        number.value, number.unit = (number.value * known[number.unit] / known[unit] if kind in ("job", "deck") else 1.0), unit
-    return files
+        unit = pick(rng, [unit for unit in known if kind in IN_COLUMNS or "²" not in unit])
+        number.value = 1.0 if kind in IN_COLUMNS else number.value * known[number.unit] / known[unit]
+        number.unit = unit
 
 
-def changed(rng, kind, numbers, files):
-    """Change one number, its sign or its unit."""
+def rewritten(rng, kind, name, text, spelling):
+    """Return a file as another program writes it: order, encoding, separators."""
+    if kind in ("job", "mission") and spelling < 2:
+        return tomli_w.dumps(tomllib.loads(text))
+    if kind in IN_COLUMNS and name.endswith(".csv"):
+        text = {1: text.replace(",", ";"), 2: "# rig 3\n\n" + text, 3: text.replace("\n", "\r\n")}.get(spelling, text)
+        return text.encode("utf-8-sig") if spelling == 4 else text
+    if kind == "part" and name != "modes.csv":  # whose order is that of the modes
+        head, *rows = text.splitlines()
+        return "\n".join([head, *(rows[i] for i in rng.permutation(len(rows)))]) + "\n"
+    if kind == "deck":
+        words = text.split(" ")
+        return " ".join(" ".join(words[2 * i : 2 * i + 2]) for i in rng.permutation(len(words) // 2))
+    return text
+
+
+def change(rng, kind, numbers):
+    """Change one number, its sign or its unit; return whether that can be done with it."""
     number = pick(rng, numbers)
-    units = [
-        u for u in SPELLED.get(number.quantity, ()) if SPELLED[number.quantity][u] != SPELLED[number.quantity][number.unit]
-    ]
-    if units and (kind in ("tables", "calibration") or rng.random() < 0.5):
-        number.unit = pick(rng, units)
-        number.text = "meant" if kind in ("tables", "calibration") and number.quantity else ""
-    elif not (kind in ("tables", "calibration") and number.quantity):
+    known, placed = SPELLED.get(number.quantity, {}), kind in IN_COLUMNS
+    units = [unit for unit in known if known[unit] != known[number.unit]]
+    if units and (placed or rng.random() < 0.5):
+        number.unit, number.text = pick(rng, units), "meant" if placed else ""
+    elif not (placed and number.quantity):
         number.value = (number.value or 1.0) * pick(rng, (1.07, 0.9, 1.3, -1.0, 10.0, 1e-3, 1e3))
     else:
-        return None
-    return files
+        return False
+    return True
 
 
-def mutate(rng: np.random.Generator, folder) -> Case:
-    """Respell, change or spoil an input of one kind."""
+def meant(rng, folder):
+    """An input of one kind that is respelled, changed or spoiled; what it means is held against what it meant as it stood."""
     kind = str(rng.choice(KINDS, p=OFTEN))
     numbers, files = MAKERS[kind]()
-    how = pick(rng, ("same", "same", "other", "other", "wild"))
+    how, spelling = pick(rng, ("same", "same", "other", "other", "wild")), int(rng.integers(5))
     if how == "same":
-        files = respelled(rng, kind, numbers, files)
+        respell(rng, kind, numbers)
     elif how == "other":
-        while changed(rng, kind, numbers, files) is None:
+        while not change(rng, kind, numbers):
             pass
     else:
-        plain = [number for number in numbers if not (kind in ("tables", "calibration") and number.quantity)]
+        plain = [number for number in numbers if not (kind in IN_COLUMNS and number.quantity)]
         pick(rng, plain).text = pick(rng, NUMBERS)
     written = files(folder)
-    spelling = int(rng.integers(5))
-    if how == "same" and kind in ("job", "mission") and spelling < 2:  # TOML written again by another program
-        written = {name: tomli_w.dumps(tomllib.loads(text)) for name, text in written.items()}
-    if how == "same" and kind in ("tables", "calibration"):
-        for name, text in written.items():
-            if name.endswith(".csv"):
-                text = {1: text.replace(",", ";"), 2: "# rig 3\n\n" + text, 3: text.replace("\n", "\r\n")}.get(spelling, text)
-                written[name] = text.encode("utf-8-sig") if spelling == 4 else text
-    if how == "same" and kind == "part":
-        for name, text in written.items():
-            head, *rows = text.splitlines()
-            if name != "modes.csv":  # whose order is that of the modes
-                rows = [rows[i] for i in rng.permutation(len(rows))]
-            written[name] = "\n".join([head, *rows]) + "\n"
-    if how == "same" and kind == "deck":
-        words = [f"{number}" for number in numbers]
-        written = {"deck": " ".join(words[i] for i in rng.permutation(len(words)))}
-    shown = next(iter(written.values()))
-    return Case(f"{kind} {how}: {shown!r:.300}", {"kind": kind, "how": how, "files": written, "folder": folder})
+    if how == "same":
+        written = {name: rewritten(rng, kind, name, text, spelling) for name, text in written.items()}
 
+    def use():
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                before, now = as_it_stands(kind), meaning(kind, folder, written)
+            except (ValueError, wr.WireRopeError) as error:
+                if how == "same":
+                    return f"refused though it says the same: {error}"
+                raise
+        if not np.isfinite(now).all():
+            return "something is not finite"
+        if library := [str(one.message) for one in caught if one.category in (RuntimeWarning, DeprecationWarning)]:
+            return f"a library's warning: {library[0]}"
+        near = now.shape == before.shape and np.allclose(now, before, rtol=SAME, atol=SAME * 1e-3 * np.abs(before).max())
+        if how == "same" and not near:
+            return "it says the same and means something else"
+        if how == "other" and np.array_equal(now, before) and not caught:
+            return "it says something else and means the same"
+        return None
 
-def use(case: Case) -> str | None:
-    """Compute all that the input means, and hold it against what it meant as it stood."""
-    kind, how = case.inputs["kind"], case.inputs["how"]
-    before = as_it_stands(kind)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
-            now = meaning(kind, case.inputs["folder"], case.inputs["files"])
-        except Exception as error:
-            if how == "same" and isinstance(error, ValueError | wr.WireRopeError):
-                return f"refused though it says the same: {error}"
-            raise
-    if not np.isfinite(now).all():
-        return "something is not finite"
-    if library := [str(one.message) for one in caught if one.category in (RuntimeWarning, DeprecationWarning)]:
-        return f"a library's warning: {library[0]}"
-    same = now.shape == before.shape and bool(np.allclose(now, before, rtol=SAME, atol=SAME * 1e-3 * np.abs(before).max()))
-    same_exactly = now.shape == before.shape and bool(np.array_equal(now, before))
-    if how == "same" and not same:
-        return "it says the same and means something else"
-    if how == "other" and same_exactly and not caught:
-        return "it says something else and means the same"
-    return None
+    return Case(f"{kind} {how}: {next(iter(written.values()))!r:.300}", use)

@@ -28,5 +28,5 @@ def test_every_command_stands_in_a_hostile_folder():
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(20))
 def test_no_command_executes_anything_of_the_folder_it_stands_in(number, data, tmp_path):
-    """More than these twenty: `python tests/hostile_commands.py 200`."""
+    """More than these twenty: `python tests/fuzz/campaign.py hostile --inputs 200`."""
     assert faults(number, data, tmp_path)[1] == []
