@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from wirerope_mj.dynamics.single_mass.equivalent import oscillator_at, simplified_peak
+from wirerope_mj.dynamics.single_mass.equivalent import equivalent_linear, linearised_orbits, oscillator_at, simplified_peak
 from wirerope_mj.dynamics.single_mass.harmonic_branch import follow_harmonic_balance
-from wirerope_mj.dynamics.single_mass.linearisation import equivalent_linear, linearised_orbits
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt, SymmetricBoucWen, Zener
 

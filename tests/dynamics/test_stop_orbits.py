@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.single_mass.balance import harmonic_balance
-from wirerope_mj.dynamics.single_mass.linearisation import equivalent_linear
+from wirerope_mj.dynamics.single_mass.equivalent import equivalent_linear
 
 ROPE = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.0, k=5e4)
 STOP = wr.Stop(gap_below=3e-3, k=3e5, rounding=2e-3, loss=0.3, reversal=2e-3)

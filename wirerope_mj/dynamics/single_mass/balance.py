@@ -15,12 +15,12 @@ No engine and no shooting here: it is an independent check of both.
 """
 
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 
 from wirerope_mj.dynamics.single_mass.cycle import cycle_force, is_neutral, largest, steady_cycle
-from wirerope_mj.dynamics.single_mass.equivalent import require_oscillator
-from wirerope_mj.dynamics.single_mass.linearisation import linearised_orbits
+from wirerope_mj.dynamics.single_mass.equivalent import linearised_orbits, require_oscillator
 from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.arrays import Array, ArrayLike, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
@@ -57,19 +57,18 @@ class Balance:
         self.orders = np.concatenate([[0.0], k, k])  # of the unknowns, (2 H + 1,)
 
     def from_coefficients(self, c: ComplexArray) -> Array:
-        """Return the unknowns of complex coefficients, those beyond them zero, (2 H + 1,)."""
+        """Write complex coefficients as unknowns, those beyond them zero, (2 H + 1,)."""
         full = np.zeros(self.harmonics + 1, dtype=np.complex128)
         count = min(c.size, full.size)
         full[:count] = c[:count]
         return np.concatenate([full.real, -full.imag[1:]])
 
     def coefficients(self, u: Array) -> ComplexArray:
-        """Return the complex coefficients c_k of the unknowns, (H + 1,)."""
-        h = self.harmonics
-        return np.concatenate([[u[0]], u[1 : h + 1] - 1j * u[h + 1 :]])
+        """Write the unknowns as complex coefficients c_k, (H + 1,)."""
+        return np.concatenate([[u[0]], u[1 : self.harmonics + 1] - 1j * u[self.harmonics + 1 :]])
 
     def in_time(self, u: Array, omega: float, samples: int) -> tuple[Array, Array]:
-        """Return deflection [m] and rate [m/s] at the samples of one period and its end, (samples + 1,)."""
+        """Evaluate deflection [m] and rate [m/s] at the samples of one period and its end, (samples + 1,)."""
         spectrum = np.zeros(samples // 2 + 1, dtype=np.complex128)
         c = self.coefficients(u)
         spectrum[: c.size] = 0.5 * samples * c
@@ -79,32 +78,32 @@ class Balance:
         return np.append(x, x[0]), np.append(v, v[0])
 
     def force(self, u: Array, omega: float) -> Array:
-        """Return the harmonics of the law's force in the order of the unknowns [N], (2 H + 1,)."""
+        """Evaluate the harmonics of the law's force in the order of the unknowns [N], (2 H + 1,)."""
         x, v = self.in_time(u, omega, self.samples)
         f = cycle_force(self.law, x, v, period=2.0 * np.pi / omega)[:-1]
         spectrum = np.fft.rfft(f)[: self.harmonics + 1] * (2.0 / self.samples)
         return np.concatenate([[0.5 * spectrum[0].real], spectrum[1:].real, -spectrum[1:].imag])
 
     def residual(self, u: Array, omega: float, acceleration: float) -> Array:
-        """Return R over m a, (2 H + 1,); of a law without a preferred position the first is its mean deflection's."""
+        """Evaluate R over m a, (2 H + 1,); of a law without a preferred position the first is its mean deflection's."""
         r = self.force(u, omega) - (self.orders * omega) ** 2 * self.mass * u
         r[self.harmonics + 1] += self.mass * acceleration
         r[0] = u[0] * self.mass * omega**2 if self.neutral else r[0] + self.mass * self.gravity
         return r / (self.mass * acceleration)
 
     def jacobian(self, u: Array, omega: float, acceleration: float, residual: Array) -> Array:
-        """Return dR/du by differences, (2 H + 1, 2 H + 1)."""
+        """Differentiate the residual by differences, (2 H + 1, 2 H + 1)."""
         step = _STEP * max(float(np.abs(u[1:]).max()), acceleration / omega**2 * 1e-3)
-        columns = []
+        matrix = np.empty((u.size, u.size))
         for i in range(u.size):
             moved = u.copy()
             moved[i] += step
-            columns.append((self.residual(moved, omega, acceleration) - residual) / (moved[i] - u[i]))
-        return np.array(columns).T
+            matrix[:, i] = (self.residual(moved, omega, acceleration) - residual) / (moved[i] - u[i])
+        return matrix
 
 
 def newton(balance: Balance, u: Array, omega: float, acceleration: float, tolerance: float) -> Solution:
-    """Return the end of Newton's method with halved steps from `u`, converged or not."""
+    """Run Newton's method with halved steps from `u`, to convergence or as far as it gets."""
     residual = balance.residual(u, omega, acceleration)
     for iteration in range(_ITERATIONS):
         size = float(np.abs(residual).max())
@@ -179,7 +178,7 @@ def harmonic_balance(
     law: Law, *, mass: float, frequency: float, acceleration: float, gravity: float = 0.0, harmonics: int = 31,
     samples: int = 1024, guess: ArrayLike | None = None, tolerance: float = 1e-10,
 ) -> HarmonicOrbit:  # fmt: skip
-    """Return a periodic motion of one mass on one isolator axis under a sine of base acceleration, a sin(w t).
+    """Find a periodic motion of one mass on one isolator axis under a sine of base acceleration, a sin(w t).
 
     It starts from equivalent linearisation, the smallest of its solutions first; if Newton's method fails from all of them, the
     acceleration is raised step by step from where the law is a spring. A law without an elastic part has no preferred position:
@@ -208,13 +207,9 @@ def harmonic_balance(
     else:
         starts, tried = [balance.from_coefficients(np.asarray(guess, dtype=np.complex128))], "the `guess`"
     best = np.inf
-    for start in starts:
-        solution = newton(balance, start, omega, acceleration, tolerance)
-        if solution.residual <= tolerance:
-            return orbit_of(balance, solution, omega, acceleration)
-        best = min(best, solution.residual)
-    if guess is None:
-        solution = _raised(balance, omega, acceleration, tolerance)
+    solutions = (newton(balance, start, omega, acceleration, tolerance) for start in starts)
+    raised = (_raised(balance, omega, acceleration, tolerance) for _ in range(guess is None))
+    for solution in chain(solutions, raised):
         if solution.residual <= tolerance:
             return orbit_of(balance, solution, omega, acceleration)
         best = min(best, solution.residual)
@@ -226,7 +221,7 @@ def harmonic_balance(
 
 
 def checked_harmonics(harmonics: int, samples: int) -> int:
-    """Return `harmonics`, or raise ValueError if there are none or too few samples for them."""
+    """Check `harmonics`: at least one, with enough samples."""
     integer("harmonics", harmonics, least=1)
     if samples < 8 * harmonics or samples % 2:
         raise ValueError(f"`samples` must be even and at least 8 for each of {harmonics} harmonics, got {samples}.")
@@ -234,18 +229,18 @@ def checked_harmonics(harmonics: int, samples: int) -> int:
 
 
 def orbit_of(balance: Balance, solution: Solution, omega: float, acceleration: float) -> HarmonicOrbit:
-    """Return the motion of converged unknowns."""
+    """Describe the motion of converged unknowns."""
     period = 2.0 * np.pi / omega
     x, v = balance.in_time(solution.u, omega, balance.samples)
     cycle = steady_cycle(balance.law, x, v, period=period)
+    force, z = cycle.loop.force[cycle.samples], cycle.loop.hysteretic_state[cycle.samples]
     fine = steady_cycle(balance.law, *balance.in_time(solution.u, omega, _FINE), period=period).loop
-    spectrum = np.fft.rfft(cycle.force[:-1])[balance.harmonics + 1 :] * (2.0 / balance.samples)
+    spectrum = np.fft.rfft(force[:-1])[balance.harmonics + 1 :] * (2.0 / balance.samples)
     inertia = np.abs(fine.force + balance.mass * balance.gravity) / balance.mass
     return HarmonicOrbit(
         law=balance.law, mass=balance.mass, frequency=omega / (2.0 * np.pi), acceleration=acceleration, gravity=balance.gravity,
         coefficients=balance.coefficients(solution.u),
-        time=np.linspace(0.0, period, x.size), deflection=x, rate=v,
-        force=cycle.force, hysteretic_state=cycle.hysteretic_state,
+        time=np.linspace(0.0, period, x.size), deflection=x, rate=v, force=force, hysteretic_state=z,
         amplitude=largest(inertia[:-1], smooth=not balance.law.rate_independent),
         smallest_deflection=float(fine.deflection.min()), largest_deflection=float(fine.deflection.max()),
         largest_hysteretic_state=float(np.abs(fine.hysteretic_state).max()),
@@ -256,19 +251,16 @@ def orbit_of(balance: Balance, solution: Solution, omega: float, acceleration: f
 
 
 def _estimates(balance: Balance, omega: float, acceleration: float) -> list[Array]:
-    """Return where to start from by equivalent linearisation, the smallest motion first; a smoothed law is near its law."""
+    """Estimate the unknowns by equivalent linearisation, the smallest motion first; a smoothed law is near its law."""
+    frequency = omega / (2.0 * np.pi)
     orbits = linearised_orbits(
-        balance.law.unsmoothed,
-        mass=balance.mass,
-        frequency=omega / (2.0 * np.pi),
-        acceleration=acceleration,
-        gravity=balance.gravity,
+        balance.law.unsmoothed, mass=balance.mass, frequency=frequency, acceleration=acceleration, gravity=balance.gravity
     )
     return [balance.from_coefficients(np.array([orbit.oscillator.offset, orbit.phasor])) for orbit in orbits]
 
 
 def _raised(balance: Balance, omega: float, acceleration: float, tolerance: float) -> Solution:
-    """Return where the motion leads as the acceleration is raised from small ones; steps in it are halved where they fail."""
+    """Raise the acceleration from small ones to the one wanted; steps in it are halved where they fail."""
     level, factor, before = _SMALLEST_LEVEL, 2.0, 0.0
     estimates = _estimates(balance, omega, level * acceleration)
     u = estimates[0] if estimates else np.zeros(2 * balance.harmonics + 1)

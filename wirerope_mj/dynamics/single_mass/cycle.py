@@ -4,8 +4,6 @@ A sampled periodic deflection has its turning points between samples. They belon
 the path by them alone: without them the loop would lose its tips, and the force would not be smooth in the samples.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Integers
@@ -23,7 +21,7 @@ _CLOSED = 4e-16  # share of the largest state by which it may differ after a cyc
 
 @njit
 def path_between(deflection, rate, interval):
-    """Return the closed path through samples and the turning points between them, and where on it the samples stand.
+    """Complete samples by the turning points between them to a closed path, and find where on it the samples stand.
 
     Between samples the deflection is the cubic through deflections and rates; the last sample repeats the first.
     """
@@ -31,8 +29,8 @@ def path_between(deflection, rate, interval):
     path, place, count = np.empty(3 * n_t), np.zeros(n_t, np.int64), 1
     path[0] = deflection[0]
     for t in range(1, n_t):
-        cubic, one, two = reversals(deflection[t - 1], deflection[t], rate[t - 1], rate[t], interval)
-        for instant in (one, two):
+        cubic, first, second = reversals(deflection[t - 1], deflection[t], rate[t - 1], rate[t], interval)
+        for instant in (first, second):
             if 0.0 < instant < interval:
                 path[count] = position(cubic, instant)
                 count += 1
@@ -44,7 +42,7 @@ def path_between(deflection, rate, interval):
 
 @njit
 def turning_points(path):
-    """Return the ends of a closed path and the points between them where it turns round."""
+    """Keep the ends of a closed path and the points between them where it turns round."""
     turning, count = np.empty(path.size), 1
     turning[0] = path[0]
     for t in range(1, path.size - 1):
@@ -57,7 +55,7 @@ def turning_points(path):
 
 @njit
 def round_path(law, p, turning, z, c, a):
-    """Carry the states in place along the turning points and return whether they stay finite."""
+    """Carry the states in place along the turning points; False where they leave the finite numbers."""
     fine = True
     for t in range(1, turning.size):
         fine = fine and carry(law, p, turning[t - 1], turning[t], z, c, a)
@@ -66,7 +64,7 @@ def round_path(law, p, turning, z, c, a):
 
 @njit
 def lead_each(p, start, z, memory, cycle):
-    """Lead the state of each law in parallel that has one to where its cycle closes, and return whether any still moves.
+    """Lead the state of each law in parallel that has one to where its cycle closes; False where none moves any more.
 
     No law sees the states of another. A row of `memory`, (n_states, 6), holds the last two starts and gains, and the bracket.
     """
@@ -88,7 +86,7 @@ def lead_each(p, start, z, memory, cycle):
 
 @njit
 def closed_states(law, p, turning, n_states):
-    """Return the states (n_states,) with which a rate-independent law enters a cycle that it leaves with the same ones.
+    """Find the states (n_states,) with which a rate-independent law enters a cycle that it leaves with the same ones.
 
     The law enters unloaded at zero deflection. One state is found by the secant on what it gains in a cycle, within a bracket,
     as is that of each law in parallel which has one; others by going round. NaN where the force leaves the finite numbers.
@@ -124,7 +122,7 @@ def closed_states(law, p, turning, n_states):
 
 @njit
 def steady_force(law, p, deflection, rate, interval, n_states):
-    """Return the force of a rate-independent law at the samples of a closed cycle (n_t,); NaN where it is lost."""
+    """Evaluate the force of a rate-independent law at the samples of a closed cycle (n_t,); NaN where it is lost."""
     path, place = path_between(deflection, rate, interval)
     z = closed_states(law, p, turning_points(path), n_states)
     c, a, unused = np.empty(ORDER + 1), np.empty(ORDER + 1), np.empty(n_states + 1)
@@ -159,42 +157,26 @@ def closed_states_in_time(law, p, time, deflection, rate, n_states):
     return start
 
 
-@dataclass(frozen=True, kw_only=True)
 class ClosedCycle:
     """A law along one closed cycle."""
 
     loop: Loop  # the whole path; with a rate-independent law the turning points between the samples are on it
-    samples: Integers  # their indices on that path, (n_t,)
-
-    @property
-    def force(self) -> Array:
-        """Force at the samples [N], (n_t,)."""
-        return self.loop.force[self.samples]
-
-    @property
-    def hysteretic_state(self) -> Array:
-        """Hysteretic state at the samples [N], (n_t,)."""
-        return self.loop.hysteretic_state[self.samples]
-
-    @property
-    def states(self) -> Array:
-        """Internal states at the first sample, (n_states,)."""
-        return self.loop.internal_states[0]
+    samples: Integers  # indices on that path, (n_t,)
 
 
 def require_steady(law: Law) -> None:
     """Raise ValueError if no cycle of the law repeats the one before."""
-    if any(isinstance(one, BoucWenBaberNoori) for one in law.components):
+    if any(isinstance(component, BoucWenBaberNoori) for component in law.components):
         raise ValueError("a law that wears, bouc-wen-baber-noori, has no steady cycle: take its Bouc-Wen law instead.")
 
 
 def is_neutral(law: Law) -> bool:
-    """Return whether the law has no preferred position: a shift of the deflection leaves the force of its cycles unchanged."""
+    """Tell whether a shift of the deflection leaves the force of the law's cycles unchanged."""
     return law.largest_force < np.inf
 
 
 def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> Array:
-    """Return the steady force [N], (n_t,), along one cycle; NaN where it leaves the finite numbers.
+    """Compute the steady force [N], (n_t,), along one cycle; NaN where it leaves the finite numbers.
 
     A rate-independent law is followed exactly along the path, from the unloaded state at zero deflection on until its cycle
     closes; one that depends on the rate along the cubic through deflections [m] and rates [m/s], (n_t,), uniform samples over
@@ -209,26 +191,21 @@ def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> A
 
 
 def steady_cycle(law: Law, deflection: Array, rate: Array, *, period: float) -> ClosedCycle:
-    """Return all of the same cycle, its work included; ValueError if the force leaves the finite numbers on the way."""
+    """Compute all of the same cycle, its work included; ValueError if the force leaves the finite numbers on the way."""
     p, n = law.kernel_parameters(), law.n_states
     if law.rate_independent:
-        path, indices = path_between(deflection, rate, period / (deflection.size - 1))
-        states = closed_states(law.kernel, p, turning_points(path), n)
-        return ClosedCycle(loop=law.trace(path, initial_states=_zero_if_lost(states)), samples=indices)
-    time = np.linspace(0.0, period, deflection.size)
-    states = closed_states_in_time(law.kernel, p, time, deflection, rate, n)
-    loop = law.trace(deflection, time=time, rate=rate, initial_states=_zero_if_lost(states))
-    return ClosedCycle(loop=loop, samples=np.arange(deflection.size))
-
-
-def _zero_if_lost(states: Array) -> Array:
-    """Return states from which a trace says itself where the force leaves the finite numbers."""
-    return np.where(np.isfinite(states), states, 0.0)
+        path, samples = path_between(deflection, rate, period / (deflection.size - 1))
+        states, along = closed_states(law.kernel, p, turning_points(path), n), {}
+    else:
+        time, path, samples = np.linspace(0.0, period, deflection.size), deflection, np.arange(deflection.size)
+        states, along = closed_states_in_time(law.kernel, p, time, deflection, rate, n), {"time": time, "rate": rate}
+    held = np.where(np.isfinite(states), states, 0.0)  # from zero the trace says where the force is lost
+    return ClosedCycle(loop=law.trace(path, initial_states=held, **along), samples=samples)
 
 
 def largest(values: Array, *, smooth: bool) -> float:
-    """Return the largest of the values at uniform samples of one period; of a smooth curve the tip of the parabola there."""
+    """Find the largest of the values at uniform samples of one period; of a smooth curve the tip of the parabola there."""
     top = int(np.argmax(values))
-    before, at, after = values[top - 1], values[top], values[(top + 1) % values.size]
-    bend = before - 2.0 * at + after
-    return float(at - (after - before) ** 2 / (8.0 * bend)) if smooth and bend < 0.0 else float(at)
+    before, tip, after = values[top - 1], values[top], values[(top + 1) % values.size]
+    bend = before - 2.0 * tip + after
+    return float(tip - (after - before) ** 2 / (8.0 * bend)) if smooth and bend < 0.0 else float(tip)

@@ -71,7 +71,7 @@ class HarmonicBranch(Summarised):
         return self.amplitude / self.acceleration
 
     def orbits_at(self, frequency: float) -> tuple[HarmonicOrbit, ...]:
-        """Return the motions at a frequency [Hz], one for each time that the branch passes it, in its order."""
+        """Find the motions at a frequency [Hz], one for each time that the branch passes it, in its order."""
         f = self.frequency
         rows = np.flatnonzero((f[:-1] - frequency) * (f[1:] - frequency) <= 0.0)
         rows = rows[[i == 0 or f[i] != frequency for i in rows]]  # a point that is hit is the end of the step before
@@ -92,7 +92,7 @@ def follow_harmonic_balance(
     law: Law, *, mass: float, start: float, stop: float, acceleration: float, gravity: float = 0.0, harmonics: int = 31,
     samples: int = 1024, largest_step: float = 0.1, tolerance: float = 1e-10,
 ) -> HarmonicBranch:  # fmt: skip
-    """Return the periodic motions of one mass on one isolator axis from one frequency to another, through folds.
+    """Follow the periodic motions of one mass on one isolator axis from one frequency to another, through folds.
 
     The branch is followed by its arclength: of the deflection's coefficients, measured by their own size, and of the
     logarithm of the frequency. It starts with the motion that `harmonic_balance` finds there.
@@ -166,15 +166,14 @@ class _Path:
         self.message = ""
 
     def residual(self, y: Array) -> Array:
-        """Evaluate the balance's residual."""
         return self.balance.residual(y[:-1], float(np.exp(y[-1])), self.acceleration)
 
-    def jacobian(self, y: Array, here: Array) -> Array:
-        """Differentiate the residual, `here` at y, by the unknowns and by the logarithm of omega, (n, n + 1)."""
+    def jacobian(self, y: Array, residual: Array) -> Array:
+        """Differentiate the residual at y by the unknowns and by the logarithm of omega, (n, n + 1)."""
         moved = y.copy()
         moved[-1] += 1e-7  # the residual is smooth in the frequency: rounding and curvature are even near there
-        column = (self.residual(moved) - here) / (moved[-1] - y[-1])
-        by_unknowns = self.balance.jacobian(y[:-1], float(np.exp(y[-1])), self.acceleration, here)
+        column = (self.residual(moved) - residual) / (moved[-1] - y[-1])
+        by_unknowns = self.balance.jacobian(y[:-1], float(np.exp(y[-1])), self.acceleration, residual)
         return np.column_stack([by_unknowns, column])
 
     def point(self, y: Array, like: Array, corrections: int = 0) -> _Point:
