@@ -33,14 +33,14 @@ class Tried(Protocol):
     """What a move leads to, and its gap, (n,)."""
 
     @property
-    def gap(self) -> Array: ...  # noqa: D102
+    def gap(self) -> Array: ...
 
 
 class OnCurve(Protocol):
     """A point of a curve and its unit tangent, (n + 1,)."""
 
     @property
-    def tangent(self) -> Array: ...  # noqa: D102
+    def tangent(self) -> Array: ...
 
 
 T = TypeVar("T", bound=Tried)

@@ -31,7 +31,7 @@ class BranchCurve:
         return [slice(a, b + 1) for a, b in zip(ends[:-1], ends[1:], strict=True) if b > a]
 
     def amplitudes_at(self, frequency: Array) -> list[tuple[Array, Booleans]]:
-        """Return amplitude and stability at frequencies [Hz], (m,), on every run; NaN where a run does not reach."""
+        """Interpolate amplitude and stability at frequencies [Hz], (m,), on every run; NaN where a run does not reach."""
         branches = []
         for run in self.runs:
             f, a, s = self.frequency[run], self.amplitude[run], self.stable[run]
@@ -43,7 +43,7 @@ class BranchCurve:
 
 
 def curve_of(branch: Branch) -> BranchCurve:
-    """Return the curve through the points of a branch.
+    """Draw the curve through the points of a branch.
 
     Akima's spline in the length along the branch, of frequency and amplitude in logarithms: it does not ring at the kinks
     that the payload's largest acceleration has where another crest becomes the highest.
@@ -64,12 +64,12 @@ def curve_of(branch: Branch) -> BranchCurve:
 
 
 def relative_steps(f: Array, a: Array) -> Array:
-    """Return the distances between successive points, both coordinates relative to their ranges, (n - 1,)."""
+    """Distances between successive points, both coordinates relative to their ranges, (n - 1,)."""
     return np.hypot(np.diff(f) / (float(np.ptp(f)) or 1.0), np.diff(a) / (float(np.ptp(a)) or 1.0))
 
 
 def along_resonance(branch: Branch) -> list[int]:
-    """Return points of a branch: below its highest amplitude on either side, and at it.
+    """Choose points of a branch: below its highest amplitude on either side, and at it.
 
     The order is that along the branch, so that behind a fold the motions which no sweep reaches are among them.
     """
@@ -83,7 +83,7 @@ def along_resonance(branch: Branch) -> list[int]:
 
 
 def along_branch(branch: Branch, curve: BranchCurve, count: int) -> Integers:
-    """Return `count` points of a branch in its order, equally far from each other along the curve, the highest among them.
+    """Choose `count` points of a branch in its order, equally far from each other along the curve, the highest among them.
 
     The length is that in a picture on logarithmic axes whose height is its width: most of it lies in the resonance. A branch
     with fewer points has some of them several times.
@@ -97,7 +97,7 @@ def along_branch(branch: Branch, curve: BranchCurve, count: int) -> Integers:
 
 
 def busiest_loops(response: Response) -> list[tuple[str, int]]:
-    """Return mount and axis (0 roll, 1 shear, 2 axial) of all loops of a periodic motion, most work per repetition first.
+    """Rank mount and axis (0 roll, 1 shear, 2 axial) of all loops of a periodic motion, most work per repetition first.
 
     In vibration this says which mounts move: the utilisation of the rated travel is mostly that of the sag.
     """

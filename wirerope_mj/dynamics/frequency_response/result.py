@@ -57,7 +57,7 @@ class ResponseOptions:
     range_from: str = "given"  # origin of the range as text; set by `checked`
 
     def checked(self, system: System) -> "ResponseOptions":
-        """Return the same options with nothing left open.
+        """Check the options and fill in what is left open.
 
         Raises:
             ValueError: a level, the range, a step, the payload or a direction is not valid.
@@ -101,7 +101,7 @@ class ResponseOptions:
 
 
 def _range(system: System, start: float | None, stop: float | None) -> tuple[float, float, str]:
-    """Return the range and where it comes from."""
+    """Check the range, and say where it comes from."""
     values, source = np.abs(np.imag(eigenvalues(system))) / (2.0 * math.pi), "given"
     # on unloaded mounts, where they are stiffest; each appears with both signs of its imaginary part
     natural = sorted(values[values > STILL * values.max(initial=0.0)].tolist())[::2]
@@ -142,7 +142,6 @@ class Level:
         return {direction: sweep for direction, sweep in (("up", self.up), ("down", self.down)) if sweep is not None}
 
     def transmissibility(self, amplitude: float) -> float:
-        """Return an amplitude [m/s^2] over that of the base's acceleration [-]."""
         return amplitude / self.acceleration
 
     @property
@@ -173,65 +172,48 @@ class FrequencyResponse:
 
 def save_tables(result: FrequencyResponse, folder: Path) -> None:
     """Write the tables of what was computed into `folder`; SI units, float64."""
-    if result.branches:
-        width = max(branch.floquet_multipliers.shape[1] for branch in result.branches)
-        levels = [(n, level) for n, level in enumerate(result.levels) if level.branch is not None]
-        _write(folder / BRANCHES, [_branch_columns(n, level, width) for n, level in levels])
-    sweeps = [
-        _sweep_columns(n, level, direction, sweep)
-        for n, level in enumerate(result.levels)
-        for direction, sweep in level.sweeps.items()
-    ]
-    if sweeps:
-        _write(folder / SWEEPS, sweeps)
-
-
-def _write(path: Path, tables: list[dict[str, AnyArray]]) -> None:
-    write_columns(path, {name: np.concatenate([table[name] for table in tables]) for name in tables[0]})
-
-
-def _branch_columns(number: int, level: Level, width: int) -> dict[str, AnyArray]:
-    """Return the columns of a branch; `width` multipliers, NaN where it has fewer."""
-    branch = level.branch
-    assert branch is not None
-    n = branch.frequency.size
-    multipliers = np.full((n, width), complex(np.nan, np.nan))
-    multipliers[:, : branch.floquet_multipliers.shape[1]] = branch.floquet_multipliers
-    events = np.full(n, "", dtype=object)
-    for event in branch.bifurcations:
-        events[event.index] = event.description
+    tables: dict[str, list[dict[str, AnyArray]]] = {BRANCHES: [], SWEEPS: []}
+    width = max((branch.floquet_multipliers.shape[1] for branch in result.branches), default=0)
     same = ("frequency", "acceleration", "amplitude", "transmissibility", "stable", "neutral", "residual", "steps")
-    columns: dict[str, AnyArray] = {
-        "level": np.full(n, number), "point": np.arange(n), **{name: getattr(branch, name) for name in same},
-        "smoothing_width": branch.smoothing_width, "bifurcation": events,
-    }  # fmt: skip
-    for i in range(width):
-        columns[f"multiplier_{i + 1}/re"] = multipliers[:, i].real
-        columns[f"multiplier_{i + 1}/im"] = multipliers[:, i].imag
-    columns |= {f"unknown/{i}": branch.unknowns[:, i] for i in range(branch.unknowns.shape[1])}
-    return columns
-
-
-def _sweep_columns(number: int, level: Level, direction: str, sweep: FrequencySweep) -> dict[str, AnyArray]:
-    n = sweep.frequency.size
-    columns: dict[str, AnyArray] = {
-        "level": np.full(n, number), "way": np.array([direction] * n, dtype=object), "frequency": sweep.frequency,
-        "acceleration": np.full(n, level.acceleration), "base_amplitude": sweep.base_amplitude,
-        "amplitude": sweep.amplitude, "transmissibility": sweep.transmissibility,
-    }  # fmt: skip
-    for body, envelope in sweep.envelopes.items():
-        columns |= {f"bodies/{body}/acceleration/{c}": envelope.acceleration[:, i] for i, c in enumerate("xyz")}
-    for name, mount in sweep.mounts.items():
-        for extreme, values in (("lowest", mount.minimum), ("highest", mount.maximum)):
-            columns |= {f"mounts/{name}/{extreme}/{c}": values[:, i] for i, c in enumerate(AXES)}
-    return columns
+    for number, level in enumerate(result.levels):
+        if (branch := level.branch) is not None:
+            n = branch.frequency.size
+            multipliers = np.full((n, width), complex(np.nan, np.nan))
+            multipliers[:, : branch.floquet_multipliers.shape[1]] = branch.floquet_multipliers
+            events = np.full(n, "", dtype=object)
+            for event in branch.bifurcations:
+                events[event.index] = event.description
+            columns: dict[str, AnyArray] = {
+                "level": np.full(n, number), "point": np.arange(n), **{name: getattr(branch, name) for name in same},
+                "smoothing_width": branch.smoothing_width, "bifurcation": events,
+            }  # fmt: skip
+            for i, values in enumerate(multipliers.T, start=1):
+                columns |= {f"multiplier_{i}/re": values.real, f"multiplier_{i}/im": values.imag}
+            columns |= {f"unknown/{i}": branch.unknowns[:, i] for i in range(branch.unknowns.shape[1])}
+            tables[BRANCHES].append(columns)
+        for direction, sweep in level.sweeps.items():
+            n = sweep.frequency.size
+            columns = {
+                "level": np.full(n, number), "way": np.array([direction] * n, dtype=object), "frequency": sweep.frequency,
+                "acceleration": np.full(n, level.acceleration), "base_amplitude": sweep.base_amplitude,
+                "amplitude": sweep.amplitude, "transmissibility": sweep.transmissibility,
+            }  # fmt: skip
+            for body, envelope in sweep.envelopes.items():
+                columns |= {f"bodies/{body}/acceleration/{c}": envelope.acceleration[:, i] for i, c in enumerate("xyz")}
+            for name, mount in sweep.mounts.items():
+                for extreme, values in (("lowest", mount.minimum), ("highest", mount.maximum)):
+                    columns |= {f"mounts/{name}/{extreme}/{c}": values[:, i] for i, c in enumerate(AXES)}
+            tables[SWEEPS].append(columns)
+    for file, parts in tables.items():
+        if parts:
+            write_columns(folder / file, {name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
 def frequency_response(
     system: System, options: ResponseOptions, *, name: str = "", report: Callable[[str], None] | None = None,
     keep: Path | None = None, progress: bool = False,
 ) -> FrequencyResponse:  # fmt: skip
-    """Return the branches and envelopes of a response at several levels.
+    """Compute the branches and envelopes of a response at several levels.
 
     Args:
         system: the system.

@@ -12,7 +12,7 @@ from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Le
 from wirerope_mj.dynamics.periodic import Branch, HarmonicContent, harmonic_content, resonances
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.summary import json_values
 
 HARMONICS = 9  # highest harmonic that is looked for in a motion
@@ -39,17 +39,30 @@ class ResonancePeak:
 
 
 def peaks_of(branch: Branch) -> list[ResonancePeak]:
-    """Return the peaks of a branch, the highest (or the end of the branch, if that is higher) first, then by frequency."""
-    peaks = [(peak.index, peak.frequency, peak.amplitude, False) for peak in resonances(branch)]
+    """List the peaks of a branch, the highest (or the end of the branch, if that is higher) first, then by frequency."""
+    points = [(peak.index, peak.frequency, peak.amplitude, False) for peak in resonances(branch)]
     top = branch.peak
-    if top not in [index for index, *_ in peaks]:
+    if top not in [index for index, *_ in points]:
         at_edge = top in (0, branch.frequency.size - 1)
-        peaks.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), at_edge))
-    first = max(peaks, key=lambda peak: peak[2])
+        points.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), at_edge))
+    first = max(points, key=lambda point: point[2])
     if not first[3]:
-        peaks += _superharmonics(branch, first[1], [frequency for _, frequency, *_ in peaks])
-    others = sorted((peak for peak in peaks if peak is not first), key=lambda peak: peak[1])
-    return [_peak(branch, *peak) for peak in (first, *others)]
+        points += _superharmonics(branch, first[1], [frequency for _, frequency, *_ in points])
+    peaks = []
+    rest = sorted((point for point in points if point is not first), key=lambda point: point[1])
+    for point, frequency, amplitude, at_edge in (first, *rest):
+        content = _content(branch, point)
+        overtones = [i for i, order in enumerate(content.order) if order not in (0, 1)]
+        largest = overtones[int(np.argmax(content.amplitude[overtones]))]
+        peaks.append(
+            ResonancePeak(
+                frequency=frequency, amplitude=amplitude, point=point, at_edge=at_edge,
+                transmissibility=amplitude / abs(float(branch.acceleration[point])),
+                order=float(content.order[largest]), harmonic=content.names[largest],
+                share=float(content.amplitude[largest]) / max(content.of(1), 1e-300),
+            )
+        )  # fmt: skip
+    return peaks
 
 
 def _superharmonics(branch: Branch, top: float, listed: Sequence[float]) -> Iterator[tuple[int, float, float, bool]]:
@@ -69,18 +82,6 @@ def _superharmonics(branch: Branch, top: float, listed: Sequence[float]) -> Iter
 def _content(branch: Branch, point: int) -> HarmonicContent:
     along = branch.response_direction
     return harmonic_content(branch.orbit(point), payload=branch.payload, direction=along, highest=HARMONICS)
-
-
-def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edge: bool) -> ResonancePeak:
-    content = _content(branch, point)
-    others = [i for i, order in enumerate(content.order) if order not in (0, 1)]
-    largest = others[int(np.argmax(content.amplitude[others]))]
-    return ResonancePeak(
-        frequency=frequency, amplitude=amplitude, point=point, at_edge=at_edge,
-        transmissibility=amplitude / abs(float(branch.acceleration[point])),
-        order=float(content.order[largest]), harmonic=content.names[largest],
-        share=float(content.amplitude[largest]) / max(content.of(1), 1e-300),
-    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,40 +111,27 @@ class SweepComparison:
 
 
 def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | None) -> SweepComparison:
-    """Return the comparison of a sweep with a branch, if there is one."""
+    """Compare a sweep with a branch, if there is one: with the nearest stable motion, away from folds, where it jumps."""
     f, a = sweep.frequency, sweep.amplitude
-    top = int(np.argmax(a))
-    difference = np.full(f.size, np.nan) if branch is None or curve is None else _differences(f, a, branch, curve)
-    known = np.flatnonzero(np.isfinite(difference))
-    largest = int(known[np.argmax(difference[known])]) if known.size else -1
-    most, at, median = math.nan, math.nan, math.nan
-    if known.size:
-        most, at, median = float(difference[largest]), float(f[largest]), float(np.median(difference[known]))
-    jumps = () if branch is None else _jumps(sweep, branch)
-    return SweepComparison(largest=most, at=at, median=median, peak_frequency=float(f[top]), peak=float(a[top]), jumps=jumps)
-
-
-def _differences(f: Array, a: Array, branch: Branch, curve: BranchCurve) -> Array:
-    """Return the relative difference to the nearest stable motion, NaN near folds and where there is none, (n,)."""
-    differences = np.full(f.size, np.inf)
-    for amplitude, stable in curve.amplitudes_at(f):
-        here = np.where(stable, np.abs(a / amplitude - 1.0), np.nan)
-        differences = np.fmin(differences, here)
-    for fold in branch.folds:
-        differences[np.abs(f / fold.frequency - 1.0) < AWAY] = np.nan
-    return np.where(np.isfinite(differences), differences, np.nan)
-
-
-def _jumps(sweep: FrequencySweep, branch: Branch) -> tuple[SweepJump, ...]:
-    """Return the jumps of a sweep near the folds of a branch."""
-    f, a = sweep.frequency, sweep.amplitude
-    rising, jumps = bool(f[-1] > f[0]), []
-    for jump in branch.jumps:
+    top, jumps, differences = int(np.argmax(a)), [], np.full(f.size, np.inf)
+    if branch is not None and curve is not None:
+        for amplitude, stable in curve.amplitudes_at(f):
+            differences = np.fmin(differences, np.where(stable, np.abs(a / amplitude - 1.0), np.nan))
+        for fold in branch.folds:
+            differences[np.abs(f / fold.frequency - 1.0) < AWAY] = np.nan
+    for jump in branch.jumps if branch is not None else ():
         near = np.flatnonzero(np.abs(f[:-1] / jump.parameter - 1.0) < AWAY)
-        if jump.rising == rising and near.size:
+        if jump.rising == bool(f[-1] > f[0]) and near.size:
             steepest = near[np.argmax(np.abs(np.diff(np.log(a)))[near])]
             jumps.append(SweepJump(fold=jump.parameter, frequency=float(f[steepest]), amplitude=float(a[steepest])))
-    return tuple(jumps)
+    known = np.flatnonzero(np.isfinite(differences))
+    most, at, median = math.nan, math.nan, math.nan
+    if known.size:
+        largest = int(known[np.argmax(differences[known])])
+        most, at, median = float(differences[largest]), float(f[largest]), float(np.median(differences[known]))
+    return SweepComparison(
+        largest=most, at=at, median=median, peak_frequency=float(f[top]), peak=float(a[top]), jumps=tuple(jumps)
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,7 +157,6 @@ class LevelSummary:
 
 
 def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
-    """Summarise all levels."""
     return [LevelSummary(level=level) for level in result.levels]
 
 
@@ -214,12 +201,11 @@ class OrderBand:
 
     @property
     def label(self) -> str:
-        """For instance `order 2`."""
         return f"order {self.order:g}"
 
 
 def order_bands(orders: Sequence[float], speed_rpm: Sequence[float]) -> tuple[OrderBand, ...]:
-    """Return the bands of orders at speeds [1/min], one or the ends of a range; ValueError unless there are, all above zero."""
+    """Bands of orders at speeds [1/min], one or the ends of a range; ValueError unless there are, all above zero."""
     if len(speed_rpm) not in (1, 2):
         raise ValueError(f"`--speed-rpm` takes one speed or two, the lowest and the highest, got {len(speed_rpm)}.")
     speeds = sorted(_within("--speed-rpm", speed) / 60.0 for speed in speed_rpm)
@@ -235,13 +221,13 @@ def _within(name: str, value: float) -> float:
 
 
 def order_statements(bands: Sequence[OrderBand], findings: Sequence[LevelSummary]) -> Iterator[str]:
-    """Yield for every band a sentence on the resonance peaks that lie in it."""
+    """Say for every band which resonance peaks lie in it."""
     for band in bands:
-        there = [
+        inside = [
             f"{peak.frequency:.2f} Hz at {summary.level.acceleration:.4g} m/s²"
             for summary in findings
             for peak in summary.peaks
             if band.low <= peak.frequency <= band.high and not peak.at_edge
         ]
         span = f"{band.low:.4g} Hz" if band.low == band.high else f"{band.low:.4g} to {band.high:.4g} Hz"
-        yield f"{band.label.capitalize()}, {span}: " + (f"resonance at {', '.join(there)}." if there else "no resonance.")
+        yield f"{band.label.capitalize()}, {span}: " + (f"resonance at {', '.join(inside)}." if inside else "no resonance.")

@@ -32,7 +32,7 @@ class ModeAnimation:
 
 
 def animated_modes(system: System, modes: Modes) -> ModeAnimation:
-    """Return the modes of `system` in motion about the position of rest, drawn large; forces are those of small cycles."""
+    """Draw the modes of `system` in motion about the position of rest, large; forces are those of small cycles."""
     rest = linearise(system, modes.equilibrium)
     heights = [m.isolator.geometry.height for m in system.mounts.values() if m.isolator.geometry is not None]
     known = [height for height in heights if height is not None]
@@ -69,7 +69,7 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
 
 
 def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplitude: float) -> Array:
-    """Return the samples of all modes one after the other, (n_t, n_columns)."""
+    """Sample all modes one after the other, (n_t, n_columns)."""
     model = system.model.__copy__()
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, modes.equilibrium.state.values, STATE)
@@ -103,7 +103,7 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
 
 
 def _peak(values: Array) -> Peak:
-    """Return the extremes over all rows; their instants say nothing here."""
+    """Read the extremes over all rows; their instants say nothing."""
     sizes = np.linalg.norm(values, axis=1)
     at = int(np.argmax(sizes))
     never = np.zeros(3)

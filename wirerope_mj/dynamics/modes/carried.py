@@ -15,10 +15,9 @@ from wirerope_mj.dynamics.modes.axis import closed_cycle, cycle_samples
 from wirerope_mj.dynamics.modes.mount import SMALL
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.single_mass.cycle import is_neutral
-from wirerope_mj.engine.statics import MountLoad
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Integers
-from wirerope_mj.mounts.isolator import Isolator, travel
+from wirerope_mj.mounts.isolator import travel
 from wirerope_mj.mounts.laws import Law, LoopBoucWen
 
 # Relative difference of the frequencies about rest and about where the weight is carried, from which on they are apart.
@@ -36,7 +35,7 @@ class Carried:
 
 
 def carried(system: System, modes: Modes) -> Carried:
-    """Return where modes at an amplitude lie about the deflections that carry the weight, the shapes as they are.
+    """Move modes at an amplitude to the deflections that carry the weight, the shapes as they are.
 
     Each axis is taken alone, with the force that its law has at rest: for one mount of independent axes that is exact, else an
     estimate.
@@ -49,18 +48,23 @@ def carried(system: System, modes: Modes) -> Carried:
         stiffness, largest, name = 0.0, 0.0, ""
         for mount, load in modes.equilibrium.mounts.items():
             sizes = modes.amplitude * np.abs(modes.mounts[mount][mode])
-            deflections, forces = _of_the_laws(system.mounts[mount].isolator, load)
-            for axis, law in enumerate(system.mounts[mount].isolator.axes.values()):
+            isolator, deflections, forces = system.mounts[mount].isolator, load.deflection.copy(), load.force.copy()
+            if isinstance(coupled := isolator.coupled, LoopBoucWen):  # a loop's elastic energy is none of the axes' laws
+                axes, brackets = list(isolator.coupled_axes), np.array(coupled.brackets or (np.inf, np.inf))
+                of_loop = coupled.loop.force(load.deflection[axes] - load.force[axes] / brackets)
+                forces[axes] -= of_loop
+                deflections[axes] -= of_loop / brackets
+            for axis, law in enumerate(isolator.axes.values()):
                 if law is None or is_neutral(law) or sizes[axis] < SMALL or not math.isfinite(frequency):
                     continue
                 rest, force = float(deflections[axis]), float(forces[axis])
                 if law.initial_stiffness == 0.0 and force == 0.0:
                     continue  # an open stop carries nothing, and where it would go is up to the others
-                there = _carrying(law, rest, force, float(sizes[axis]), frequency)
-                gain = _stiffness(law, there, sizes[axis], frequency) - _stiffness(law, rest, sizes[axis], frequency)
+                moved = _carrying(law, rest, force, float(sizes[axis]), frequency)
+                gain = _stiffness(law, moved, sizes[axis], frequency) - _stiffness(law, rest, sizes[axis], frequency)
                 stiffness += modes.mounts[mount][mode, axis] ** 2 * gain
-                if abs(there - rest) > largest:
-                    largest, name = abs(there - rest), mount
+                if abs(moved - rest) > largest:
+                    largest, name = abs(moved - rest), mount
         eigenvalue = (2.0 * np.pi * frequency) ** 2 + stiffness / float(shape @ modes.mass @ shape)
         frequencies[mode] = math.sqrt(eigenvalue) / (2.0 * np.pi) if eigenvalue >= 0.0 else math.nan
         shifts[mode] = largest
@@ -70,50 +74,39 @@ def carried(system: System, modes: Modes) -> Carried:
     return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names), apart=np.flatnonzero(apart))
 
 
-def _of_the_laws(isolator: Isolator, load: MountLoad) -> tuple[Array, Array]:
-    """Return deflection and force at rest that the axes' own laws have, (3,) each: a loop's elastic energy is not theirs."""
-    deflections, forces = load.deflection.copy(), load.force.copy()
-    if isinstance(coupled := isolator.coupled, LoopBoucWen):
-        axes, brackets = list(isolator.coupled_axes), np.array(coupled.brackets or (np.inf, np.inf))
-        of_loop = coupled.loop.force(load.deflection[axes] - load.force[axes] / brackets)
-        forces[axes] -= of_loop
-        deflections[axes] -= of_loop / brackets
-    return deflections, forces
-
-
 def _stiffness(law: Law, deflection: float, amplitude: float, frequency: float) -> float:
     return closed_cycle(law, deflection, amplitude, frequency=frequency).real if math.isfinite(deflection) else math.nan
 
 
 def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: float) -> float:
-    """Return the deflection about which the mean force of a cycle is `force` [m]; NaN if none is found."""
+    """Find the deflection about which the mean force of a cycle is `force` [m]; NaN if there is none."""
 
     def excess(deflection: float) -> float:
         return float(cycle_samples(law, deflection, amplitude, frequency)[1].mean()) - force
 
-    here = excess(rest)
-    if abs(here) <= 1e-9 * (abs(force) + law.initial_stiffness * amplitude):  # rounding of a sum over a cycle
+    at_rest = excess(rest)
+    if abs(at_rest) <= 1e-9 * (abs(force) + law.initial_stiffness * amplitude):  # rounding of a sum over a cycle
         return rest
-    before, step = rest, -here / law.closed_stiffness
+    before, step = rest, -at_rest / law.closed_stiffness
     for _ in range(30):
         beyond = before + step
-        there = excess(beyond)
-        if not math.isfinite(there):
-            return math.nan
-        if there * here <= 0.0:
+        gap = excess(beyond)
+        if not math.isfinite(gap):
+            break
+        if gap * at_rest <= 0.0:
             return float(scipy.optimize.brentq(excess, before, beyond, xtol=1e-6 * abs(beyond - rest)))
         before, step = beyond, 1.5 * step
     return math.nan
 
 
 def reached_in(modes: Modes, mount: str) -> tuple[Array, Array]:
-    """Return the lowest and highest deflections of a mount over all modes, sag included [m], (3,) each."""
+    """Find the lowest and highest deflections of a mount over all modes, sag included [m], (3,) each."""
     rest, amplitudes = modes.equilibrium.mounts[mount].deflection, (modes.amplitude or 0.0) * abs(modes.mounts[mount])
     largest = amplitudes.max(axis=0, initial=0.0)  # (n_modes, 3) -> (3,)
     return rest - largest, rest + largest
 
 
 def travel_utilisation(system: System, modes: Modes, mount: str) -> float:
-    """Return the largest utilisation of a rated travel of a mount in any of the modes, sag included [-]; 0 if none is rated."""
+    """Find the largest utilisation of a rated travel of a mount in any of the modes, sag included [-]; 0 if none is rated."""
     reached = travel.travel_reached(*reached_in(modes, mount))
     return max(travel.travel_utilisation(reached, system.mounts[mount].isolator.limits.travel.stated).values(), default=0.0)

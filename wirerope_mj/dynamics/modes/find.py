@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import TypeVar
 
@@ -40,7 +40,7 @@ STEPS = 6
 
 
 def solve(stiffness: Array, mass: Array, motions: Array) -> tuple[Array, Array]:
-    """Return the eigenvalues [(rad/s)^2], (n_modes,), from the lowest on, and the shapes, phi^T M phi = 1, as columns.
+    """Find the eigenvalues [(rad/s)^2], (n_modes,), from the lowest on, and the shapes, phi^T M phi = 1, as columns.
 
     Shapes are those of `motions` alone, which equality constraints leave, as columns (n, n_modes).
     """
@@ -50,13 +50,13 @@ def solve(stiffness: Array, mass: Array, motions: Array) -> tuple[Array, Array]:
 
 
 def frequency_of(values: Array) -> Array:
-    """Return the frequencies [Hz] of eigenvalues; NaN for those below zero, whose motion runs away."""
+    """Frequencies [Hz] of eigenvalues; NaN for those below zero, whose motion runs away."""
     with np.errstate(invalid="ignore"):
         return np.asarray(np.sqrt(values) / (2.0 * np.pi))
 
 
 def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -> tuple[float, Array]:
-    """Return eigenvalue and shape of the mode that stands for column `mode` of the shapes `known`, (n, n_known).
+    """Find eigenvalue and shape of the mode that stands for column `mode` of the shapes `known`, (n, n_known).
 
     Each of those is given one of the modes, so that their likeness (phi^T M phi)^2 is largest in all: two modes whose
     frequencies come close do not become the same one. Modes of one frequency are turned to be as like it as they can be.
@@ -72,7 +72,7 @@ def iterate(
     stiffness: Callable[[Array, float], ComplexArray], rest: AtRest, known: Array, mode: int, start: tuple[float, Array],
     tolerance: float = TOLERANCE,
 ) -> tuple[float, Array, ComplexArray]:  # fmt: skip
-    """Return eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
+    """Iterate eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
 
     Two modes of nearly one frequency mix in an instant, and may swap without end; then each keeps its known shape,
     whose Rayleigh quotient is right to the second order of what the shape lacks. `known` are the shapes of all modes for small
@@ -96,47 +96,38 @@ def iterate(
 
 
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
-    """Return the stability by the stiffness of the mounts that holds, in small cycles or what lasts, and on further loading."""
-    stiffness = rest.other + rest.weight + tangent
+    """Judge the stability by the stiffness of the mounts that holds, in small cycles or what lasts, and on further loading."""
+    model, stiffness = system.model, rest.other + rest.weight + tangent
     values, _ = solve(stiffness, rest.mass, rest.motions)
 
     def critical(stiffness: Array, load: Array) -> float:
-        return _critical(*(rest.motions.T @ part @ rest.motions for part in (stiffness, load)))
+        """Find the smallest factor > 0 at which stiffness - factor * load is no longer positive definite."""
+        stiffness, load = (rest.motions.T @ part @ rest.motions for part in (stiffness, load))
+        try:
+            grows = scipy.linalg.eigvalsh(load, stiffness)  # load v = (1 / factor) stiffness v
+        except np.linalg.LinAlgError:
+            return 0.0  # not positive definite without any load
+        largest = float(grows.max(initial=0.0))
+        return 1.0 / largest if largest > FREE else np.inf
 
+    rise, up = np.inf, -model.opt.gravity
+    size = float(np.linalg.norm(up))
+    if size > 0.0:
+        level = np.eye(3) - np.outer(up, up) / size**2
+        for body in (body for mover in movers_of(system) for body in mover.bodies if model.body_dofnum[body]):
+            turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+            mujoco.mj_jacBody(model, rest.data, unused, turn, body)
+            tilt = level @ turn[:, rest.free]
+            # what its weight takes from the stiffness against tilting per metre of height [N]
+            rise = min(rise, critical(stiffness, float(model.body_subtreemass[body]) * size * tilt.T @ tilt))
     return TippingStability(
         smallest_eigenvalue=float(values.min(initial=np.inf)), gravity_factor=critical(rest.other + tangent, -rest.weight),
-        rise=min((critical(stiffness, load) for load in _overturning(system, rest)), default=np.inf),
-        softest=critical(rest.other + loading, -rest.weight),
+        rise=rise, softest=critical(rest.other + loading, -rest.weight),
     )  # fmt: skip
 
 
-def _critical(stiffness: Array, load: Array) -> float:
-    """Return the smallest factor > 0 at which stiffness - factor * load is no longer positive definite."""
-    try:
-        grows = scipy.linalg.eigvalsh(load, stiffness)  # load v = (1 / factor) stiffness v
-    except np.linalg.LinAlgError:
-        return 0.0  # not positive definite without any load
-    largest = float(grows.max(initial=0.0))
-    return 1.0 / largest if largest > FREE else np.inf
-
-
-def _overturning(system: System, rest: AtRest) -> Iterator[Array]:
-    """Yield what the weight of each moving body takes from the stiffness against tilting per metre of height [N], (n, n)."""
-    model, data = system.model, rest.data
-    up = -model.opt.gravity
-    size = float(np.linalg.norm(up))
-    if size == 0.0:
-        return
-    level = np.eye(3) - np.outer(up, up) / size**2
-    for body in (body for mover in movers_of(system) for body in mover.bodies if model.body_dofnum[body]):
-        turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
-        mujoco.mj_jacBody(model, data, unused, turn, body)
-        tilt = level @ turn[:, rest.free]
-        yield float(model.body_subtreemass[body]) * size * tilt.T @ tilt
-
-
 def modes(system: System, *, history: History = "virgin", amplitude: float | None = None) -> Modes:
-    """Return the modes of `system` about the position where it sags to, the base at rest.
+    """Find the modes of `system` about the position where it sags to, the base at rest.
 
     Stiffness is that of closed cycles of every mount about its deflection there; weight, preload, joint springs and contacts
     count too. Without `amplitude` it is the limit of small amplitude, in which the hysteretic force of a Bouc-Wen law has faded
@@ -169,9 +160,23 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     held = springs.held(np.zeros(rest.free.size), 0.0, 1.0)
     small = held.real - rest.other - rest.weight
     values, shapes = solve(held.real, rest.mass, rest.motions)
-    _warn_of_contacts(rest, held.real, frequency_of(values))
-    loading, unloading = springs.tangents()
-    bracket = [_matched(rest, shapes, rest.other + rest.weight + part) for part in (loading, unloading)]
+    if rest.pressed.names:
+        # The lowest frequency with contacts and limits at rest taken as rigid is not to be another one as they are.
+        rigid = held_rigidly(rest, held.real)
+        for frequency in rigid[rigid > 0.0][:1]:
+            soft = frequency_of(values)
+            nearest = float(soft[np.nanargmin(np.abs(soft - frequency))])
+            if abs(nearest / frequency - 1.0) > GIVES_WAY:
+                warnings.warn(
+                    f"{', '.join(rest.pressed.names)}: at rest it gives way as MuJoCo has it, here and in a simulation: a "
+                    f"natural frequency of {frequency:.4g} Hz, if it were rigid, is {nearest:.4g} Hz. Write "
+                    'solimp="0.9999 0.9999" into it, or weld what never parts.',
+                    ModelWarning, stacklevel=2,
+                )  # fmt: skip
+    tangents, bracket = springs.tangents(), []
+    for part in tangents:  # each frequency for the shape that its own is most like
+        squares, others = solve(rest.other + rest.weight + part, rest.mass, rest.motions)
+        bracket.append(frequency_of(squares[paired((shapes.T @ rest.mass @ others) ** 2)]))
     sizes = [0.0] if amplitude is None else [amplitude * 0.5**step for step in range(STEPS - 1, -1, -1)]
     complexes = np.zeros((values.size, *held.shape), dtype=np.complex128)
     known = shapes.copy()
@@ -179,9 +184,13 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         for size in sizes:
             start = float(values[mode]), shapes[:, mode]
             tolerance = TOLERANCE if size == sizes[-1] else LEADING
-            found = iterate(partial(springs.at, size), rest, known, mode, start, tolerance)
-            values[mode], shapes[:, mode], complexes[mode] = found
-    damping = np.array([_damping(shapes[:, i], values[i], complexes[i], rest) for i in range(values.size)])
+            mode_found = iterate(partial(springs.at, size), rest, known, mode, start, tolerance)
+            values[mode], shapes[:, mode], complexes[mode] = mode_found
+    damping = np.full(values.size, math.nan)
+    for i in np.flatnonzero(values > 0.0):  # loss over twice the stiffness, and of joint dampers
+        shape, value = shapes[:, i], float(values[i])
+        loss = float(shape @ complexes[i].imag @ shape) + math.sqrt(value) * float(shape @ rest.damping @ shape)
+        damping[i] = loss / (2.0 * value * float(shape @ rest.mass @ shape))
     order = np.argsort(values, kind="stable")
     scaled = np.stack([springs.scaled(shapes[:, i]) for i in order], axis=1)
     whole = np.zeros((system.model.nv, order.size))
@@ -194,32 +203,12 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         mounts={name: (mount.jacobian @ scaled).T for name, mount in rest.mounts.items()},
         participation=participation, moving_mass=moving_mass,
         descriptions=tuple(
-            description_of(system, rest, shape) + _fate(value)
+            description_of(system, rest, shape) + ("" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)")
             for shape, value in zip(scaled.T, values[order], strict=True)
         ),
-        stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), loading),
+        stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), tangents[0]),
         history=history, amplitude=amplitude, free=rest.free, mass=rest.mass, stiffness=held.real, equilibrium=static,
     )  # fmt: skip
-
-
-def _warn_of_contacts(rest: AtRest, stiffness: Array, frequencies: Array) -> None:
-    """Warn where the lowest frequency [Hz] that contacts and limits at rest leave is another one than where they are rigid."""
-    if not rest.pressed.names:
-        return
-    rigid = held_rigidly(rest, stiffness)
-    for frequency in rigid[rigid > 0.0][:1]:
-        nearest = float(frequencies[np.nanargmin(np.abs(frequencies - frequency))])
-        if abs(nearest / frequency - 1.0) > GIVES_WAY:
-            warnings.warn(
-                f"{', '.join(rest.pressed.names)}: at rest it gives way as MuJoCo has it, here and in a simulation: a natural "
-                f"frequency of {frequency:.4g} Hz, if it were rigid, is {nearest:.4g} Hz. Write solimp=\"0.9999 0.9999\" into "
-                "it, or weld what never parts.",
-                ModelWarning, stacklevel=3,
-            )  # fmt: skip
-
-
-def _fate(value: float) -> str:
-    return "" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)"
 
 
 class _Springs:
@@ -233,7 +222,7 @@ class _Springs:
         self.small = {name: self._of(name, np.zeros(3), 1.0) for name in steady}
 
     def held(self, shape: Array, amplitude: float, frequency: float) -> ComplexArray:
-        """Return the complex stiffness of the free coordinates [N/m, ...], (n, n), when the motion is amplitude * shape."""
+        """Complex stiffness of the free coordinates [N/m, ...], (n, n), when the motion is amplitude * shape."""
         total = (self.rest.other + self.rest.weight).astype(np.complex128)
         for name, mount in self.rest.mounts.items():
             small = amplitude == 0.0 and name in self.small
@@ -241,22 +230,22 @@ class _Springs:
         return total
 
     def _of(self, name: str, moved: Array, frequency: float) -> ComplexArray:
-        """Return the complex stiffness that a mount adds in cycles of amplitudes with signs [m], (3,)."""
+        """Complex stiffness that a mount adds in cycles of amplitudes with signs [m], (3,)."""
         mount = self.rest.mounts[name]
         return np.asarray(mount.jacobian.T @ _finite(name, mount.cycles(moved, frequency)) @ mount.jacobian)
 
     def at(self, amplitude: float, shape: Array, value: float) -> ComplexArray:
-        """Evaluate the complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at its eigenvalue."""
+        """Complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at its eigenvalue."""
         frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # what does not swing has no frequency
         return self.held(self.scaled(shape), amplitude, frequency)
 
     def lasting(self) -> Array:
-        """Return the stiffness of the mounts that is left after long vibration, (n, n)."""
+        """Stiffness of the mounts that is left after long vibration, (n, n)."""
         parts = [mount.jacobian.T @ mount.lasting() @ mount.jacobian for mount in self.rest.mounts.values()]
         return np.asarray(np.sum(parts, axis=0))
 
     def tangents(self) -> tuple[Array, Array]:
-        """Return the stiffness of the mounts on further loading and on unloading, (n, n) each."""
+        """Stiffness of the mounts on further loading and on unloading, (n, n) each."""
         loading, unloading = np.zeros_like(self.rest.mass), np.zeros_like(self.rest.mass)
         for name, mount in self.rest.mounts.items():
             on, off = (_finite(name, part) for part in mount.tangents())
@@ -265,7 +254,7 @@ class _Springs:
         return loading, unloading
 
     def scaled(self, shape: Array) -> Array:
-        """Return a shape whose largest mount deflection is 1, its largest coordinate positive."""
+        """Scale a shape so that its largest mount deflection is 1, its largest coordinate positive."""
         sizes = [float(np.linalg.norm(mount.jacobian @ shape)) for mount in self.rest.mounts.values()]
         largest = float(np.abs(shape).max())
         size = max(sizes) if max(sizes) > 1e-9 * largest else largest  # a motion that deflects no mount
@@ -273,24 +262,9 @@ class _Springs:
 
 
 def _finite(name: str, stiffness: AnyArray) -> AnyArray:
-    """Return the stiffness of a mount, or raise ConvergenceError if it is not finite."""
+    """Check the stiffness of a mount; ConvergenceError if it is not finite."""
     if np.isfinite(stiffness).all():
         return stiffness
     raise ConvergenceError(
         f"mount {name!r}: where it rests its laws have a stiffness that is not finite. Check the parameters of its isolator."
     )
-
-
-def _matched(rest: AtRest, shapes: Array, stiffness: Array) -> Array:
-    """Return the frequencies of another stiffness [Hz], each for the shape that its own is most like, (n_modes,)."""
-    values, others = solve(stiffness, rest.mass, rest.motions)
-    return frequency_of(values[paired((shapes.T @ rest.mass @ others) ** 2)])
-
-
-def _damping(shape: Array, value: float, stiffness: ComplexArray, rest: AtRest) -> float:
-    """Return the damping ratio of a mode: loss over twice the stiffness, and of joint dampers; NaN without a frequency."""
-    if value <= 0.0:
-        return math.nan
-    modal = float(shape @ rest.mass @ shape)
-    loss = float(shape @ stiffness.imag @ shape) + math.sqrt(value) * float(shape @ rest.damping @ shape)
-    return loss / (2.0 * value * modal)

@@ -30,40 +30,37 @@ ROUNDS, ALIKE = 100, 1e-10
 
 
 def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array, Array]:
-    """Return the stiffness of two coupled axes on further loading and on unloading [N/m], (2, 2) each.
+    """Evaluate the stiffness of two coupled axes on further loading and on unloading [N/m], (2, 2) each.
 
     With w = z / z_m and its unit vector e:  dz/dx = diag(z_m) [1 - c |w|^n e e^T] diag(1 / x_y), c = 1 on loading and
     1 - 2 sigma on unloading; F2 multiplies the axial row, and the loop's energy adds its own. Where the axes' energies z_m x_y
     or F2 differ it is not symmetric, and its symmetric part is taken. Scales add up. `z` are the hysteretic forces [N], those
     of roll on every scale, then those of the other axis, (2 n_scales,).
     """
-    own, each = coupled.own_deflection(deflection, z), z.reshape(2, -1).T  # of both axes, scale by scale
+    x, forces = coupled.own_deflection(deflection, z), z.reshape(2, -1).T  # of both axes, scale by scale
     scales: Sequence[Coupled] = coupled.scales
-    pairs = [_own_tangents(scale, own, part) for scale, part in zip(scales, each, strict=True)]
-    on, back = (in_series(sum(parts[1:], start=parts[0]), coupled.brackets) for parts in zip(*pairs, strict=True))
+    totals: list[Array] = []
+    for scale, force in zip(scales, forces, strict=True):
+        parameters = scale.rate_parameters()
+        sigma, n, bound, yields = parameters[0], parameters[1], parameters[2:4], parameters[4:6]
+        w = force / bound
+        size = float(np.hypot(*w))
+        along = np.outer(w, w) / size**2 if size > 0.0 else np.zeros((2, 2))
+        axes = list(zip(scale.laws, x.tolist(), force.tolist(), strict=True))
+        held = np.diag([_held_slope(law, place, push) for law, place, push in axes])
+        factor = np.array([math.exp(asymmetry_of(law) * place) for law, place, _ in axes])
+        loop = scale.loop.stiffness(x) if isinstance(scale, LoopBoucWen) else np.zeros((2, 2))
+        slopes = [
+            factor[:, None] * (bound[:, None] * (np.eye(2) - c * size**n * along) / yields) + held + loop
+            for c in (1.0, 1.0 - 2.0 * sigma)
+        ]
+        totals = [total + slope for total, slope in zip(totals, slopes, strict=True)] if totals else slopes
+    on, back = (in_series(total, coupled.brackets) for total in totals)
     return 0.5 * (on + on.T), 0.5 * (back + back.T)
 
 
-def _own_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array, Array]:
-    """Return the same of one scale, not symmetric, at the mount's own deflection."""
-    parameters = coupled.rate_parameters()
-    sigma, n, bound, yields = parameters[0], parameters[1], parameters[2:4], parameters[4:6]
-    w = z / bound
-    size = float(np.hypot(*w))
-    along = np.outer(w, w) / size**2 if size > 0.0 else np.zeros((2, 2))
-    at = [(law, float(x), float(force)) for law, x, force in zip(coupled.laws, deflection, z, strict=True)]
-    held = np.diag([_held_slope(law, x, force) for law, x, force in at])
-    factor = np.array([math.exp(asymmetry_of(law) * x) for law, x, _ in at])
-    loop = coupled.loop.stiffness(deflection) if isinstance(coupled, LoopBoucWen) else np.zeros((2, 2))
-    loading, unloading = (
-        factor[:, None] * (bound[:, None] * (np.eye(2) - factor_of_z * size**n * along) / yields) + held + loop
-        for factor_of_z in (1.0, 1.0 - 2.0 * sigma)
-    )
-    return loading, unloading
-
-
 def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
-    """Return stiffness + i * loss of both axes in a closed cycle along a straight line [N/m], (2,), without the loop's energy.
+    """Evaluate stiffness + i * loss of both axes in a closed cycle along a straight line [N/m], (2,), the loop's energy aside.
 
     The closed cycle has w parallel to the scaled motion u = x / x_y, so that the hysteretic force of each axis is that of its
     own law at the amplitude x_y |u|, as far as it moves; the elastic parts, and F2, stay those of the axes.
@@ -73,15 +70,23 @@ def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> Comple
     yields = coupled.rate_parameters()[4:6]
     size = float(np.hypot(*(amplitude / yields)))
     stiffness = np.zeros(2, dtype=np.complex128)
+    cosine = np.cos(2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
     for axis, law in enumerate(coupled.laws):
-        x, own, reach = float(deflection[axis]), float(amplitude[axis]), float(yields[axis]) * size
-        if asymmetry_of(law) != 0.0 and own >= SMALL:
-            stiffness[axis] = _asymmetric_harmonic(law, x, own, reach)
+        x, moved, reach = float(deflection[axis]), float(amplitude[axis]), float(yields[axis]) * size
+        if asymmetry_of(law) != 0.0 and moved >= SMALL:  # the first harmonic of F2 (z + F1)
+            angle, z = cycle_samples(_without_elastic_part(law), 0.0, reach, 1.0)
+            path = x + moved * np.cos(angle)
+            force = np.exp(asymmetry_of(law) * path) * (moved / reach * z + _elastic_force(law, path))
+            stiffness[axis] = 2.0 * complex(force @ np.exp(-1j * angle)) / (SAMPLES * moved)
             continue
         hysteretic = closed_cycle(_without_elastic_part(law), 0.0, reach, frequency=1.0)
         if asymmetry_of(law) != 0.0:
             hysteretic *= math.exp(asymmetry_of(law) * x)
-        stiffness[axis] = hysteretic + _elastic_harmonic(law, x, own)
+        if moved < SMALL:
+            elastic = _held_slope(law, x, 0.0)
+        else:
+            elastic = float(2.0 * _elastic_force(law, x + moved * cosine) @ cosine / (SAMPLES * moved))
+        stiffness[axis] = hysteretic + elastic
     return stiffness
 
 
@@ -93,8 +98,8 @@ def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array
     if float(np.hypot(*amplitude)) < SMALL:
         return loop.stiffness(deflection)
     angle = np.pi * (np.arange(FINE) + 0.5) / FINE  # the way back passes the same deflections
-    there = loop.stiffness(deflection + np.cos(angle)[:, None] * amplitude)
-    return np.asarray(np.einsum("t,tij->ij", 2.0 / FINE * np.sin(angle) ** 2, there))
+    along = loop.stiffness(deflection + np.cos(angle)[:, None] * amplitude)
+    return np.asarray(np.einsum("t,tij->ij", 2.0 / FINE * np.sin(angle) ** 2, along))
 
 
 def plane_stiffness(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
@@ -103,31 +108,30 @@ def plane_stiffness(coupled: Coupled, deflection: Array, amplitude: Array) -> Co
     On brackets the mount's own cycle is taken for a straight line, too, of the amplitudes that its stiffness leaves it.
     """
     x = coupled.own_deflection(deflection, np.zeros(2 * len(coupled.scales)))
-    own, found = amplitude, _own_plane_stiffness(coupled, x, amplitude)
+
+    def without_brackets(amplitude: Array) -> ComplexArray:
+        if float(np.hypot(*amplitude)) < SMALL:
+            pairs = zip(coupled.laws, x.tolist(), strict=True)
+            axes = np.array([vanishing_cycle(law, place, np.zeros(law.n_states), frequency=1.0) for law, place in pairs])
+        else:
+            axes = plane_cycle(coupled, x, np.abs(amplitude))
+        loop = loop_cycle(coupled.loop, x, amplitude) if isinstance(coupled, LoopBoucWen) else np.zeros((2, 2))
+        return np.asarray(np.diag(axes) + loop)
+
+    moved, stiffness = amplitude, without_brackets(amplitude)
     if coupled.brackets is None:
-        return found
+        return stiffness
     for _ in range(ROUNDS):
-        before, share = own, np.linalg.solve(np.eye(2) + found / np.array(coupled.brackets)[:, None], amplitude)
-        own = np.copysign(np.abs(share), share.real)
-        if np.abs(own - before).max() <= ALIKE * np.abs(amplitude).max():
+        before, share = moved, np.linalg.solve(np.eye(2) + stiffness / np.array(coupled.brackets)[:, None], amplitude)
+        moved = np.copysign(np.abs(share), share.real)
+        if np.abs(moved - before).max() <= ALIKE * np.abs(amplitude).max():
             break
-        found = _own_plane_stiffness(coupled, x, own)
-    return in_series(found, coupled.brackets)
-
-
-def _own_plane_stiffness(coupled: Coupled, x: Array, amplitude: Array) -> ComplexArray:
-    small = float(np.hypot(*amplitude)) < SMALL
-    if small:
-        at = zip(coupled.laws, x.tolist(), strict=True)
-        axes = np.array([vanishing_cycle(law, place, np.zeros(law.n_states), frequency=1.0) for law, place in at])
-    else:
-        axes = plane_cycle(coupled, x, np.abs(amplitude))
-    loop = loop_cycle(coupled.loop, x, amplitude) if isinstance(coupled, LoopBoucWen) else np.zeros((2, 2))
-    return np.asarray(np.diag(axes) + loop)
+        stiffness = without_brackets(moved)
+    return in_series(stiffness, coupled.brackets)
 
 
 def in_series(stiffness: AnyArray, brackets: tuple[float, float] | None) -> AnyArray:
-    """Return the stiffness of two axes on brackets [N/m], (2, 2): F = T d and x = d + F / K give T (1 + T / K)^-1."""
+    """Put two axes on brackets [N/m], (2, 2): F = T d and x = d + F / K give T (1 + T / K)^-1."""
     if brackets is None:
         return stiffness
     return np.asarray(stiffness @ np.linalg.inv(np.eye(2) + stiffness / np.array(brackets)[:, None]))
@@ -139,38 +143,19 @@ def _without_elastic_part(law: Law) -> Law:
     return BoucWen(alpha=alpha, beta=beta, gamma=gamma, n=n)
 
 
-def _asymmetric_harmonic(law: Law, x: float, amplitude: float, reach: float) -> complex:
-    """Return the first harmonic of F2 (z + F1) over x + amplitude cos, over the amplitude [N/m].
-
-    z is the law's own cycle of the amplitude `reach` times amplitude / reach.
-    """
-    angle, own = cycle_samples(_without_elastic_part(law), 0.0, reach, 1.0)
-    path = x + amplitude * np.cos(angle)
-    force = np.exp(asymmetry_of(law) * path) * (amplitude / reach * own + _elastic_force(law, path))
-    return 2.0 * complex(force @ np.exp(-1j * angle)) / (SAMPLES * amplitude)
-
-
 def _elastic_force(law: Law, x: Array | float) -> Array:
     k1, k2, k3 = elastic_of(law)
     return np.asarray(x * (k1 + k2 * np.abs(x) + k3 * x * x))
 
 
 def _held_slope(law: Law, x: float, z: float) -> float:
-    """Return the slope of F2 (z + F1) with the hysteretic force held [N/m]."""
+    """Slope of F2 (z + F1) with the hysteretic force held [N/m]."""
     k1, k2, k3 = elastic_of(law)
     slope = float(k1 + 2.0 * k2 * abs(x) + 3.0 * k3 * x * x)
     exponent = asymmetry_of(law)
     if exponent == 0.0:
         return slope
     return math.exp(exponent * x) * (slope + exponent * (z + float(_elastic_force(law, x))))
-
-
-def _elastic_harmonic(law: Law, x: float, amplitude: float) -> float:
-    """Return the first harmonic of the elastic part over x + amplitude cos, over the amplitude [N/m]."""
-    if amplitude < SMALL:
-        return _held_slope(law, x, 0.0)
-    cosine = np.cos(2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
-    return float(2.0 * _elastic_force(law, x + amplitude * cosine) @ cosine / (SAMPLES * amplitude))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,7 +168,7 @@ class MountAtRest:
     jacobian: Array  # deflection by free velocity coordinates, (3, n)
 
     def tangents(self) -> tuple[Array, Array]:
-        """Return the stiffness on further loading and on unloading of every axis [N/m], (3, 3) each."""
+        """Evaluate the stiffness on further loading and on unloading of every axis [N/m], (3, 3) each."""
         loading, unloading = np.zeros((3, 3)), np.zeros((3, 3))
         for axis, law in enumerate(self.isolator.axes.values()):
             if law is not None:
@@ -197,27 +182,24 @@ class MountAtRest:
         return loading, unloading
 
     def lasting(self) -> Array:
-        """Return the stiffness of every axis that is left after long vibration [N/m], (3, 3)."""
+        """Evaluate the stiffness of every axis that is left after long vibration [N/m], (3, 3)."""
         stiffness, coupled, axes = np.zeros((3, 3)), self.isolator.coupled, list(self.isolator.coupled_axes)
         for axis, law in enumerate(self.isolator.axes.values()):
             if law is not None:
                 stiffness[axis, axis] = elastic_slope(law, float(self.deflection[axis]), np.zeros(law.n_states))
         if coupled is not None:
-            own = coupled.own_deflection(self.deflection[axes], np.zeros(2 * len(coupled.scales)))
-            pairs = zip(coupled.laws, own.tolist(), strict=True)
-            elastic = np.diag([elastic_slope(law, x, np.zeros(law.n_states)) for law, x in pairs])
+            x = coupled.own_deflection(self.deflection[axes], np.zeros(2 * len(coupled.scales)))
+            pairs = zip(coupled.laws, x.tolist(), strict=True)
+            elastic = np.diag([elastic_slope(law, place, np.zeros(law.n_states)) for law, place in pairs])
             if isinstance(coupled, LoopBoucWen):
-                elastic += coupled.loop.stiffness(own)
+                elastic += coupled.loop.stiffness(x)
             stiffness[np.ix_(axes, axes)] = in_series(elastic, coupled.brackets)
         return stiffness
 
     def cycles(self, amplitude: Array, frequency: float) -> ComplexArray:
         """Evaluate stiffness + i * loss of closed cycles about rest of amplitudes with signs [m], (3,), as [N/m], (3, 3)."""
-        stiffness, coupled, axes = (
-            np.zeros((3, 3), dtype=np.complex128),
-            self.isolator.coupled,
-            list(self.isolator.coupled_axes),
-        )
+        stiffness, coupled = np.zeros((3, 3), dtype=np.complex128), self.isolator.coupled
+        axes = list(self.isolator.coupled_axes)
         for axis, law in enumerate(self.isolator.axes.values()):
             if law is None or axis in axes:
                 continue

@@ -61,20 +61,27 @@ class Pressed:
 
 
 def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
-    """Return `system` linearised about `equilibrium`, laws aside; equality constraints are rigid."""
+    """Linearise `system` about `equilibrium`, laws aside; equality constraints are rigid."""
     model = system.model.__copy__()
     model.actuator_dynprm[-1, 0] = 0.0  # the callback no longer knows the model: forces are put on it here
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS  # dry friction of joints has no stiffness
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, equilibrium.state.values, STATE)
-    data.xfrc_applied[:] = 0.0  # the mounts' forces, which `_push` applies
+    data.xfrc_applied[:] = 0.0  # the mounts' forces, which `_held_at_rest` applies
     mujoco.mj_fwdPosition(model, data)
     free = np.setdiff1d(np.arange(model.nv), system.assembly.driven_dofs)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     mass = mass[np.ix_(free, free)]
     loaded = _held(system, data, equilibrium, free)
-    pressed, mounts = _pressed(model, data, free), _mounts(system, data, equilibrium, free)
+    pressed, mounts, first = _pressed(model, data, free), {}, system.assembly.activation
+    for (name, mount), (moves, _) in zip(system.mounts.items(), mount_rates(system, data), strict=True):
+        axes = data.site(mount.base_site).xmat.reshape(3, 3)
+        roll, shear, axial = (data.act[first + part.start : first + part.stop].copy() for part in mount.states)
+        mounts[name] = MountAtRest(
+            isolator=mount.isolator, deflection=equilibrium.mounts[name].deflection, states=(roll, shear, axial),
+            jacobian=axes.T @ moves[:, free],
+        )  # fmt: skip
     motions = left_by(jacobian(model, data)[np.ix_(equality_rows(data), free)]) if model.neq else np.eye(free.size)
     damping = np.diag(model.dof_damping)
     gravity = model.opt.gravity.copy()
@@ -93,14 +100,36 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
 
 
 def _held_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
-    """Compute forces in the position of `data`, where the mounts' forces, or none, act."""
+    """Compute forces in the position of `data`, the base held, where the mounts' forces at rest, or none, act.
+
+    They are turned with the mounts' axes; torques are those of this position.
+    """
+    model, layout = data.model, system.assembly.tables.layout
     data.qvel[:] = 0.0
-    _push(system, data, equilibrium)
-    mujoco.mj_forward(data.model, data)
+    mujoco.mj_fwdPosition(model, data)
+    mujoco.mj_fwdVelocity(model, data)
+    data.qfrc_applied[:] = 0.0
+    for number, (name, mount) in enumerate(system.mounts.items()):
+        if equilibrium is None and mount.isolator.rotation is None:
+            continue
+        axes = data.site(mount.base_site).xmat.reshape(3, 3)
+        force = axes @ equilibrium.mounts[name].force if equilibrium is not None else np.zeros(3)
+        row = int(layout[at.MOUNTS]) + at.MOUNT_COLUMNS * number
+        torque = axes @ np.array(righting_torque(layout, row, data.site_xquat.reshape(-1)))
+        point = data.site(mount.payload_site).xpos
+        ends = [(data.site(mount.payload_site), -force, torque), (data.site(mount.base_site), force, -torque)]
+        for site, push, turn in ends:
+            mujoco.mj_applyFT(model, data, push, turn, point, int(model.site_bodyid[site.id]), data.qfrc_applied)
+        for site, push, _ in ends:
+            for dof, shape in shapes_at(system, int(site.id)):
+                data.qfrc_applied[dof] += shape @ site.xmat.reshape(3, 3).T @ push
+    driven = system.assembly.driven_dofs
+    data.qfrc_applied[driven] = data.qfrc_bias[driven] - data.qfrc_passive[driven]
+    mujoco.mj_forward(model, data)
 
 
 def _held(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers) -> Array:
-    """Return -d(force)/dq with mount forces that stay as they are in the mounts' axes (None: without forces).
+    """Differentiate -force by q, with mount forces that stay as they are in the mounts' axes (None: without forces).
 
     Forces of constraints stay as they are along their own directions, too. Torques of mounts that resist turning follow the
     motion, as joint springs do.
@@ -173,67 +202,21 @@ def held_rigidly(rest: AtRest, stiffness: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(scipy.linalg.eigvalsh(*parts), 0.0)) / (2.0 * np.pi))
 
 
-def _push(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
-    """Apply the mounts' forces at rest, turned with their axes, their torques of this position, and hold the base."""
-    model = data.model
-    mujoco.mj_fwdPosition(model, data)
-    mujoco.mj_fwdVelocity(model, data)
-    data.qfrc_applied[:] = 0.0
-    layout = system.assembly.tables.layout
-    for number, (name, mount) in enumerate(system.mounts.items()):
-        if equilibrium is None and mount.isolator.rotation is None:
-            continue
-        axes = data.site(mount.base_site).xmat.reshape(3, 3)
-        force = axes @ equilibrium.mounts[name].force if equilibrium is not None else np.zeros(3)
-        row = int(layout[at.MOUNTS]) + at.MOUNT_COLUMNS * number
-        torque = axes @ np.array(righting_torque(layout, row, data.site_xquat.reshape(-1)))
-        point = data.site(mount.payload_site).xpos
-        payload, base = (int(model.site(site).bodyid[0]) for site in (mount.payload_site, mount.base_site))
-        mujoco.mj_applyFT(model, data, -force, torque, point, payload, data.qfrc_applied)
-        mujoco.mj_applyFT(model, data, force, -torque, point, base, data.qfrc_applied)
-        for site, push in ((mount.payload_site, -force), (mount.base_site, force)):
-            own = data.site(site)
-            for dof, shape in shapes_at(system, int(own.id)):
-                data.qfrc_applied[dof] += shape @ own.xmat.reshape(3, 3).T @ push
-    driven = system.assembly.driven_dofs
-    data.qfrc_applied[driven] = data.qfrc_bias[driven] - data.qfrc_passive[driven]
-
-
-def _mounts(system: System, data: mujoco.MjData, equilibrium: Equilibrium, free: Integers) -> dict[str, MountAtRest]:
-    mounts, first = {}, system.assembly.activation
-    for (name, mount), (moves, _) in zip(system.mounts.items(), mount_rates(system, data), strict=True):
-        axes = data.site(mount.base_site).xmat.reshape(3, 3)
-        roll, shear, axial = (data.act[first + part.start : first + part.stop].copy() for part in mount.states)
-        mounts[name] = MountAtRest(
-            isolator=mount.isolator, deflection=equilibrium.mounts[name].deflection, states=(roll, shear, axial),
-            jacobian=axes.T @ moves[:, free],
-        )  # fmt: skip
-    return mounts
-
-
-@dataclass(frozen=True, kw_only=True)
-class Jacobians:
-    """Velocity of a body by free coordinates: of its centre of mass (3, n), and angular (3, n)."""
-
-    centre: Array
-    turn: Array
-
-
 def payload_shapes(system: System, rest: AtRest, shapes: Array) -> dict[str, PayloadShape]:
-    """Return the motion of every payload in the shapes (n, n_modes)."""
+    """Describe the motion of every payload in the shapes (n, n_modes)."""
     result = {}
     for payload in payloads_of(system):
-        tree = _tree(system.model, rest, payload)
+        centre, turn = _tree(system.model, rest, payload)
         result[payload.name] = PayloadShape(
             centre=payload.centre(rest.data, system.model.body_subtreemass), mass=payload.mass,
             inertia=np.diag(_inertia(system.model, rest, payload)).copy(),
-            translation=(tree.centre @ shapes).T, rotation=(tree.turn @ shapes).T,
+            translation=(centre @ shapes).T, rotation=(turn @ shapes).T,
         )  # fmt: skip
     return result
 
 
 def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array, Array]:
-    """Return fractions of the mass that takes part along x, y, z in each mode, (n_modes, 3), and that mass [kg], (3,).
+    """Compute fractions of the mass that takes part along x, y, z in each mode, (n_modes, 3), and that mass [kg], (3,).
 
     With f = M r the inertia forces of a unit acceleration of the base, (phi^T f)^2 / (phi^T M phi m), where m = f^T M^-1 f is
     what all motions that joints leave can bring along: of a free body its mass, of a guided one nothing across its guide.
@@ -242,7 +225,7 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array
     force = np.zeros((rest.free.size, 3))
     for mover in movers_of(system):
         for body in mover.bodies:
-            force += model.body_mass[body] * _jacobians(model, rest, body).centre.T
+            force += model.body_mass[body] * _jacobians(model, rest, body)[0].T
     for mode in system.assembly.subjects.modes:
         force[rest.free == mode.dof] += mode.participation
     modal = np.einsum("nj,nk,kj->j", shapes, rest.mass, shapes)
@@ -254,66 +237,59 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array
 
 
 def description_of(system: System, rest: AtRest, shape: Array) -> str:
-    """Name the components that hold most of the kinetic energy of a shape (n,), largest first."""
+    """Name the components that hold most of the kinetic energy of a shape (n,), largest first.
+
+    A body that moves against its payload's lowest one, as if that were rigid, is a component, too.
+    """
     model = system.model
     energy = float(shape @ rest.mass @ shape)
     movers = movers_of(system)
     ratios: list[tuple[float, str]] = []
     for payload in movers:
-        tree = _tree(model, rest, payload)
-        velocity, turn = tree.centre @ shape, tree.turn @ shape
+        velocity, turn = (jacobian @ shape for jacobian in _tree(model, rest, payload))
         prefix = f"{payload.name}: " if len(movers) > 1 else ""
         ratios += [(payload.mass * v * v / energy, prefix + w) for v, w in zip(velocity, _TRANSLATIONS, strict=True)]
         spin = turn * (_inertia(model, rest, payload) @ turn) / energy
         ratios += [(float(part), prefix + w) for part, w in zip(spin, _ROTATIONS, strict=True)]
-        ratios += _inner(model, rest, payload, shape, velocity, turn, energy)
+        centre = payload.centre(rest.data, model.body_subtreemass)
+        for body in payload.bodies:
+            moved, turned = (jacobian @ shape for jacobian in _jacobians(model, rest, body))
+            along = moved - velocity - np.cross(turn, rest.data.xipos[body] - centre)
+            about = turned - turn
+            inner = model.body_mass[body] * along @ along + about @ _body_inertia(rest.data, model, body) @ about
+            if model.body_weldid[body] != payload.root and inner > _NOTHING * energy:
+                ratios.append((float(inner) / energy, f"{model.body(body).name} on {payload.name}"))
     for mode in system.assembly.subjects.modes:
         name = model.body(mode.body).name.split("mode/")[-1].replace("/", " bends in its mode ")
         ratios.append((float(np.sum(shape[rest.free == mode.dof] ** 2)) / energy, name))
     ratios.sort(reverse=True)
-    named = [description for ratio, description in ratios if ratio >= NAMED] or [ratios[0][1]]
-    return " + ".join(named)
+    return " + ".join([description for ratio, description in ratios if ratio >= NAMED] or [ratios[0][1]])
 
 
-def _inner(
-    model: mujoco.MjModel, rest: AtRest, payload: Payload, shape: Array, velocity: Array, turn: Array, energy: float
-) -> list[tuple[float, str]]:
-    """Return the energy fraction of each body that moves against its payload's lowest body, as if that were rigid."""
-    centre = payload.centre(rest.data, model.body_subtreemass)
-    ratios = []
-    for body in payload.bodies:
-        own = _jacobians(model, rest, body)
-        arm = rest.data.xipos[body] - centre
-        along = own.centre @ shape - velocity - np.cross(turn, arm)
-        about = own.turn @ shape - turn
-        energy_in = model.body_mass[body] * along @ along + about @ _body_inertia(rest.data, model, body) @ about
-        if model.body_weldid[body] != payload.root and energy_in > _NOTHING * energy:
-            ratios.append((float(energy_in) / energy, f"{model.body(body).name} on {payload.name}"))
-    return ratios
-
-
-def _tree(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Jacobians:
+def _tree(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> tuple[Array, Array]:
+    """Compute the same of a payload: its centre of mass, and its root body's turning."""
     centre, part = np.zeros((2, 3, model.nv))
     for root in (payload.root, *payload.joined):
         mujoco.mj_jacSubtreeCom(model, rest.data, part, root)
         centre += part * (model.body_subtreemass[root] / payload.mass if payload.joined else 1.0)
-    return Jacobians(centre=centre[:, rest.free], turn=_jacobians(model, rest, payload.root).turn)
+    return centre[:, rest.free], _jacobians(model, rest, payload.root)[1]
 
 
-def _jacobians(model: mujoco.MjModel, rest: AtRest, body: int) -> Jacobians:
+def _jacobians(model: mujoco.MjModel, rest: AtRest, body: int) -> tuple[Array, Array]:
+    """Compute velocity of a body's centre of mass, and angular velocity, by free coordinates, (3, n) each."""
     centre, turn = np.zeros((3, model.nv)), np.zeros((3, model.nv))
     mujoco.mj_jacBodyCom(model, rest.data, centre, turn, body)
-    return Jacobians(centre=centre[:, rest.free], turn=turn[:, rest.free])
+    return centre[:, rest.free], turn[:, rest.free]
 
 
 def _body_inertia(data: mujoco.MjData, model: mujoco.MjModel, body: int) -> Array:
-    """Return a body's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
+    """A body's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
     axes = data.ximat[body].reshape(3, 3)
     return np.asarray(axes @ np.diag(model.body_inertia[body]) @ axes.T)
 
 
 def _inertia(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Array:
-    """Return a payload's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
+    """A payload's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
     data, total = rest.data, np.zeros((3, 3))
     centre = payload.centre(data, model.body_subtreemass)
     for body in payload.bodies:

@@ -38,12 +38,11 @@ class TippingStability:
 
     @property
     def stable(self) -> bool:
-        """True if every displacement is brought back."""
         return self.smallest_eigenvalue > 0.0
 
     @property
     def word(self) -> str:
-        """Return "stable", "slender" (gravity factor below 3), "not held" (a motion without stiffness) or "tips over"."""
+        """One of "stable", "slender" (gravity factor below 3), "not held" (a motion without stiffness) and "tips over"."""
         if self.smallest_eigenvalue < 0.0:
             return "tips over"
         if self.smallest_eigenvalue == 0.0:
@@ -52,7 +51,7 @@ class TippingStability:
 
     @property
     def description(self) -> str:
-        """Return a sentence on how far the system is from tipping over."""
+        """How far the system is from tipping over, for a reader."""
         if self.word == "tips over":
             return "it tips over: its mounts do not hold its weight upright."
         if self.word == "not held":
@@ -67,7 +66,7 @@ class TippingStability:
         return f"{self.word}; it would tip over {', or '.join(limits)}."
 
     def to_dict(self) -> Entries:
-        """Return plain values; what is infinite is None."""
+        """Write plain values; what is infinite is None."""
         values: Entries = {
             "word": self.word, "smallest_eigenvalue_1_s2": self.smallest_eigenvalue, "gravity_factor": self.gravity_factor,
             "rise_m": self.rise, "gravity_factor_on_loading": self.softest,
@@ -138,13 +137,13 @@ class Modes(Summarised):
         return np.flatnonzero((self.frequencies > high) | (self.frequencies < low))
 
     def indices_in(self, other: "Modes") -> list[int]:
-        """Return for each of these modes the index of the one that it is in `other`: all of the same system."""
+        """Match each of these modes with the index of the one that it is in `other`: all of the same system."""
         free = (modes.shapes[self.free] for modes in (self, other))
         ours, theirs = (x / np.sqrt(np.einsum("nj,nk,kj->j", x, self.mass, x)) for x in free)
         return [int(index) for index in paired((ours.T @ self.mass @ theirs) ** 2)]
 
     def to_dict(self) -> Entries:
-        """Return the modes as plain values, SI; what is not finite is None."""
+        """Write the modes as plain values, SI; what is not finite is None."""
         modes = [
             {
                 "word": description, "frequency_Hz": json_values(self.frequencies[i]),

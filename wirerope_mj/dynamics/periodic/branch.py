@@ -151,7 +151,7 @@ class Branch(Summarised):
         return int(np.argmax(self.amplitude))
 
     def orbit(self, index: int) -> PeriodicOrbit:
-        """Return one of the motions."""
+        """Make one of the motions again."""
         index = range(self.frequency.size)[index]
         coordinates = Coordinates(self.system, direction=self.direction, history=self.history)
         carried = coordinates.carried(float(self.frequency[index]), float(self.acceleration[index]))
@@ -169,11 +169,11 @@ class Branch(Summarised):
         p, a = self.followed, self.amplitude
         value = float(p[fold.index])
         rising = bool(self.tangents[max(fold.index - 1, 0)] > 0.0)
-        folds = [0, *(other.index for other in self.folds), p.size - 1]
-        here = folds.index(fold.index, 1)
+        folds = [0, *(fold.index for fold in self.folds), p.size - 1]
+        number = folds.index(fold.index, 1)
         landings = []
         for i in range(p.size - 1):
-            sheet = folds[here - 1] <= i < folds[here + 1]  # the two that meet at this fold
+            sheet = folds[number - 1] <= i < folds[number + 1]  # the two that meet at this fold
             crosses = (p[i] - value) * (p[i + 1] - value) <= 0.0
             if sheet or not (crosses and self.stable[i] and self.stable[i + 1]):
                 continue
@@ -203,16 +203,23 @@ class Backbone:
 
 
 def resonances(branch: Branch) -> tuple[Resonance, ...]:
-    """Return the peaks of a branch that was followed in frequency, in its order; superharmonic ones included.
+    """Find the peaks of a branch that was followed in frequency, in its order; superharmonic ones included.
 
     Raises:
         ValueError: the branch was followed in acceleration.
     """
     if branch.parameter != "frequency":
         raise ValueError("`branch` must be followed in frequency to have resonances.")
-    a = branch.amplitude
-    indices = [i for i in range(1, a.size - 1) if a[i - 1] < a[i] >= a[i + 1] and _is_prominent(a, i)]
-    peaks = [(i, *_top(branch, i)) for i in indices]
+    a, peaks = branch.amplitude, []
+    for i in range(1, a.size - 1):
+        if not a[i - 1] < a[i] >= a[i + 1]:
+            continue
+        valleys = []  # on both sides, before the curve rises above this point again
+        for side in (a[i::-1], a[i:]):
+            higher = np.flatnonzero(side > a[i])
+            valleys.append(float(side[: higher[0] if higher.size else side.size].min()))
+        if a[i] > PROMINENT * max(valleys):
+            peaks.append((i, *_top(branch, i)))
     highest = max(peaks, key=lambda peak: peak[2], default=(0, np.nan, np.nan))
     return tuple(
         Resonance(index=i, frequency=frequency, amplitude=amplitude, ratio=highest[1] / frequency)
@@ -221,7 +228,7 @@ def resonances(branch: Branch) -> tuple[Resonance, ...]:
 
 
 def backbone(branches: Sequence[Branch]) -> Backbone:
-    """Return the highest peaks of branches that were followed in frequency at several levels, by rising level.
+    """Collect the highest peaks of branches that were followed in frequency at several levels, by rising level.
 
     Raises:
         ValueError: a branch has no peak between its ends, or was followed in acceleration.
@@ -242,17 +249,8 @@ def backbone(branches: Sequence[Branch]) -> Backbone:
     return Backbone(acceleration=acceleration, frequency=frequency, amplitude=amplitude)
 
 
-def _is_prominent(a: Array, i: int) -> bool:
-    """Return whether the curve falls by 2 % on both sides before it rises above this point again."""
-    sides = []
-    for side in (a[i::-1], a[i:]):
-        higher = np.flatnonzero(side > a[i])
-        sides.append(float(side[: higher[0] if higher.size else side.size].min()))
-    return bool(a[i] > PROMINENT * max(sides))
-
-
 def _top(branch: Branch, i: int) -> tuple[float, float]:
-    """Return frequency and amplitude of the parabola's vertex through three points; the point itself at a fold."""
+    """Fit frequency and amplitude of the parabola's vertex through three points; the point itself at a fold."""
     f, a = np.log(branch.frequency[i - 1 : i + 2]), branch.amplitude[i - 1 : i + 2]
     if not f[0] < f[1] < f[2] and not f[0] > f[1] > f[2]:
         return float(branch.frequency[i]), float(a[1])

@@ -63,7 +63,6 @@ class Continuation:
         self.other, self.periods, self.unit, self.tolerance = other, periods, unit, tolerance
 
     def drive(self, value: float, steps: int | None = None) -> Drive:
-        """Return the base's sine at a value of the parameter."""
         frequency, acceleration = (value, self.other) if self.parameter == "frequency" else (self.other, value)
         drive = self.search.drive(frequency, acceleration, self.periods)
         return drive if steps is None else replace(drive, steps=steps)
@@ -130,13 +129,13 @@ class Continuation:
         def matrix_at(motion: Shot, move: Array) -> Array:
             return self._matrix(motion, value(move))
 
-        found = corrected(at, matrix_at, last.matrix, move, row, wanted, tolerance or self.tolerance)
-        if found is None:
+        correction = corrected(at, matrix_at, last.matrix, move, row, wanted, tolerance or self.tolerance)
+        if correction is None:
             return None
-        motion, move, corrections = found
-        own = replace(motion, scale=scales(self.flow.coordinates, ranges(self.flow.system, motion.track)))
-        before = last.tangent * np.append(last.shot.scale / own.scale, 1.0)
-        return self.point(own, value(move), before=before, corrections=corrections)
+        motion, move, corrections = correction
+        motion = replace(motion, scale=scales(self.flow.coordinates, ranges(self.flow.system, motion.track)))
+        before = last.tangent * np.append(last.shot.scale / motion.scale, 1.0)
+        return self.point(motion, value(move), before=before, corrections=corrections)
 
     def event(self, a: Point, b: Point, length: float) -> Event | None:
         """Find the event between two points, an arclength apart; None if there is none.
@@ -173,5 +172,4 @@ class Continuation:
 
 
 def turns(a: Point, b: Point) -> bool:
-    """Say whether the branch turns back between two points."""
     return float(a.tangent[-1] * b.tangent[-1]) < 0.0

@@ -54,7 +54,7 @@ class Steps:
         self.decay = 0.0  # largest rate at which a hysteretic state of the motion goes back to its bound [1/s]
 
     def per_period(self, frequency: float) -> int:
-        """Return the number for a frequency [Hz]; BudgetError if a period of so many takes too long.
+        """Choose the number for a frequency [Hz]; BudgetError if a period of so many takes too long.
 
         It is even: with a law without an elastic part only the symmetry of the two half periods keeps the mass from drifting,
         and an odd number would break it.
@@ -99,7 +99,7 @@ class OrbitSearch:
         return changed or abs(wanted - width) > SAME_WIDTH * wanted
 
     def derivative(self, flow: Flow, at: Shot) -> Array:
-        """Return the scaled monodromy matrix that Newton's method takes, (n_x, n_x)."""
+        """Compute the scaled monodromy matrix that Newton's method takes, (n_x, n_x)."""
         phi = self.variational.matrix(at) if self.scaled and self.variational is not None else None
         return monodromy(flow, at) if phi is None else phi
 
@@ -112,14 +112,13 @@ class OrbitSearch:
         require_memory(f"one of these periodic motions, {steps:.4g} steps,", 8.0 * values * steps, remedy)
 
     def drive(self, frequency: float, acceleration: float, periods: int = 1) -> Drive:
-        """Return a sine with the steps that the accuracy asks for."""
         steps = periods * self._steps.per_period(frequency)
         return Drive(frequency=frequency, acceleration=acceleration, periods=periods, steps=steps)
 
     def find(
         self, frequency: float, acceleration: float, periods: int, *, guess: State | None, tolerance: float
     ) -> PeriodicOrbit:
-        """Return the periodic motion, from a guess or from the equilibrium after longer and longer transients."""
+        """Find the periodic motion, from a guess or from the equilibrium after longer and longer transients."""
         carried = self.coordinates.carried(frequency, acceleration)
         x = self.coordinates.rest() if guess is None else self.coordinates.from_state(guess.values, carried)
         settled, best = 0, math.inf
@@ -129,7 +128,13 @@ class OrbitSearch:
             drive = self.drive(frequency, acceleration, periods)
             if more:
                 x, settled = self.settled(x, drive, more), settled + more
-            motion = self._closed(x, drive, tolerance)
+            motion = shot(self.flow, x, drive)
+            for _ in range(WIDTHS):  # laws are smoothed over the motion's own velocity
+                changed = self.adapt(motion)
+                drive = self.drive(frequency, acceleration, periods)
+                motion = self.closed(shot(self.flow, motion.x, drive) if changed else motion, tolerance)
+                if not changed:
+                    break
             best = min(best, motion.residual)
             if motion.closes(max(tolerance, ACCEPTED)):
                 return self.judged(motion, tolerance, f" after {settled} periods of settling" if settled else "")
@@ -141,63 +146,47 @@ class OrbitSearch:
             "or `periods=2` or 3."
         )
 
-    def _closed(self, x: Array, drive: Drive, tolerance: float) -> Shot:
-        """Return the nearest motion that Newton's method closes, with laws smoothed over its own velocity."""
-        motion = shot(self.flow, x, drive)
-        for _ in range(WIDTHS):
-            changed = self.adapt(motion)
-            drive = self.drive(drive.frequency, drive.acceleration, drive.periods)
-            start = shot(self.flow, motion.x, drive) if changed else motion
-            motion = self.closed(start, tolerance)
-            if not changed:
-                break
-        return motion
-
     def closed(self, start: Shot, tolerance: float) -> Shot:
-        """Return the motion that Newton's method closes from `start`, or the best that was found."""
+        """Close a motion by Newton's method from `start`, as nearly as it gets."""
         return close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS, derivative=self.derivative)
 
     def settled(self, x: Array, drive: Drive, number: int) -> Array:
-        """Return the unknowns after a number of the base's periods."""
+        """Let the system go on for a number of the base's periods; the error of a simulation where it goes astray."""
         long = replace(drive, periods=number, steps=number * (drive.steps // drive.periods))
         end = self.flow.ends(x[np.newaxis], long)[0]
-        if not np.isfinite(end).all():
-            self._explain(x, long)
-        return end
-
-    def _explain(self, x: Array, drive: Drive) -> None:
-        """Raise the error of a simulation over the same steps, which names the reason."""
-        carried = self.coordinates.carried(drive.frequency, drive.acceleration)
-        sine = drive.sine(self.coordinates.direction)
-        state, step = State(values=self.coordinates.to_state(x, carried), time=0.0), drive.duration / drive.steps
-        try:
+        if np.isfinite(end).all():
+            return end
+        try:  # a simulation over the same steps names the reason
             simulate(
-                self.system, sine, duration=drive.duration, initial=state, timestep=step,
-                sample_rate=drive.steps / drive.duration,
+                self.system, long.sine(self.coordinates.direction), duration=long.duration, initial=self._state(x, long),
+                timestep=long.duration / long.steps, sample_rate=long.steps / long.duration,
             )  # fmt: skip
         except SimulationError as error:
-            level = f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2"
-            raise SimulationError(f"{level} the motion is too large: {error} Lower the acceleration.") from None
-        raise SimulationError(f"the motion at {drive.frequency:.6g} Hz grew without bound.")
+            raise SimulationError(f"{_level(long)} the motion is too large: {error} Lower the acceleration.") from None
+        raise SimulationError(f"the motion at {long.frequency:.6g} Hz grew without bound.")
+
+    def _state(self, x: Array, drive: Drive) -> State:
+        carried = self.coordinates.carried(drive.frequency, drive.acceleration)
+        return State(values=self.coordinates.to_state(x, carried), time=0.0)
 
     def judged(self, motion: Shot, tolerance: float, settling: str) -> PeriodicOrbit:
-        """Return a periodic motion with its stability; one that leaves a rated travel is a SimulationError."""
+        """Judge a periodic motion's stability; one that leaves a rated travel is a SimulationError."""
         drive = motion.track.drive
         over = travel_exceeded(self.system, motion.track)
         if over:
-            raise SimulationError(
-                f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2 {over}. Lower the acceleration."
-            )
+            raise SimulationError(f"{_level(drive)} {over}. Lower the acceleration.")
         phi = self.variational.matrix(motion) if self.scaled and self.variational is not None else None
         judged = stability(self.flow, motion, wide_monodromy(self.flow, motion) if phi is None else phi)
-        carried = self.coordinates.carried(drive.frequency, drive.acceleration)
-        short = f", not the `tolerance` of {tolerance:.1g}: rounding stopped it there"
-        reached = "" if motion.residual <= tolerance else short
+        short = f", not the `tolerance` of {tolerance:.1g}: rounding stopped it there" * (motion.residual > tolerance)
         return PeriodicOrbit(
             system=self.system, frequency=drive.frequency, acceleration=drive.acceleration,
             direction=self.coordinates.direction, periods=drive.periods, smoothing_width=self.flow.width,
-            state=State(values=self.coordinates.to_state(motion.x, carried), time=0.0), steps=drive.steps,
+            state=self._state(motion.x, drive), steps=drive.steps,
             floquet_multipliers=judged.multipliers, neutral=judged.neutral, stable=judged.stable, residual=motion.residual,
             iterations=motion.iterations, model_steps=self.flow.steps,
-            message=f"residual {motion.residual:.1e} after {motion.iterations} Newton iterations{settling}{reached}",
+            message=f"residual {motion.residual:.1e} after {motion.iterations} Newton iterations{settling}{short}",
         )  # fmt: skip
+
+
+def _level(drive: Drive) -> str:
+    return f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2"

@@ -26,7 +26,6 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.lanes import WIDTH
-from wirerope_mj.motions import Sine
 
 STATE_PARTS = ("qpos", "qvel", "act")
 # Copies that there are at least: Newton's trial steps need them; the columns of a matrix need one for each unknown.
@@ -59,11 +58,11 @@ class Flow(ABC):
 
     @abstractmethod
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Return the unknowns at the end of each copy's periods from those at its start, (n, n_x); NaN where it went astray."""
+        """Step copies from their starts through the drive's periods, (n, n_x) each; NaN where one went astray."""
 
     @abstractmethod
     def follow(self, start: Array, drive: Drive) -> Track:
-        """Return the track of one copy from `start`, (n_x,)."""
+        """Step one copy from `start`, (n_x,), and keep its track."""
 
 
 class MujocoFlow(Flow):
@@ -83,20 +82,18 @@ class MujocoFlow(Flow):
         self._driven_qpos = self.model.jnt_qposadr[list(assembly.subjects.driven)]
 
     def smooth(self, width: float) -> None:
-        """Smooth the laws over a velocity [m/s]."""
         super().smooth(width)
         self._batch.expand("numeric_data")[:, self.width_indices] = width
 
     @contextmanager
     def ready(self) -> Iterator[None]:
-        """Make the mounts act; everything else of a flow is called within."""
         with installed(self.model, mujoco.MjData(self.model)) as kind:
             if kind != "native":
                 raise SimulationError("periodic motions need the native callback, which is not available here.")
             yield
 
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Return the unknowns at the end of each copy's periods, (n, n_x), n at most the number of copies."""
+        """Step at most as many copies as there are."""
         copies = np.arange(len(starts))
         carried = self._begin(starts, drive)
         for _ in self._tables(copies, drive):
@@ -104,7 +101,6 @@ class MujocoFlow(Flow):
         return self._finish(carried, copies)
 
     def follow(self, start: Array, drive: Drive) -> Track:
-        """Return the track of one copy from `start`, (n_x,)."""
         first = np.zeros(1, dtype=int)
         carried = self._begin(start[np.newaxis], drive)
         recorded = {name: [getattr(self._batch, name)[:1].copy()] for name in STATE_PARTS} | {"sensordata": []}
@@ -119,7 +115,7 @@ class MujocoFlow(Flow):
         return Track(end=end, sensors=sensors, qpos=qpos, qvel=qvel, act=act, drive=drive)
 
     def _begin(self, starts: Array, drive: Drive) -> Array:
-        """Put the copies at their starts; return the state relative to which they are."""
+        """Put the copies at their starts, relative to the state that is returned."""
         carried, n = self.coordinates.carried(drive.frequency, drive.acceleration), len(starts)
         self._batch.state[:n] = [self.coordinates.to_state(start, carried) for start in starts]
         self._timestep[:n] = drive.duration / drive.steps
@@ -129,24 +125,21 @@ class MujocoFlow(Flow):
 
     def _tables(self, copies: Integers, drive: Drive) -> Iterator[None]:
         """Prepare the steps of one stage table after the other; `_table_steps` says how many there are in it."""
-        done, motion = 0, drive.sine(self.coordinates.direction)
+        done, motion, n = 0, drive.sine(self.coordinates.direction), copies.size
+        step, table = drive.duration / drive.steps, self.system.assembly.tables.drive
+        origin = self.model.qpos0[self._driven_qpos]
         while done < drive.steps:
-            self._table_steps = min(at.MAX_STEPS, drive.steps - done)
-            self._place(copies.size, motion, drive.duration / drive.steps, done)
+            self._table_steps = min(MAX_STEPS, drive.steps - done)
+            times = step * (done + 0.5 * np.arange(2 * self._table_steps + 1))
+            self._qpos[:n, self._driven_qpos] = origin + table @ motion.displacement(times[:1])[0]
+            self._qvel[:n, self._dofs] = table @ motion.velocity(times[:1])[0]
+            user = self._user[:n]
+            user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = times.size, times[0], 2.0 / step
+            user[:, at.STAGES : at.STAGES + 3 * times.size] = motion.acceleration(times).ravel()
+            self._batch.state[:n, 0] = times[0]  # time, so that rounding does not add up
             yield
             done += self._table_steps
-        self.taken += drive.steps * copies.size
-
-    def _place(self, n: int, motion: Sine, step: float, done: int) -> None:
-        times = step * (done + 0.5 * np.arange(2 * self._table_steps + 1))
-        table = self.system.assembly.tables.drive
-        origin = self.model.qpos0[self._driven_qpos]
-        self._qpos[:n, self._driven_qpos] = origin + table @ motion.displacement(times[:1])[0]
-        self._qvel[:n, self._dofs] = table @ motion.velocity(times[:1])[0]
-        user = self._user[:n]
-        user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = times.size, times[0], 2.0 / step
-        user[:, at.STAGES : at.STAGES + 3 * times.size] = motion.acceleration(times).ravel()
-        self._batch.state[:n, 0] = times[0]  # time, so that rounding does not add up
+        self.taken += drive.steps * n
 
     def _finish(self, carried: Array, copies: Integers) -> Array:
         self._batch.forward(copies)  # takes out of the states what the last step carried beyond a slider's slip force
@@ -157,7 +150,7 @@ class MujocoFlow(Flow):
 
 
 def flow_of(coordinates: Coordinates, system: System) -> Flow:
-    """Return a flow of the kernel if it can compute the system, one of MuJoCo else."""
+    """Choose the kernel's flow if it can compute the system, else MuJoCo's."""
     return MujocoFlow(coordinates, system) if unsupported_system(system) else KernelFlow(coordinates, system)
 
 
@@ -170,16 +163,21 @@ class KernelFlow(Flow):
         self._axes = self._equations.rows(kernel.AXES, kernel.AXIS_COLUMNS, 3 * len(system.mounts))
         self._beyond: MujocoFlow | None = None
         self._within = ExitStack()
-        self._carried = self._steep(ScaledStates(system))
+        # States that are carried in closed form, as `go` wants them, (n, 4).
+        lay, scaled = self._equations.lay, ScaledStates(system)
+        chosen = np.flatnonzero(scaled.steep & ~scaled.smoothed)
+        states = scaled.states[chosen]
+        record, parameters = self._records(states)
+        rows = lay[kernel.NQ] + lay[kernel.NV] + states
+        self._carried = np.column_stack([record, record + RATE, parameters + scaled.offsets[chosen], rows])
         self._nowhere = np.zeros((0, coordinates.carried(1.0, 1.0)[coordinates.moving].size))
 
     @property
     def steps(self) -> int:
-        """Model steps taken so far, also by MuJoCo, forward passes counted as quarters."""
+        """Model steps, also by MuJoCo."""
         return super().steps + (self._beyond.steps if self._beyond is not None else 0)
 
     def smooth(self, width: float) -> None:
-        """Smooth the laws over a velocity [m/s]."""
         super().smooth(width)
         num, first = self._equations.num.copy(), int(self._equations.lay[kernel.PARAMETERS])
         num[first + widths_of(self._axes[:, :2], num[first:])] = width
@@ -196,18 +194,16 @@ class KernelFlow(Flow):
             yield
 
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Return the unknowns at the end of each copy's periods, (n, n_x)."""
         ends, why = np.empty_like(starts), np.empty(len(starts))
         for first in range(0, len(starts), WIDTH):
-            own = slice(first, first + WIDTH)
-            ends[own], why[own] = self._go(starts[own], drive, self._nowhere, self._nowhere)
+            lanes = slice(first, first + WIDTH)
+            ends[lanes], why[lanes] = self._go(starts[lanes], drive, self._nowhere, self._nowhere)
         beyond = why > kernel.WILD
         if beyond.any():
             ends[beyond] = self._by_mujoco().ends(starts[beyond], drive)
         return ends
 
     def follow(self, start: Array, drive: Drive) -> Track:
-        """Return the track of one copy from `start`, (n_x,)."""
         values = np.empty((drive.steps, self._equations.n_values))
         track = np.empty((drive.steps, self._nowhere.shape[1]))
         ends, why = self._go(start[np.newaxis], drive, track, values)
@@ -238,7 +234,7 @@ class KernelFlow(Flow):
         return not group.memory[e.lay[kernel.FAILED]].any()
 
     def addresses(self, free: Integers, deflected: Integers) -> Integers:
-        """Return where the kernel keeps accelerations of free coordinates, and rates of the internal states.
+        """Locate accelerations of free coordinates and rates of the internal states in the kernel's memory.
 
         For the states in `deflected` it is the deflection of their axis.
         """
@@ -248,7 +244,7 @@ class KernelFlow(Flow):
         return np.concatenate([lay[kernel.RHS] + free, states])
 
     def _records(self, states: Integers) -> tuple[Integers, Integers]:
-        """Return for some states where the deflection of their axis is recorded, and where its parameters begin, (n,) each."""
+        """Locate for some states the deflection of their axis in the record, and the axis' first parameter, (n,) each."""
         lay, axes = self._equations.lay, self._axes
         owner, firsts = np.repeat(np.arange(len(axes)), axes[:, 3]), np.repeat(axes[:, 2], axes[:, 3])
         within = np.arange(owner.size) - np.searchsorted(owner, owner)
@@ -257,16 +253,8 @@ class KernelFlow(Flow):
         mount, axis = np.divmod(row[states], 3)
         return lay[kernel.RECORD] + kernel.RECORD_SIZE * mount + axis, lay[kernel.PARAMETERS] + axes[row[states], 1]
 
-    def _steep(self, scaled: ScaledStates) -> Integers:
-        """Return the states that are carried in closed form, as `go` wants them, (n, 4)."""
-        lay, chosen = self._equations.lay, np.flatnonzero(scaled.steep & ~scaled.smoothed)
-        states = scaled.states[chosen]
-        record, parameters = self._records(states)
-        rows = lay[kernel.NQ] + lay[kernel.NV] + states
-        return np.column_stack([record, record + RATE, parameters + scaled.offsets[chosen], rows])
-
     def _go(self, starts: Array, drive: Drive, track: Array, values: Array) -> tuple[Array, Array]:
-        """Return the ends of at most WIDTH copies, NaN where one went astray, and why it did, 0 if it did not."""
+        """Step at most WIDTH copies to their ends, NaN where one went astray; the second says why, 0 if it did not."""
         part = self.coordinates
         carried = part.carried(drive.frequency, drive.acceleration)
         full = np.array([part.to_state(start, carried) for start in starts])
@@ -282,7 +270,7 @@ class KernelFlow(Flow):
         self.taken += drive.steps * len(starts)
         full[:, part.moving] = group.states[:, : len(starts)].T
         why = group.memory[e.lay[kernel.FAILED], : len(starts)]
-        ends = np.array([part.from_state(one, carried) for one in full])
+        ends = np.array([part.from_state(state, carried) for state in full])
         ends[why != 0.0] = np.nan
         return ends, why
 

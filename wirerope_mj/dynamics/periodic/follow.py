@@ -27,7 +27,7 @@ def periodic_orbit(
     guess: State | None = None, history: History = "relaxed", accuracy: float = 1e-4, tolerance: float = 1e-8,
     smoothing: float | None = None,
 ) -> PeriodicOrbit:  # fmt: skip
-    """Return the periodic motion of `system` under a sine of its base, by shooting on the engine's state.
+    """Find the periodic motion of `system` under a sine of its base, by shooting on the engine's state.
 
     Newton's method closes the gap between the state at phase 0 and that some periods later; the columns of its matrix are
     integrated in parallel. The base is prescribed: it is neither among the unknowns nor among the multipliers. Without a guess
@@ -79,7 +79,7 @@ def follow_branch(
     smoothing: float | None = None, largest_step: float = 0.02, smallest_step: float = 1e-5, most_points: int = 3000,
     out: str | Path | None = None, progress: bool = False,
 ) -> Branch:  # fmt: skip
-    """Return the branch of periodic motions of `system` from `start` to `stop`, around folds if there are any.
+    """Follow the branch of periodic motions of `system` from `start` to `stop`, around folds if there are any.
 
     With `acceleration` given, `start` and `stop` are frequencies [Hz]; with `frequency` given they are accelerations [m/s^2].
     The branch is followed by pseudo-arclength continuation; folds and changes of stability are located on the way.

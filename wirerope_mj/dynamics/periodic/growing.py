@@ -56,21 +56,40 @@ class GrowingBranch:
         self._saved, self._jump = time.monotonic(), -1
 
     def go(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
-        """Return the branch, followed from its start or resumed from its last point."""
+        """Follow the branch from its start, or resume it from its last point."""
+        options = self.options
         last = self._resumed() or (None if self.message else self._first(guess))
         try:
             length = FIRST
             while not self.message and last is not None:
-                update(self.options.fraction(last.parameter), last.parameter)
+                update(options.fraction(last.parameter), last.parameter)
                 last, length = self._advance(last, length)
+            # Unstable stretches that nobody would notice are side branches: their events are none.
             if last is not None:
-                self._judge_stretches()
+                for part, side in list(unstable_stretches(self.search, options, self.rows, self.events)):
+                    self.events = [event for event in self.events if not part.start - 1 <= event.index <= part.stop]
+                    if not self._note(side):
+                        self.rows[part] = [replace(row, stable=True) for row in self.rows[part]]
         finally:
             self._save()
-        return self._branch()
+        rows = self.rows
+        multipliers = np.full((len(rows), max(row.multipliers.size for row in rows)), np.nan + 0.0j)
+        for i, row in enumerate(rows):
+            multipliers[i, : row.multipliers.size] = row.multipliers
+        values: Entries = {name: np.array([getattr(row, name) for row in rows]) for name in (*COLUMNS, "unknowns")}
+        values["tangents"] = values.pop("tangent")
+        kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
+        values |= {name: getattr(options, name) for name in kept}
+        return Branch(
+            system=self.system, **values, floquet_multipliers=multipliers, bifurcations=tuple(self.events),
+            complete=self.complete, gaps=tuple(self.gaps),
+            side_branches=tuple(sorted(self.side_branches, key=lambda side: min(side.start, side.stop))),
+            model_steps=self.search.flow.steps + self._earlier_steps, message=self.message,
+            beyond_travel=self.beyond_travel,
+        )  # fmt: skip
 
     def _leap(self, last: Point) -> Point | None:
-        """Return a motion a little further on, found anew from the last one, None if there is none.
+        """Find a motion a little further on anew from the last one, None if there is none.
 
         A stable one is left to itself first: along slow directions a branch collects what the tolerance leaves of every point.
         Where that leads nowhere, it is left to itself at the new value, too; so is an unstable one that leads on. A motion that
@@ -134,34 +153,37 @@ class GrowingBranch:
             return last, length
         if (point.parameter - options.stop) * options.sign >= 0.0:
             point = self.path.at_value(last, options.stop) or point
-            self.complete, self.message = True, f"reached {self._where(point)}{_not_followed(self.gaps)}"
+            self.complete, self.message = True, f"reached {self._where(point)}{self._not_followed()}"
         elif (point.parameter - options.start) * options.sign < 0.0 and len(self.rows) > 2:
             self.message = f"ended at {self._where(point)}: it passed its start again"
         elif not leapt:
             self._between(last, point, length)
-        self._add(point)
+        self.rows.append(self._row(point))
         self.search.adapt(point.shot)
         if len(self.rows) >= options.most_points and not self.message:
             self.message = f"ended after {len(self.rows)} points at {self._where(point)}"
         if self.folder is not None and time.monotonic() - self._saved > SAVE_EVERY:
             self._save()
-        wanted = min(AIM / max(point.corrections, 1), BEND / max(_angle(last, point), 1e-6))
+        tangent = point.tangent * np.append(point.shot.scale / last.shot.scale, 1.0)  # in the units of the last point
+        angle = math.acos(min(max(float(last.tangent @ tangent / np.linalg.norm(tangent)), -1.0), 1.0))
+        wanted = min(AIM / max(point.corrections, 1), BEND / max(angle, 1e-6))
         return point, min(1.0, length * float(np.clip(wanted, 0.5, 1.6)))
 
     def _past(self, a: Point, b: Point, length: float) -> Point | None:
-        """Return the point from which the branch goes on past a fold between two points that is no jump, None if it is one."""
+        """Go on past a fold between two points that is no jump; None if it is one."""
         event = self.path.event(a, b, length)
         assert event is not None
-        fold, towards = event.point, 1.0 if a.tangent[-1] > 0.0 else -1.0
-        passed = pass_by(self.path, self.options, self._row(fold), towards)
+        row = self._row(event.point)
+        passed = pass_by(self.path, self.options, row, 1.0 if a.tangent[-1] > 0.0 else -1.0)
         if passed is None:
             return None
-        self._add(fold)
-        self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
-        return passed.point
+        point, difference = passed
+        self.rows.append(row)
+        self._note(SideBranch(start=event.point.parameter, stop=point.parameter, difference=difference))
+        return point
 
     def _taken_up(self, point: Point) -> Point | None:
-        """Return the point beyond the farthest one if the branch goes back on itself, None if it does not."""
+        """Go on beyond the farthest point if the branch goes back on itself; None if it does not."""
         farthest = back_on_itself(self.options, self.rows, self._row(point))
         if farthest is None or farthest == self._jump:
             return None
@@ -174,21 +196,15 @@ class GrowingBranch:
         del self.rows[farthest + 1 :]
         self.events = [event for event in self.events if event.index < farthest]
         self.gaps = [gap for gap in self.gaps if (gap[1] - value) * self.options.sign < 0.0]
-        self._note(SideBranch(start=point.parameter, stop=value, difference=passed.difference))
-        return passed.point
+        beyond, difference = passed
+        self._note(SideBranch(start=point.parameter, stop=value, difference=difference))
+        return beyond
 
-    def _note(self, side: SideBranch) -> None:
-        """Keep a side branch, unless both of its motions are one within the accuracy."""
-        if side.difference > self.options.accuracy:
-            self.side_branches.append(side)
-
-    def _judge_stretches(self) -> None:
-        """Move the events of unstable stretches that nobody would notice to the side branches."""
-        for rows, side in list(unstable_stretches(self.search, self.options, self.rows, self.events)):
-            self.events = [event for event in self.events if not rows.start - 1 <= event.index <= rows.stop]
-            self._note(side)
-            if side.difference <= self.options.accuracy:
-                self.rows[rows] = [replace(row, stable=True) for row in self.rows[rows]]
+    def _note(self, side: SideBranch) -> bool:
+        """Keep a side branch, unless both of its motions are one within the accuracy; say whether it is kept."""
+        apart = side.difference > self.options.accuracy
+        self.side_branches += [side] if apart else []
+        return apart
 
     def _first(self, guess: State | None) -> Point:
         options = self.options
@@ -197,7 +213,7 @@ class GrowingBranch:
         orbit = self.search.find(f, a, options.periods, guess=guess, tolerance=options.tolerance)
         x = self.search.coordinates.from_state(orbit.state.values, self.search.coordinates.carried(f, a))
         point = self._at(x, options.start)
-        self._add(point)
+        self.rows.append(self._row(point))
         require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)
         return point
 
@@ -207,7 +223,7 @@ class GrowingBranch:
         return self.path.point(motion, value, before=None, sign=self.options.sign)
 
     def _resumed(self) -> Point | None:
-        """Return the last point of a branch that stands in the folder, None if there is none or it had come to its end."""
+        """Take up the last point of a branch that stands in the folder; None if there is none or it had come to its end."""
         known = load_rows(self.folder, self._content()) if self.folder is not None else None
         if known is None:
             return None
@@ -229,7 +245,7 @@ class GrowingBranch:
         return self.path.turned(point, last.tangent, last.unknowns - self.rows[-2].unknowns)
 
     def _next(self, last: Point, length: float) -> tuple[Point | None, float]:
-        """Return the next point and the arclength to it, shorter where the corrector fails."""
+        """Step to the next point, by a shorter arclength where the corrector fails."""
         while length * self.options.largest_step >= self.options.smallest_step:
             point = self.path.step(last, length)
             if point is not None:
@@ -238,40 +254,40 @@ class GrowingBranch:
         return None, length
 
     def _between(self, a: Point, b: Point, length: float) -> None:
-        """Note what happens between two points (`a` is the last one kept), and the point where it does."""
+        """Note what happens between two points (`a` is the last one kept), and the point where it does.
+
+        Two folds hardly farther from each other than the accuracy are none: the derivative of the stepped motion jumps where a
+        mount's reversal passes a stage of a step; where a branch is steep that turns it back and forth by less than the steps'
+        own error.
+        """
         event = self.path.event(a, b, length)
         if event is None:
             return
-        self._add(event.point)
-        row = self.rows[-1]
+        row = self._row(event.point)
+        self.rows.append(row)
         self.events.append(
             Bifurcation(
                 kind=event.kind, frequency=row.frequency, acceleration=row.acceleration, amplitude=row.amplitude,
                 index=len(self.rows) - 1, multiplier=event.multiplier, before=a.unstable, after=b.unstable,
             )
         )  # fmt: skip
-        self._forget_ripple()
-
-    def _forget_ripple(self) -> None:
-        """Drop the last two folds if they are hardly farther from each other than the accuracy.
-
-        The derivative of the stepped motion jumps where a mount's reversal passes a stage of a step; where a branch is steep
-        that turns it back and forth by less than the steps' own error.
-        """
-        if len(self.events) < 2 or any(event.kind != "fold" for event in self.events[-2:]):
-            return
-        first, second = (event.frequency * event.acceleration for event in self.events[-2:])  # one of the two is fixed
-        if abs(math.log(second / first)) < RIPPLE * self.options.accuracy:
-            del self.events[-2:]
-
-    def _add(self, point: Point) -> None:
-        self.rows.append(self._row(point))
+        if [event.kind for event in self.events[-2:]] == ["fold", "fold"]:
+            first, second = (event.frequency * event.acceleration for event in self.events[-2:])  # one of the two is fixed
+            if abs(math.log(second / first)) < RIPPLE * self.options.accuracy:
+                del self.events[-2:]
 
     def _row(self, point: Point) -> Row:
         return row_of(self.system, point, self.options.payload, self.options.response_direction)
 
     def _where(self, point: Point) -> str:
         return f"{point.parameter:.5g} {'Hz' if self.options.parameter == 'frequency' else 'm/s^2'}"
+
+    def _not_followed(self) -> str:
+        """Name the gaps of a branch, many of them by what they span."""
+        if len(self.gaps) > 2:
+            low, high = min(map(min, self.gaps)), max(map(max, self.gaps))
+            return f"; not followed in {len(self.gaps)} places from {low:.5g} to {high:.5g}"
+        return "".join(f"; not followed from {a:.5g} to {b:.5g}" for a, b in self.gaps)
 
     def _content(self) -> Entries:
         options = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.options).items()}
@@ -286,35 +302,3 @@ class GrowingBranch:
         if self.folder is not None and self.rows:
             save_rows(self.folder, self.rows, self.events, self._content())
             self._saved = time.monotonic()
-
-    def _branch(self) -> Branch:
-        rows, options = self.rows, self.options
-        multipliers = np.full((len(rows), max(row.multipliers.size for row in rows)), np.nan + 0.0j)
-        for i, row in enumerate(rows):
-            multipliers[i, : row.multipliers.size] = row.multipliers
-        names = (*COLUMNS, "unknowns")
-        values: Entries = {name: np.array([getattr(row, name) for row in rows]) for name in names}
-        values["tangents"] = values.pop("tangent")
-        kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
-        values |= {name: getattr(options, name) for name in kept}
-        return Branch(
-            system=self.system, **values, floquet_multipliers=multipliers, bifurcations=tuple(self.events),
-            complete=self.complete, gaps=tuple(self.gaps),
-            side_branches=tuple(sorted(self.side_branches, key=lambda side: min(side.start, side.stop))),
-            model_steps=self.search.flow.steps + self._earlier_steps, message=self.message,
-            beyond_travel=self.beyond_travel,
-        )  # fmt: skip
-
-
-def _not_followed(gaps: list[tuple[float, float]]) -> str:
-    """Name the gaps of a branch, many of them by what they span."""
-    if len(gaps) > 2:
-        return f"; not followed in {len(gaps)} places from {min(map(min, gaps)):.5g} to {max(map(max, gaps)):.5g}"
-    return "".join(f"; not followed from {a:.5g} to {b:.5g}" for a, b in gaps)
-
-
-def _angle(a: Point, b: Point) -> float:
-    """Return the angle between the tangents of two points [rad], in the units of the first."""
-    turned = b.tangent * np.append(b.shot.scale / a.shot.scale, 1.0)
-    cosine = float(a.tangent @ turned / np.linalg.norm(turned))
-    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))

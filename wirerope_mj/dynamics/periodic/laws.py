@@ -37,7 +37,7 @@ NEAREST = 1e-12  # fraction of a state's largest value below which its power is 
 
 
 def smoothed(system: System, width: float) -> System:
-    """Return the system with its laws smoothed over the velocity `width` [m/s]; ValueError if none of them can be."""
+    """Smooth the system's laws over the velocity `width` [m/s]; ValueError if none of them can be."""
     if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
         raise ValueError(
             "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state, or several such."
@@ -55,7 +55,7 @@ def _smoothed(isolator: Isolator, width: float) -> Isolator:
 
 
 def width_indices(system: System) -> Integers:
-    """Return the indices of the widths of a smoothed system's laws in its model's numeric_data."""
+    """Find the widths of a smoothed system's laws in its model's numeric_data."""
     model = system.model
     numbers = model.actuator_dynprm[-1]
     layout, parameters = int(numbers[1]), int(numbers[2])
@@ -66,18 +66,18 @@ def width_indices(system: System) -> Integers:
 
 def widths_of(laws: AnyArray, parameters: Array) -> Integers:
     """Find the widths of smoothed laws, also those in parallel, among the parameters of (number, first parameter) rows."""
-    found = []
+    widths = []
     for law, first in laws.astype(int).tolist():
-        found += [first] if law == SMOOTHED else []
+        widths += [first] if law == SMOOTHED else []
         parts = int(parameters[first]) if law == PARALLEL else 0
         for part in parameters[first + 1 : first + 1 + 3 * parts].reshape(-1, 3).astype(int).tolist():
-            found += [first + part[1]] if part[0] == SMOOTHED else []
-    return np.array(found, dtype=np.int64)
+            widths += [first + part[1]] if part[0] == SMOOTHED else []
+    return np.array(widths, dtype=np.int64)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Slopes:
-    """What scales the states over pairs of steps, all unknowns; a pair has one sign of the rate, that of its whole path."""
+    """Factors that scale the states over pairs of steps, all unknowns; a pair has one sign of the rate, that of its path."""
 
     scale: Array  # phi / alpha at the three instants of every pair, 1 for what is not scaled, (n_pairs, 3, n)
     gain: Array  # factor of the rate's change, (n_pairs, 3, n)
@@ -130,13 +130,16 @@ class ScaledStates:
         return bool(self.steep.any()) or 0 < self.states.size == self._system.model.na
 
     def along(self, track: Track, width: float, first: int) -> Slopes:
-        """Return the numbers along a motion; `first` unknowns stand before the internal states."""
+        """Evaluate the factors along a motion; `first` unknowns stand before the internal states."""
         x = mount_deflections(self._system, track)[:, self.mounts, self.axes]
         z = track.act[:, self.states]
         pairs, h = len(x) // 2, track.drive.duration / len(x)
         instants = (2 * np.arange(pairs)[:, np.newaxis] + np.arange(3)) % len(x)
         rate = (np.roll(x, -1, axis=0) - np.roll(x, 1, axis=0)) / (2.0 * h)
-        sign = _signs(x[instants[:, 2]] - x[instants[:, 0]])
+        sign = np.sign(x[instants[:, 2]] - x[instants[:, 0]])
+        for k in range(-1, pairs - 1):  # a pair that does not move has the sign of the one before
+            sign[k + 1] = np.where(sign[k + 1] == 0.0, sign[k], sign[k + 1])
+        sign = np.where(sign == 0.0, 1.0, sign)
         scale, gain, decay = self._numbers(z[instants], rate[instants], sign[:, np.newaxis], width)
         # Pair by pair around the circle: phi before and after each start, and when the rate vanished there.
         start = instants[:, 0]
@@ -152,14 +155,19 @@ class ScaledStates:
         turns, waits = np.vstack([turn, np.where(late, turn[0], 1.0)]), np.vstack([wait, np.where(late, wait[0], 0.0)])
         turns[0], waits[0] = np.where(late, 1.0, turn[0]), np.where(late, 0.0, wait[0])
         size = first + track.act.shape[1]
+
+        def of_all(values: Array, unscaled: float) -> Array:
+            full = np.full((*values.shape[:-1], size), unscaled)
+            full[..., first + self.states] = values
+            return full
+
         return Slopes(
-            scale=self._of_all(scale, first, size, 1.0), gain=self._of_all(gain, first, size, 1.0),
-            decay=self._of_all(decay, first, size, 0.0), turns=self._of_all(turns, first, size, 1.0),
-            waits=self._of_all(waits, first, size, 0.0),
+            scale=of_all(scale, 1.0), gain=of_all(gain, 1.0), decay=of_all(decay, 0.0), turns=of_all(turns, 1.0),
+            waits=of_all(waits, 0.0),
         )  # fmt: skip
 
     def _numbers(self, z: Array, v: Array, sign: Array, width: float) -> tuple[Array, Array, Array]:
-        """Return phi / alpha, the gain and the decay of the scaled states at rates `v` in segments of a sign."""
+        """Evaluate phi / alpha, the gain and the decay of the scaled states at rates `v` in segments of a sign."""
         n, size = self._n, np.abs(z)
         side, power = np.where(z >= 0.0, 1.0, -1.0), size**n
         with np.errstate(divide="ignore"):
@@ -168,21 +176,7 @@ class ScaledStates:
         phi = np.maximum(f, 0.0) + SMALL * self.alpha
         phi_slope = np.where(f > 0.0, -slope * (self._beta * sign + self._gamma * side), 0.0)
         blend = np.where(self.smoothed, np.tanh(v / width) if width else sign, sign)
-        own = self.alpha - power * (self._beta * blend * side + self._gamma)
-        own_slope = -slope * (self._beta * blend + self._gamma * side)
+        smooth = self.alpha - power * (self._beta * blend * side + self._gamma)
+        smooth_slope = -slope * (self._beta * blend + self._gamma * side)
         steeper = power * self._beta * side * (1.0 - blend**2) * v / width if width else 0.0
-        return phi / self.alpha, (own - steeper) / phi, v * (own_slope - own * phi_slope / phi)
-
-    def _of_all(self, values: Array, first: int, size: int, other: float) -> Array:
-        """Return values of all unknowns, `other` for those that are not scaled."""
-        full = np.full((*values.shape[:-1], size), other)
-        full[..., first + self.states] = values
-        return full
-
-
-def _signs(moves: Array) -> Array:
-    """Return the signs of moves in turn, (n, m); one that is none is that of the move before."""
-    signs = np.sign(moves)
-    for k in range(-1, len(signs) - 1):
-        signs[k + 1] = np.where(signs[k + 1] == 0.0, signs[k], signs[k + 1])
-    return np.where(signs == 0.0, 1.0, signs)
+        return phi / self.alpha, (smooth - steeper) / phi, v * (smooth_slope - smooth * phi_slope / phi)

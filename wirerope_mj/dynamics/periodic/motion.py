@@ -42,13 +42,13 @@ class Coordinates:
         self.moving = slice(self._qpos.start, self._act.stop)  # qpos, qvel and act among the values of a state
 
     def rest(self) -> Array:
-        """Return the unknowns of the equilibrium moving with the base, (n_x,)."""
+        """Unknowns of the equilibrium moving with the base, (n_x,)."""
         x = np.zeros(self.size)
         x[self.internal] = self._rest.values[self._act]
         return x
 
     def carried(self, frequency: float, acceleration: float) -> Array:
-        """Return the engine's state of the equilibrium moving with the base at phase 0 of the sine, (n_state,).
+        """Engine's state of the equilibrium moving with the base at phase 0 of the sine, (n_state,).
 
         The base then stands where it is modelled and moves with its largest velocity, -acceleration / (2 pi frequency).
         """
@@ -65,7 +65,7 @@ class Coordinates:
         return np.asarray(np.sqrt(self.model.body_subtreemass[payloads].max() / np.diag(mass)[self.free]))
 
     def to_state(self, x: Array, carried: Array) -> Array:
-        """Return the engine's state for the unknowns, (n_state,)."""
+        """Write unknowns as the engine's state, (n_state,)."""
         values, move, qpos = carried.copy(), np.zeros(self.model.nv), carried[self._qpos].copy()
         move[self.free] = x[self.configuration]
         mujoco.mj_integratePos(self.model, qpos, move, 1.0)
@@ -75,7 +75,7 @@ class Coordinates:
         return values
 
     def from_state(self, values: Array, carried: Array) -> Array:
-        """Return the unknowns of an engine's state, (n_x,)."""
+        """Read the unknowns from an engine's state, (n_x,)."""
         x, move = np.empty(self.size), np.empty(self.model.nv)
         mujoco.mj_differentiatePos(self.model, move, 1.0, carried[self._qpos], values[self._qpos])
         x[self.configuration] = move[self.free]
@@ -94,7 +94,7 @@ class Ranges:
 
 
 def scales(coordinates: Coordinates, ranges: Ranges) -> Array:
-    """Return the unit of every unknown, (n_x,).
+    """Choose the unit of every unknown, (n_x,).
 
     Lengths and speeds are those of the mounts. A coordinate with the inertia M_ii has sqrt(M / M_ii) of them, M
     the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration. Internal states
@@ -115,11 +115,9 @@ class Drive:
 
     @property
     def duration(self) -> float:
-        """Length [s]."""
         return self.periods / self.frequency
 
     def sine(self, direction: str | tuple[float, float, float]) -> Sine:
-        """Return the motion of a base along a direction."""
         return Sine(frequency=self.frequency, acceleration=self.acceleration, direction=direction)
 
 
@@ -139,39 +137,33 @@ class Track:
 
 
 def observed_bodies(system: System) -> list[str]:
-    """Return the bodies whose motion is observed, the base left out, payloads first."""
+    """List the bodies whose motion is observed, the base left out, payloads first."""
     names = system.assembly.subjects.body_names
-    others = [name for name in names if name not in system.payloads and name != system.base]
-    return [*system.payloads, *others]
+    return [*system.payloads, *(name for name in names if name not in system.payloads and name != system.base)]
 
 
 def body_acceleration(system: System, track: Track, body: str) -> Array:
-    """Return the absolute acceleration of a body's centre of mass at the start of every step [m/s^2], (n_t, 3)."""
+    """Absolute acceleration of a body's centre of mass at the start of every step [m/s^2], (n_t, 3)."""
     first = at.KINEMATICS * system.assembly.subjects.body_names.index(body) + at.ACCELERATION
     return track.sensors[:, first : first + 3]
 
 
 def mount_deflections(system: System, track: Track) -> Array:
-    """Return the deflections of all mounts in their axes [m], (n_t, n_mounts, 3)."""
+    """Deflections of all mounts in their axes [m], (n_t, n_mounts, 3)."""
     channels = system.assembly.tables.channels
     channels = channels[channels.size - 2 * len(system.mounts) :: 2]  # every other of the last
     return np.asarray(track.sensors[:, channels[:, None] + np.arange(3)])
 
 
-def _kinds(system: System) -> list[str]:
-    """Return of every internal state the letter that its name begins with: z are forces, others are in units of their own."""
-    kinds = [""] * system.model.na
+def ranges(system: System, track: Track) -> Ranges:
+    """Measure the half ranges of deflections, rates and internal states over a track."""
+    deflection = mount_deflections(system, track)
+    kinds = np.full(system.model.na, "", dtype="<U1")  # first letters of names: z are forces, others have units of their own
     for mount in system.mounts.values():
         for states, law in zip(mount.states, mount.isolator.axes.values(), strict=True):
             kinds[states] = [name[0] for name in law.state_names] if law is not None else []
-    return kinds
-
-
-def ranges(system: System, track: Track) -> Ranges:
-    """Return the half ranges of deflections, rates and internal states over a track."""
-    deflection = mount_deflections(system, track)
-    kinds, own = np.array(_kinds(system)), np.ptp(track.act, axis=0) / 2.0
-    internal = np.array([own[kinds == kind].max() for kind in kinds])
+    spread = np.ptp(track.act, axis=0) / 2.0
+    internal = np.array([spread[kinds == kind].max() for kind in kinds])
     step = track.drive.duration / track.drive.steps
     rate = np.diff(deflection, axis=0, append=deflection[:1]) / step
     half_range, speed = (float(np.ptp(values, axis=0).max()) / 2.0 for values in (deflection, rate[:-1]))
@@ -179,25 +171,25 @@ def ranges(system: System, track: Track) -> Ranges:
 
 
 def deflection_rates(system: System, track: Track) -> Array:
-    """Return the largest rates of the deflections of all mounts in their axes [m/s], (n_mounts, 3)."""
+    """Largest rates of the deflections of all mounts in their axes [m/s], (n_mounts, 3)."""
     moved = np.abs(np.diff(mount_deflections(system, track), axis=0)).max(axis=0)
     return np.asarray(moved * track.drive.steps / track.drive.duration)
 
 
 def largest(values: Array) -> float:
-    """Return the largest value of a periodic series, refined by the parabola through three neighbours."""
+    """Find the largest value of a periodic series by the parabola through three neighbours."""
     i = int(np.argmax(values))
     left, middle, right = values[i - 1], values[i], values[(i + 1) % values.size]
     return float(parabola_extreme(-1.0, left, 0.0, middle, 1.0, right)[1])
 
 
 def amplitude(values: Array) -> float:
-    """Return the largest absolute value of a periodic series, refined in the same way."""
+    """Find the largest absolute value of a periodic series in the same way."""
     return max(largest(values), largest(-values))
 
 
 def travel_exceeded(system: System, track: Track) -> str:
-    """Return a text on the mounts that leave their rated travel by most, "" if none does or none is rated."""
+    """Name the mount that leaves its rated travel by most and count the others; "" if none does or none is rated."""
     deflections = mount_deflections(system, track)
     lowest, highest = deflections.min(axis=0), deflections.max(axis=0)
     exceeded = []

@@ -65,11 +65,8 @@ class PeriodicOrbit(Summarised):
     def response(self) -> Response:
         """The motion over its own duration, sampled at every step."""
         system = smoothed(self.system, self.smoothing_width) if self.smoothing_width else self.system
-        step = self.duration / self.steps
-        return simulate(
-            system, self.motion, duration=self.duration, initial=self.state, timestep=step,
-            sample_rate=self.steps / self.duration,
-        )  # fmt: skip
+        step, rate = self.duration / self.steps, self.steps / self.duration
+        return simulate(system, self.motion, duration=self.duration, initial=self.state, timestep=step, sample_rate=rate)
 
     def deflection_rate(self, mount: str) -> Array:
         """Differentiate a mount's deflection, as the periodic cubic spline through its samples [m/s], (n_t, 3)."""
@@ -90,18 +87,26 @@ class HarmonicContent:
     @property
     def names(self) -> tuple[str, ...]:
         """Name of each harmonic."""
-        return tuple(_name(order) for order in self.order)
+        names = []
+        for order in self.order:
+            if order in (0, 1):
+                names.append("fundamental" if order else "mean")
+            elif order.denominator == 1:
+                names.append(f"superharmonic {order.numerator}")
+            else:
+                names.append(f"{'sub' if order < 1 else 'ultrasub'}harmonic {order.numerator}/{order.denominator}")
+        return tuple(names)
 
     def of(self, order: int | Fraction) -> float:
-        """Return the amplitude of one order [m/s^2]; 0 if it is above the highest."""
+        """Look up the amplitude of one order [m/s^2]; 0 if it is above the highest."""
         wanted = Fraction(order)
         return float(self.amplitude[self.order.index(wanted)]) if wanted in self.order else 0.0
 
     @property
     def distortion(self) -> float:
         """Root mean square of all but the fundamental and the mean, over the fundamental."""
-        others = [a for order, a in zip(self.order, self.amplitude, strict=True) if order not in (0, 1)]
-        return float(np.linalg.norm(others) / self.of(1))
+        overtones = [a for order, a in zip(self.order, self.amplitude, strict=True) if order not in (0, 1)]
+        return float(np.linalg.norm(overtones) / self.of(1))
 
 
 def harmonic_content(
@@ -121,13 +126,3 @@ def harmonic_content(
     order = tuple(Fraction(number, orbit.periods) for number in range(kept))
     frequency = np.array([float(o) * orbit.frequency for o in order])
     return HarmonicContent(order=order, frequency=frequency, amplitude=amplitude, phase=np.angle(spectrum[:kept]))
-
-
-def _name(order: Fraction) -> str:
-    if order == 0:
-        return "mean"
-    if order == 1:
-        return "fundamental"
-    if order.denominator == 1:
-        return f"superharmonic {order.numerator}"
-    return f"{'sub' if order < 1 else 'ultrasub'}harmonic {order.numerator}/{order.denominator}"

@@ -56,23 +56,21 @@ class Shot:
         return largest if np.isfinite(largest) else np.inf
 
     def closes(self, tolerance: float) -> bool:
-        """Say whether it repeats itself within a residual, but for a drift."""
+        """Check that it repeats itself within a residual, but for a drift."""
         return self.residual <= tolerance or self.drifts
 
 
 def shot(flow: Flow, x: Array, drive: Drive, scale: Array | None = None) -> Shot:
-    """Return the motion from `x`; its own ranges are the scales unless they are given."""
+    """Follow the motion from `x`; its own ranges are the scales unless they are given."""
     track = flow.follow(x, drive)
-    if scale is None:
-        scale = scales(flow.coordinates, ranges(flow.system, track))
-    return Shot(x=x, track=track, scale=scale)
+    return Shot(x=x, track=track, scale=scales(flow.coordinates, ranges(flow.system, track)) if scale is None else scale)
 
 
 def monodromy(flow: Flow, at: Shot) -> Array:
-    """Return the derivative of the scaled end by the scaled start, (n_x, n_x), its columns integrated in parallel.
+    """Differentiate the scaled end by the scaled start, (n_x, n_x), its columns integrated in parallel.
 
-    It is that of the map as it is stepped, on which Newton's method and the folds of a branch depend; of no use where a law's
-    slope has no derivative at zero, see `wirerope_mj.dynamics.periodic.laws`.
+    It is the derivative of the map as it is stepped, on which Newton's method and the folds of a branch depend; of no use where
+    a law's slope has no derivative at zero, see `wirerope_mj.dynamics.periodic.laws`.
     """
     starts = at.x + DIFFERENCE * np.diag(at.scale)
     ends = flow.ends(starts, at.track.drive)
@@ -82,7 +80,7 @@ def monodromy(flow: Flow, at: Shot) -> Array:
 def close(
     flow: Flow, first: Shot, *, tolerance: float, iterations: int, derivative: Callable[[Flow, Shot], Array] = monodromy
 ) -> Shot:
-    """Return the periodic motion near `first`, or the best that was found.
+    """Close the periodic motion near `first` by Newton's method, as nearly as it gets.
 
     Where no step brings it nearer, slow directions are left alone, as `corrected` does.
     """
@@ -99,17 +97,17 @@ def close(
         step = least_solution(slope, now.gap, neutral)
         step *= min(1.0, LONGEST / max(float(np.abs(step).max()), 1e-300))
         better = _trial(flow, now, step)
-        if better is None and neutral == SLOWEST:
+        if better is not None:
+            now = replace(better, iterations=iteration + 1)
+        elif neutral == SLOWEST:
             break
-        if better is None:
+        else:
             neutral = SLOWEST
-            continue
-        now = replace(better, iterations=iteration + 1)
     return now
 
 
 def _trial(flow: Flow, now: Shot, step: Array) -> Shot | None:
-    """Return the first motion with a smaller residual among the step and its halves; the whole step is tried alone."""
+    """Take the first motion with a smaller residual among the step and its halves; the whole step is tried alone."""
     whole = shot(flow, now.x + now.scale * step, now.track.drive)
     # Both are judged by the scales of the one before.
     if float(np.abs((whole.track.end - whole.x) / now.scale).max()) < now.residual:
@@ -138,7 +136,7 @@ class FloquetStability:
 
 
 def wide_monodromy(flow: Flow, at: Shot) -> Array:
-    """Return the scaled monodromy matrix of the motion between the steps, (n_x, n_x): right where one matters for itself."""
+    """Differentiate the motion between the steps, (n_x, n_x), scaled: right where a multiplier matters for itself."""
     drive = at.track.drive
     width = float(np.clip(STEPS_MOVED * drive.periods / drive.steps, NARROWEST, WIDEST))
     ahead, behind = (flow.ends(at.x + side * width * np.diag(at.scale), drive) for side in (1.0, -1.0))
@@ -146,35 +144,27 @@ def wide_monodromy(flow: Flow, at: Shot) -> Array:
 
 
 def stability(flow: Flow, at: Shot, phi: Array) -> FloquetStability:
-    """Return the stability of a periodic motion with the scaled monodromy matrix `phi`.
+    """Judge the stability of a periodic motion with the scaled monodromy matrix `phi`.
 
     A law without an elastic part cares for the rate of its deflection only, and the hysteretic state of an axis that does not
     move stays where it is: there are whole families of periodic motions. Their direction has a multiplier of 1 whose computed
     value may stand on either side of it. It is told from a fold, where a multiplier passes 1 too, by a finite shift, after
     which a neutral motion still repeats itself.
     """
-    values, neutral = np.linalg.eigvals(phi).astype(np.complex128), []
-    if _near_one(values).size:  # only their vectors are needed, which cost more than the values
-        values, vectors = (one.astype(np.complex128) for one in np.linalg.eig(phi))
-        near = _near_one(values)
-        repeats = _repeats(flow, at, vectors[:, near])
-        neutral = [int(i) for i, is_neutral in zip(near, repeats, strict=True) if is_neutral]
+
+    def near_one(values: ComplexArray) -> Integers:
+        return np.flatnonzero((np.abs(values - 1.0) < NEAR_ONE) & (np.abs(values.imag) < NEAR_ONE))
+
+    values, neutral = np.linalg.eigvals(phi).astype(np.complex128), np.zeros(0, dtype=np.int64)
+    if near_one(values).size:  # only their vectors are needed, which cost more than the values
+        values, vectors = (part.astype(np.complex128) for part in np.linalg.eig(phi))
+        near = near_one(values)
+        if near.size:
+            vectors = vectors[:, near]
+            phase = np.angle(vectors[np.abs(vectors).argmax(axis=0), range(near.size)])
+            directions = np.real(vectors * np.exp(-1j * phase))
+            starts = at.x + SHIFT * at.scale * (directions / np.abs(directions).max(axis=0)).T
+            gaps = (flow.ends(starts, at.track.drive) - starts) / at.scale - at.gap
+            neutral = near[np.abs(gaps).max(axis=1) < UNCHANGED * SHIFT]
     kept = np.delete(values, neutral)
-    order = np.argsort(-np.abs(kept), kind="stable")
-    return FloquetStability(multipliers=kept[order], neutral=len(neutral))
-
-
-def _near_one(values: ComplexArray) -> Integers:
-    return np.flatnonzero((np.abs(values - 1.0) < NEAR_ONE) & (np.abs(values.imag) < NEAR_ONE))
-
-
-def _repeats(flow: Flow, at: Shot, vectors: ComplexArray) -> list[bool]:
-    """Return for every direction (columns) whether the motion shifted along it repeats itself."""
-    if not vectors.shape[1]:
-        return []
-    directions = np.real(vectors * np.exp(-1j * np.angle(vectors[np.abs(vectors).argmax(axis=0), range(vectors.shape[1])])))
-    directions = directions / np.abs(directions).max(axis=0)
-    starts = at.x + SHIFT * at.scale * directions.T
-    ends = flow.ends(starts, at.track.drive)
-    gaps = np.abs((ends - starts) / at.scale - at.gap).max(axis=1)
-    return [bool(gap < UNCHANGED * SHIFT) for gap in gaps]
+    return FloquetStability(multipliers=kept[np.argsort(-np.abs(kept), kind="stable")], neutral=neutral.size)

@@ -7,7 +7,7 @@ accuracy of each other are one.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,9 +15,8 @@ from wirerope_mj.dynamics.periodic.branch import ALIKE, Bifurcation, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.motion import Drive
-from wirerope_mj.dynamics.periodic.shooting import Shot, shot
+from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.storage import BranchOptions, Row, amplitude_of
-from wirerope_mj.foundation.arrays import Array
 
 # Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for.
 LEAPS = (0.1, 0.25, 0.5, 1.0)
@@ -28,63 +27,48 @@ SETTLING, SEEN = 300, 8
 AWAY = 1e-3
 
 
-@dataclass(frozen=True, kw_only=True)
-class Passed:
-    """A fold that is passed by: the point beyond it, and the relative difference of both motions at the fold."""
-
-    point: Point
-    difference: float
-
-
-def pass_by(path: Continuation, options: BranchOptions, farthest: Row, towards: float) -> Passed | None:
+def pass_by(path: Continuation, options: BranchOptions, farthest: Row, towards: float) -> tuple[Point, float] | None:
     """Find the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
 
-    `farthest` is the motion that reaches farthest; `towards` is 1 if the parameter rose up to there, else -1.
+    `farthest` is the motion that reaches farthest; `towards` is 1 if the parameter rose up to there, else -1. Motions beyond it
+    are looked for by Newton's method from there, then after letting the system settle. The second is the relative difference of
+    both motions at the fold.
     """
-    parameter, amplitude = options.followed(farthest), farthest.amplitude
-    for value, beyond in _beyond(path, options, farthest.unknowns, parameter, towards):
-        back = path.closed(beyond.x, parameter)
-        if back is None:
-            continue
-        there = amplitude_of(path.search.system, back.track, options.payload, options.response_direction)
-        if abs(there / amplitude - 1.0) < ALIKE:
-            point = path.point(beyond, value, before=None, sign=towards)
-            return Passed(point=point, difference=abs(there / amplitude - 1.0))
-    return None
-
-
-def _beyond(
-    path: Continuation, options: BranchOptions, unknowns: Array, value: float, towards: float
-) -> Iterator[tuple[float, Shot]]:
-    """Yield motions beyond a value of the parameter: by Newton's method from there, then after letting the system settle."""
+    value, flow = options.followed(farthest), path.flow
     for settling, leap in [(0, leap) for leap in LEAPS] + [(SETTLE, leap) for leap in LEAPS[1:]]:
         further = value * float(np.exp(towards * leap * options.largest_step))
         if (further - options.stop) * options.sign >= 0.0 or (further - options.start) * options.sign <= 0.0:
             continue
-        drive, x = path.drive(further), unknowns
+        drive, x = path.drive(further), farthest.unknowns
         if settling:
             long = replace(drive, periods=settling * drive.periods, steps=settling * drive.steps)
-            x = path.flow.ends(x[np.newaxis], long)[0]
-        motion = path.closed(x, further)
-        if motion is not None:
-            yield further, motion
+            x = flow.ends(x[np.newaxis], long)[0]
+        beyond = path.closed(x, further)
+        back = path.closed(beyond.x, value) if beyond is not None else None
+        if beyond is None or back is None:
+            continue
+        size = amplitude_of(path.search.system, back.track, options.payload, options.response_direction)
+        difference = abs(size / farthest.amplitude - 1.0)
+        if difference < ALIKE:
+            return path.point(beyond, further, before=None, sign=towards), difference
+    return None
 
 
 def back_on_itself(options: BranchOptions, rows: Sequence[Row], point: Row) -> int | None:
-    """Return the farthest row if a point that leads back is within 1 % of the rows before that; None if it is not.
+    """Find the farthest row if a point that leads back is within 1 % of the rows before that; None if it is not.
 
     Behind most folds that are jumps the amplitude differs by more before the branch has gone back a step.
     """
     values = np.array([options.followed(row) for row in rows])
     farthest = int(np.argmax(options.sign * values))
-    here = options.followed(point)
-    if options.sign * np.log(values[farthest] / here) < options.largest_step:
+    value = options.followed(point)
+    if options.sign * np.log(values[farthest] / value) < options.largest_step:
         return None
-    passed = np.flatnonzero((values[:farthest] - here) * (values[1 : farthest + 1] - here) <= 0.0)
+    passed = np.flatnonzero((values[:farthest] - value) * (values[1 : farthest + 1] - value) <= 0.0)
     if not passed.size:
         return None
     i = int(passed[-1])
-    fraction = (here - values[i]) / (values[i + 1] - values[i]) if values[i + 1] != values[i] else 0.0
+    fraction = (value - values[i]) / (values[i + 1] - values[i]) if values[i + 1] != values[i] else 0.0
     before = rows[i].amplitude + fraction * (rows[i + 1].amplitude - rows[i].amplitude)
     return farthest if abs(point.amplitude / before - 1.0) < ALIKE else None
 
@@ -111,7 +95,7 @@ def unstable_stretches(
 
 
 def _settled(search: OrbitSearch, options: BranchOptions, row: Row) -> float:
-    """Return the amplitude of what is left of an unstable motion, moved a little, after many periods; NaN if it went astray."""
+    """Amplitude that is left of an unstable motion, moved a little, after many periods; NaN if it went astray."""
     per_period = row.steps // options.periods
     drive = Drive(frequency=row.frequency, acceleration=row.acceleration, periods=SETTLING, steps=SETTLING * per_period)
     start = shot(search.flow, row.unknowns, replace(drive, periods=options.periods, steps=row.steps))

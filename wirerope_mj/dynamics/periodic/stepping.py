@@ -75,15 +75,15 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
 
 @njit
 def carried_along(p, x0, v0, x1, v1, h, z0, c, a):
-    """Return Bouc-Wen's state after a step along the cubic through deflections and rates, from one reversal to the next."""
+    """Carry Bouc-Wen's state over a step along the cubic through deflections and rates, from one reversal to the next."""
     z = np.array([z0])
-    cubic, one, two = reversals(x0, x1, v0, v1, h)
+    cubic, first, second = reversals(x0, x1, v0, v1, h)
     last = x0
-    for instant in (one, two):
+    for instant in (first, second):
         if 0.0 < instant < h:
-            here = position(cubic, instant)
-            carry_power(p, 0, last, here, z, 0, c, a)
-            last = here
+            turning = position(cubic, instant)
+            carry_power(p, 0, last, turning, z, 0, c, a)
+            last = turning
     carry_power(p, 0, last, x1, z, 0, c, a)
     return z[0]
 
@@ -106,7 +106,7 @@ def look_around(structure, shared, numbers, states, memory, track, moves, motion
         out: takes the changes behind other rows, (n_instants, n_others + n_wanted, n_groups, WIDTH).
     """
     lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
-    groups, move, result, others = moves.shape[0], rows(moves), rows(out), out.shape[1] - wanted.size
+    groups, move, result, above = moves.shape[0], rows(moves), rows(out), out.shape[1] - wanted.size
     which, unmoved, moved = np.zeros(WIDTH, dtype=np.int64), lay[at.SUM], lay[at.SLOPE]
     for k in range(track.shape[0]):
         base = base_at(motion, which, True, k)
@@ -124,7 +124,7 @@ def look_around(structure, shared, numbers, states, memory, track, moves, motion
             watch(lay, fix, y, work)
             for i in range(wanted.size):
                 change = factors[i] * (work[wanted[i]] - work[unmoved + i])
-                result[(k * out.shape[1] + others + i) * groups + group] = change
+                result[(k * out.shape[1] + above + i) * groups + group] = change
 
 
 @inlined
@@ -136,7 +136,7 @@ def weigh(n, weights, work, source, target):
 
 @inlined
 def slope_of(i, first, column, value, entry, width, work, source):
-    """Return a row of A times the column at `source`."""
+    """Multiply a row of A by the column at `source`."""
     slope = 0.0 * work[source]
     for e in range(first[i], first[i + 1]):
         slope = slope + value[entry + width * i + column[e]] * work[source + column[e]]
@@ -186,7 +186,7 @@ def go_along(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, r
     """
     first, column, value, work = table(begin), table(columns), table(matrix), rows(room)
     samples, n, width = matrix.shape
-    size, here, one, other = n * width, n, 2 * n, 3 * n
+    size, here, trial, second = n * width, n, 2 * n, 3 * n
     for group in range(phi.shape[0]):
         solution = rows(phi[group])
         for i in range(n):
@@ -197,10 +197,10 @@ def go_along(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, r
             turn_round(n, first, column, value, a, width, s[0], turns[k // 2], waits[k // 2], work, here)
             for i in range(n):
                 work[i] = 0.0
-            add_slope(n, first, column, value, a, width, s[0], g[0], d[0], work, here, one, here, 1.0, h)
-            add_slope(n, first, column, value, b, width, s[1], g[1], d[1], work, one, other, here, 2.0, h)
-            add_slope(n, first, column, value, b, width, s[1], g[1], d[1], work, other, one, here, 2.0, 2.0 * h)
-            add_slope(n, first, column, value, c, width, s[2], g[2], d[2], work, one, other, here, 1.0, 0.0)
+            add_slope(n, first, column, value, a, width, s[0], g[0], d[0], work, here, trial, here, 1.0, h)
+            add_slope(n, first, column, value, b, width, s[1], g[1], d[1], work, trial, second, here, 2.0, h)
+            add_slope(n, first, column, value, b, width, s[1], g[1], d[1], work, second, trial, here, 2.0, 2.0 * h)
+            add_slope(n, first, column, value, c, width, s[2], g[2], d[2], work, trial, second, here, 1.0, 0.0)
             for i in range(n):
                 work[here + i] = work[here + i] + h / 3.0 * work[i]
         last = samples // 2

@@ -74,11 +74,10 @@ class BranchOptions:
         return 1.0 if self.stop > self.start else -1.0
 
     def followed(self, row: Row) -> float:
-        """Value of the parameter that is followed."""
         return row.frequency if self.parameter == "frequency" else row.acceleration
 
     def fraction(self, value: float) -> float:
-        """Return the fraction of the range that is behind a value, between 0 and 1."""
+        """Fraction of the range that is behind a value, between 0 and 1."""
         return float(np.clip(np.log(value / self.start) / np.log(self.stop / self.start), 0.0, 1.0))
 
 
@@ -87,7 +86,7 @@ def branch_options(
     payload: str, response_direction: str | Sequence[float] | None, periods: int, most_points: int, history: History,
     smoothing: float | None, **numbers: float,
 ) -> BranchOptions:  # fmt: skip
-    """Return the options of `follow_branch`; an argument that is out of range is a ValueError."""
+    """Check the arguments of `follow_branch`."""
     if (acceleration is None) == (frequency is None):
         raise ValueError("give either `acceleration` (to follow the frequency) or `frequency` (to follow the acceleration).")
     values = {name: positive(name, value) for name, value in numbers.items()}
@@ -124,12 +123,12 @@ def require_motion(amplitude: float, acceleration: float, payload: str, along: D
 
 
 def amplitude_of(system: System, track: Track, payload: str, direction: Direction) -> float:
-    """Return the largest absolute acceleration of a payload along a direction over a track [m/s^2]."""
+    """Largest absolute acceleration of a payload along a direction over a track [m/s^2]."""
     return amplitude(body_acceleration(system, track, payload) @ unit_vector(direction))
 
 
 def row_of(system: System, point: Point, payload: str, direction: Direction) -> Row:
-    """Return the row of a point: the payload's acceleration is taken along `direction`."""
+    """Keep what a branch keeps of a point: the payload's acceleration is taken along `direction`."""
     drive = point.shot.track.drive
     return Row(
         frequency=drive.frequency, acceleration=drive.acceleration,
@@ -140,7 +139,7 @@ def row_of(system: System, point: Point, payload: str, direction: Direction) -> 
 
 
 def fingerprint(system: System) -> str:
-    """Return a short text that changes with the model, any of its isolators, and what a variant differs by."""
+    """Digest the model, its isolators, and what a variant differs by."""
     isolators = {name: isolator.to_dict() for name, isolator in system.isolators.items()}
     content = system.mjcf + json.dumps(isolators, sort_keys=True, default=str)
     content += "".join(json.dumps(changes.to_dict(), sort_keys=True, default=str) for changes in system.changes)
@@ -162,7 +161,7 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
 
 
 def load_rows(folder: Path, content: Entries) -> tuple[list[Row], list[Bifurcation], Entries] | None:
-    """Return the points of a branch begun in `folder`, None if there is none; RecordError if it is that of another question."""
+    """Read the points of a branch begun in `folder`, None if there is none; RecordError if it is that of another question."""
     path = folder / FILE
     if not path.exists():
         return None

@@ -51,8 +51,7 @@ def _groups(system: System) -> list[_Group]:
         coupled = list(mount.isolator.coupled_axes)
         for axes in [coupled] * bool(coupled) + [[axis] for axis in range(3) if axis not in coupled]:
             states = [state for axis in axes for state in range(mount.states[axis].start, mount.states[axis].stop)]
-            if states:
-                groups.append(_Group(mount=number, axes=axes, states=states))
+            groups += [_Group(mount=number, axes=axes, states=states)] if states else []
     return groups
 
 
@@ -64,9 +63,9 @@ class Variational(ABC):
         self.scaled = ScaledStates(flow.system)
 
     def matrix(self, at_shot: Shot) -> Array | None:
-        """Return the scaled monodromy matrix, (n_x, n_x); None where it does not serve.
+        """Compute the scaled monodromy matrix, (n_x, n_x).
 
-        It does not where a constraint is active along the motion, and where an actuator of the model itself has activations.
+        None where a constraint is active along the motion, and where an actuator of the model itself has activations.
         """
         track, scale, nf = at_shot.track, at_shot.scale, self._free.size
         q, v = slice(0, nf), slice(nf, 2 * nf)
@@ -74,12 +73,19 @@ class Variational(ABC):
         if not self._fill(at_shot, a):
             return None
         # States that settle faster than RK4 over two steps can follow do so at its limit, to where they would.
-        own = -a[:, np.arange(2 * nf, scale.size), np.arange(2 * nf, scale.size)]
-        fast = np.maximum(own * (2.0 * track.drive.duration / track.drive.steps) / FASTEST, 1.0)
+        decay = -a[:, np.arange(2 * nf, scale.size), np.arange(2 * nf, scale.size)]
+        fast = np.maximum(decay * (2.0 * track.drive.duration / track.drive.steps) / FASTEST, 1.0)
         a[:, 2 * nf : scale.size] /= fast[:, :, np.newaxis]
         a[:, q, v] = np.diag(scale[v] / scale[q])
-        turning = _turning(self._model, track.qvel)[:, self._free[:, np.newaxis], self._free]
-        a[:, q, q] = turning * (scale[q] / scale[q, np.newaxis])
+        # Small rotations change in a body's own axes, too: d/dt theta = omega' - omega x theta.
+        model, turning = self._model, np.zeros((track.drive.steps, self._model.nv, self._model.nv))
+        for joint in range(model.njnt):
+            first = int(model.jnt_dofadr[joint]) + 3 * (model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE)
+            if model.jnt_type[joint] in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
+                x, y, z = track.qvel[:, first : first + 3].T
+                for i, j, rate in ((0, 1, z), (0, 2, -y), (1, 2, x)):
+                    turning[:, first + i, first + j], turning[:, first + j, first + i] = rate, -rate
+        a[:, q, q] = turning[:, self._free[:, np.newaxis], self._free] * (scale[q] / scale[q, np.newaxis])
         # The rate of a scaled state's deflection is d/dt(G dq) = G dv + (G' + G turning) dq, times the slope at zero.
         rows, step = 2 * nf + self.scaled.states, track.drive.duration / track.drive.steps
         gradient = a[:, rows, q] * self.scaled.alpha[:, np.newaxis]
@@ -92,7 +98,7 @@ class Variational(ABC):
 
     @abstractmethod
     def _fill(self, at_shot: Shot, out: Array) -> bool:
-        """Write the rows of velocities and states into the scaled A, (n_steps, n_x, n_x or more), unless it does not serve.
+        """Write the rows of velocities and states into the scaled A, (n_steps, n_x, n_x or more); False where it cannot be.
 
         In the rows of scaled states stands how their deflection follows the configuration, G, and nothing else.
         """
@@ -140,74 +146,56 @@ class MujocoVariational(Variational):
         parts = (np.arange(k, min(k + self._instants, drive.steps)) for k in range(0, drive.steps, self._instants))
         return all(self._around(at_shot, part, base, out) for part in parts)
 
-    def _around(self, at_shot: Shot, instants: Integers, base: Array, derivative: Array) -> bool:
+    def _around(self, at_shot: Shot, instants: Integers, base: Array, out: Array) -> bool:
         """Fill A at some instants; False where a constraint is active."""
-        count = instants.size * self.passes
-        self._place(at_shot, instants, base)
-        self._batch.forward(np.arange(count))
-        self.flow.passes += count
-        shape = (instants.size, self.passes)
-        if self._out["nefc"][:count].any():
-            return False
-        qacc = self._out["qacc"][:count, self._free].reshape(*shape, -1)
-        rates = self._out["act_dot"][:count].reshape(*shape, -1)
-        assembly = self.system.assembly
-        record = assembly.tables.user.mount_rows(assembly.user(self._out["userdata"][:count].reshape(*shape, -1)))
-        self._write(at_shot, instants, qacc, rates, record, derivative)
-        return True
-
-    def _place(self, at_shot: Shot, instants: Integers, base: Array) -> None:
-        """Write the states around some instants into the batch: as it is, q, v and z of every colour moved."""
-        track, scale, part = at_shot.track, at_shot.scale, self.flow.coordinates
-        model, nf = self.model, self._free.size
-        state, shape = self._batch.state, (instants.size, self.passes, -1)
-        count = instants.size * self.passes
-        carried = part.carried(track.drive.frequency, track.drive.acceleration)
-        state[:count] = carried
+        track, scale, coordinates, nf = at_shot.track, at_shot.scale, self.flow.coordinates, self._free.size
+        count, shape, assembly = instants.size * self.passes, (instants.size, self.passes, -1), self.system.assembly
+        step = DIFFERENCE * scale
+        # The states around each instant: as it is, then every q, every v, and z of every colour moved.
+        self._batch.state[:count] = coordinates.carried(track.drive.frequency, track.drive.acceleration)
         qpos, qvel = self._batch.qpos[:count].reshape(shape), self._batch.qvel[:count].reshape(shape)
-        act = self._batch.act[:count].reshape(shape)
-        user = self.system.assembly.user(self._batch.userdata[:count].reshape(shape))
+        act, user = self._batch.act[:count].reshape(shape), assembly.user(self._batch.userdata[:count].reshape(shape))
         qpos[:] = track.qpos[instants, np.newaxis]
         qvel[:] = track.qvel[instants, np.newaxis]
         act[:] = track.act[instants, np.newaxis]
-        move = np.zeros(model.nv)
         for j, dof in enumerate(self._free):
-            move[:] = 0.0
-            move[dof] = DIFFERENCE * scale[j]
+            move = np.zeros(self.model.nv)
+            move[dof] = step[j]
             for row in qpos[:, 1 + j]:
-                mujoco.mj_integratePos(model, row, move, 1.0)
-            qvel[:, 1 + nf + j, dof] += DIFFERENCE * scale[nf + j]
-        for colour in range(self._colours):
-            for group in self._groups:
-                if colour < len(group.states):
-                    z = group.states[colour]
-                    act[:, 1 + 2 * nf + colour, z] += DIFFERENCE * scale[2 * nf + z]
+                mujoco.mj_integratePos(self.model, row, move, 1.0)
+            qvel[:, 1 + nf + j, dof] += step[nf + j]
+        for group in self._groups:
+            for colour, state in enumerate(group.states):
+                act[:, 1 + 2 * nf + colour, state] += step[2 * nf + state]
         user[:, :, at.STAGE_POINTS] = 1.0
         user[:, :, at.STAGES : at.STAGES + 3] = base[instants, np.newaxis]
-
-    def _write(self, at_shot: Shot, instants: Integers, qacc: Array, rates: Array, record: Array, out: Array) -> None:
-        scale, nf = at_shot.scale, self._free.size
+        self._batch.forward(np.arange(count))
+        self.flow.passes += count
+        if self._out["nefc"][:count].any():
+            return False
+        # By configuration and velocities: differences of what the passes give.
+        rates = self._out["act_dot"][:count].reshape(shape)
+        record = assembly.tables.user.mount_rows(assembly.user(self._out["userdata"][:count].reshape(shape)))
         q, v, z = slice(0, nf), slice(nf, 2 * nf), slice(2 * nf, scale.size)
-        step = DIFFERENCE * scale
         a = np.zeros((instants.size, scale.size, scale.size))
         moved = slice(1, 1 + 2 * nf)
-        for rows, values in ((v, qacc), (z, rates)):
+        for rows, values in ((v, self._out["qacc"][:count, self._free].reshape(shape)), (z, rates)):
             a[:, rows, : 2 * nf] = (values[:, moved] - values[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
-        inverse = np.stack([self._inverse_mass(at_shot.track.qpos[i]) for i in instants])
-        # how a mount's deflection follows the free coordinates, (n_instants, n_mounts, 3, nf)
+        # By states: the force that one adds, by how its mount's deflection follows the free coordinates.
+        inverse = np.stack([self._inverse_mass(track.qpos[i]) for i in instants])
         gradient = (record[:, 1 : 1 + nf, :, 0] - record[:, :1, :, 0]).transpose(0, 2, 3, 1) / step[q]
         for group in self._groups:
-            for colour, j in enumerate(group.states):
-                row, unit = 1 + 2 * nf + colour, step[2 * nf + j]
+            for colour, state in enumerate(group.states):
+                row, unit = 1 + 2 * nf + colour, step[2 * nf + state]
                 force = (record[:, row, group.mount, 1] - record[:, 0, group.mount, 1])[:, group.axes] / unit
                 pull = np.einsum("kaj,ka->kj", gradient[:, group.mount][:, group.axes], force)
-                a[:, v, 2 * nf + j] = -np.einsum("kij,kj->ki", inverse, pull)
+                a[:, v, 2 * nf + state] = -np.einsum("kij,kj->ki", inverse, pull)
                 gains = (rates[:, row] - rates[:, 0])[:, group.states]
-                a[:, 2 * nf + np.array(group.states), 2 * nf + j] = gains / unit
+                a[:, 2 * nf + np.array(group.states), 2 * nf + state] = gains / unit
         a[:, 2 * nf + self.scaled.states] = 0.0
         a[:, 2 * nf + self.scaled.states, q] = gradient[:, self.scaled.mounts, self.scaled.axes]
-        a *= scale / scale[:, np.newaxis]
-        out[instants, :, : scale.size] = a
+        out[instants, :, : scale.size] = a * (scale / scale[:, np.newaxis])
+        return True
 
     def _inverse_mass(self, qpos: Array) -> Array:
         data = self._data
@@ -221,24 +209,11 @@ class MujocoVariational(Variational):
 
 
 def variational_of(flow: Flow) -> Variational:
-    """Return what computes A(t) with the engine that steps a flow."""
     return KernelVariational(flow) if isinstance(flow, KernelFlow) else MujocoVariational(cast(MujocoFlow, flow))
 
 
-def _turning(model: mujoco.MjModel, qvel: Array) -> Array:
-    """Return how small rotations change in a body's own axes: d/dt theta = omega' - omega x theta, (n, nv, nv)."""
-    turning = np.zeros((len(qvel), model.nv, model.nv))
-    for joint in range(model.njnt):
-        first = int(model.jnt_dofadr[joint]) + 3 * (model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE)
-        if model.jnt_type[joint] in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
-            x, y, z = qvel[:, first : first + 3].T
-            for i, j, rate in ((0, 1, z), (0, 2, -y), (1, 2, x)):
-                turning[:, first + i, first + j], turning[:, first + j, first + i] = rate, -rate
-    return turning
-
-
 def _integrate(derivative: Array, step: float, slopes: Slopes) -> Array:
-    """Return the solution of d/dt phi = A phi from the unit matrix, over samples of A, (n_t, n, n or more), n_t even.
+    """Integrate d/dt phi = A phi from the unit matrix over samples of A, (n_t, n, n or more), n_t even.
 
     Most of A is zero: a mount's states do not depend on those of the others.
     """

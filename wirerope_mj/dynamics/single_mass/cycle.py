@@ -4,6 +4,8 @@ A sampled periodic deflection has its turning points between samples. They belon
 the path by them alone: without them the loop would lose its tips, and the force would not be smooth in the samples.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Integers
@@ -157,6 +159,7 @@ def closed_states_in_time(law, p, time, deflection, rate, n_states):
     return start
 
 
+@dataclass(frozen=True, kw_only=True)
 class ClosedCycle:
     """A law along one closed cycle."""
 

@@ -25,12 +25,10 @@ class Channels:
 
     @classmethod
     def of(cls, system: System) -> "Channels":
-        """Return the channels of a system with a driven base."""
         assembly = system.assembly
         every = assembly.subjects.body_names
         fixed = {every[channel] for channel in assembly.tables.base_channels if channel < len(every)}
-        others = [name for name in every if name not in fixed and name not in system.payloads]
-        names = (*system.payloads, *others)
+        names = (*system.payloads, *(name for name in every if name not in fixed and name not in system.payloads))
         n_channels = assembly.tables.channels.size
         bodies = np.array([every.index(name) for name in names], dtype=np.int64)
         mounts = np.arange(n_channels - 2 * len(system.mounts), n_channels, 2)  # deflection, force of each
@@ -38,7 +36,7 @@ class Channels:
 
 
 class Lawful:
-    """Knows how far the laws of all mounts hold."""
+    """How far the laws of all mounts hold."""
 
     def __init__(self, system: System) -> None:
         self._mounts = system.mounts
@@ -68,7 +66,7 @@ class Lawful:
 
 
 class TravelWatch:
-    """Keeps the farthest travel of every mount during a sweep, and its frequency."""
+    """The farthest travel of every mount during a sweep, and its frequency."""
 
     def __init__(self, system: System) -> None:
         self._rated = {name: mount.isolator.limits.travel.stated for name, mount in system.mounts.items()}
@@ -84,7 +82,7 @@ class TravelWatch:
         self._largest, self._at = np.where(grown, largest, self._largest), np.where(grown, frequency[row], self._at)
 
     def warnings(self) -> tuple[str, ...]:
-        """Return a sentence for every rated travel that was exceeded, where it was most."""
+        """Warn of every rated travel that was exceeded, where it was most."""
         return tuple(
             f"mount {name!r} goes {largest:.4g} m in {rating} at {frequency:.5g} Hz, beyond its rated {rated[rating]:.4g} m."
             for (name, rated), row, at in zip(self._rated.items(), self._largest, self._at, strict=True)

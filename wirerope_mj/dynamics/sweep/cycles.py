@@ -87,11 +87,10 @@ class Cycles:
         return Extremes(minimum=minimum, maximum=maximum)
 
     def finish(self) -> State:
-        """Return the state at the end of the last cycle."""
         return self._by.finish()
 
     def _stepped(self, by: ByMujoco) -> ByMujoco:
-        """Return MuJoCo's stepping with its callbacks installed."""
+        """Install MuJoCo's callbacks for as long as it steps."""
         self._engines.enter_context(installed(by.stepper.model, by.stepper.data))
         return by
 
@@ -104,7 +103,7 @@ def stepping(system: System, motion: Sine | Sweep, start: State, timestep: float
 
 
 def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, Integers]:
-    """Return a grid of cycles that begin and end at `instants` [s], (n + 1,), and the numbers of their last intervals, (n,).
+    """Divide cycles that begin and end at `instants` [s], (n + 1,), into a grid, and number their last intervals, (n,).
 
     Each cycle is cut into equal steps of at most `timestep` [s], at least `STEPS_PER_CYCLE`.
     """
@@ -115,14 +114,13 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, Integers]:
 
 
 def at_start(system: System, motion: Sine | Sweep, state: State) -> State:
-    """Return `state` at the instant 0, its base moving as `motion` begins and the whole system carried along."""
+    """Put `state` at the instant 0, its base moving as `motion` begins and the whole system carried along."""
     values = state.values.copy()
     values[0] = 0.0  # the time comes first in MuJoCo's integration state
     return moving_with_base(system, motion, State(values=values, time=0.0))
 
 
 def frequencies_at(motion: Sine | Sweep, times: Array) -> Array:
-    """Return the frequencies of the excitation at instants [s], (n,), in Hz."""
     return np.full(times.size, motion.frequency) if isinstance(motion, Sine) else motion.frequency(times)
 
 
@@ -166,7 +164,7 @@ def settle(system: System, motion: Sine, start: State, *, timestep: float, settl
 
 
 def distance_to_limit(amplitudes: Array) -> float:
-    """Return how far the amplitudes of successive cycles, (n, m), still are from their limits, the largest relative distance.
+    """Estimate how far the amplitudes of successive cycles, (n, m), are from their limits: the largest relative distance.
 
     The cycles are cut into quarters, and the first, in which transients mix, is left out. If the means of the other three
     change by d1 and then by d2, an exponential that passes through them has d2 r / (1 - r) left to go, r = d2 / d1, however

@@ -62,15 +62,12 @@ class ByMujoco:
 
     @property
     def time(self) -> float:
-        """Instant that is reached [s]."""
         return float(self.stepper.data.time)
 
     def check(self) -> None:
-        """Raise SimulationError if MuJoCo reported that the state is not valid any more."""
         self.stepper.check()
 
     def finish(self) -> State:
-        """Return the state at the end of the last cycle."""
         return self.stepper.finish()
 
     def _forget(self) -> None:
@@ -123,11 +120,10 @@ class ByKernel:
 
     @property
     def failure(self) -> str:
-        """Why the kernel gave up."""
         return failure(self._group, 0)
 
     def handed_over(self) -> ByMujoco:
-        """Return MuJoCo's stepping from where the last cycles that went well ended."""
+        """Let MuJoCo go on from where the last cycles that went well ended."""
         states, clock, recent, base = self._before
         taken = ByMujoco(self._system, self._motion, final_state(self._system, self._start, states, self.time))
         if clock[HISTORY]:
@@ -144,14 +140,13 @@ class ByKernel:
         """Do nothing: what fails is handed over."""
 
     def finish(self) -> State:
-        """Return the state at the end of the last cycle."""
         positions, rates = base_before(self._motion, self._system.assembly.tables.drive, self.time)
         at_end = (positions[np.newaxis, np.newaxis], rates[np.newaxis, np.newaxis])
         self._group.finish(self.time, *at_end, np.zeros((1, 1, 3)), NO_SAMPLES, -1)
         return final_state(self._system, self._start, self._group.states[:, 0], self.time)
 
     def _moment(self) -> tuple[Array, Array, Array, Array]:
-        """Return copies of the state, the clock, the recent vectors of all channels and the base's memory."""
+        """Copy the state, the clock, the recent vectors of all channels and the base's memory."""
         group, lay = self._group, self._group.equations.lay
         recent = group.memory[lay[kernel.RECENT] : lay[kernel.RECENT] + kernel.RECENT_SIZE * lay[kernel.N_CHANNELS], 0]
         return group.states[:, 0].copy(), group.clock.copy(), recent.copy(), self._base.copy()

@@ -103,7 +103,6 @@ class FrequencySweep(Summarised):
 
     @property
     def direction(self) -> str | tuple[float, float, float]:
-        """Direction of the excitation."""
         direction = self.excitation["direction"]
         return direction if isinstance(direction, str) else tuple(direction)
 
@@ -114,7 +113,7 @@ class FrequencySweep(Summarised):
         return motion if isinstance(motion, Sweep) else None
 
     def summary(self) -> Entries:
-        """Return excitation, cost, warnings and the peaks of all bodies and mounts as plain values: [Hz], [m/s^2], [m]."""
+        """Summarise excitation, cost, warnings and the peaks of all bodies and mounts as plain values: [Hz], [m/s^2], [m]."""
         bodies = {}
         for name, envelope in self.envelopes.items():
             peaks = zip(AXES, envelope.acceleration.T, envelope.transmissibility.T, strict=True)
@@ -158,7 +157,7 @@ class FrequencySweep(Summarised):
 
     @classmethod
     def of_rows(cls, rows: Array, content: Entries) -> "FrequencySweep":
-        """Return the sweep of a table's rows, (n, n_columns), and metadata."""
+        """Make the sweep of a table's rows, (n, n_columns), and metadata."""
         vectors = iter(rows[:, len(_FIRST) :].reshape(rows.shape[0], -1, 3).transpose(1, 0, 2))
         first = dict(zip(_FIRST, rows.T, strict=False))
         base = first["base_amplitude"][:, np.newaxis]
@@ -173,7 +172,7 @@ class FrequencySweep(Summarised):
 
 
 def load_frequency_sweep(folder: str | Path) -> FrequencySweep:
-    """Return the sweep that was saved in `folder`.
+    """Read the sweep that was saved in `folder`.
 
     Raises:
         RecordError: the folder holds no sweep, or its file is damaged.
@@ -190,7 +189,6 @@ def load_frequency_sweep(folder: str | Path) -> FrequencySweep:
 
 
 def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:
-    """Return the names of the table's columns."""
     names = [*_FIRST, *(f"bodies/{body}/acceleration/{c}" for body in bodies for c in AXES)]
     return names + [f"mounts/{m}/{end}/{c}" for m in mounts for end in ("lowest", "highest") for c in MOUNT_AXES]
 
@@ -221,7 +219,7 @@ class Collector:
             self._writer.discard()  # no half-written file
 
     def count(self, steps: int, largest_step: float) -> None:
-        """Take a number of steps, and the largest of them [s]."""
+        """Add steps, the largest of them in [s]."""
         self._steps, self._largest_step = self._steps + steps, max(self._largest_step, largest_step)
 
     def add(self, frequency: Array, minimum: Array, maximum: Array, *, cycles: int, remaining: float, settled: bool) -> None:

@@ -43,13 +43,13 @@ def require_payload(system: System, payload: str) -> None:
     """Raise ValueError unless `payload` is a body that moves relative to the base."""
     names = Channels.of(system).names
     if payload not in names:
-        others = [name for name in names if name not in system.payloads]
-        more = f" Other bodies that move: {others}." if others else ""
+        rest = [name for name in names if name not in system.payloads]
+        more = f" Other bodies that move: {rest}." if rest else ""
         raise ValueError(f"`payload` must be a payload of the system, got {payload!r}. Payloads: {system.payloads}.{more}")
 
 
 def response_axis(response_direction: str | Sequence[float] | None, base: Direction) -> str:
-    """Return "x", "y" or "z" for a response direction along one of them; without one, for the base's."""
+    """Choose "x", "y" or "z" for a response direction along one of them; without one, for the base's."""
     name = "direction" if response_direction is None else "response_direction"
     direction = base if response_direction is None else response_direction
     if isinstance(direction, str):
@@ -62,7 +62,7 @@ def response_axis(response_direction: str | Sequence[float] | None, base: Direct
 
 
 def starting_state(system: System, *, history: History, initial: State | None) -> State:
-    """Return the given state, or the equilibrium."""
+    """Check the state that is given, or compute the equilibrium."""
     if initial is None:
         return equilibrium(system, history=history).state
     size = int(mujoco.mj_stateSize(system.model, STATE))
@@ -74,7 +74,7 @@ def starting_state(system: System, *, history: History, initial: State | None) -
 def chosen_step(
     system: System, motion: Sine | Sweep, start: State, *, duration: float, timestep: float | None, accuracy: float
 ) -> ChosenStep:
-    """Return the given step, or one that keeps the accuracy in pilots along the motion."""
+    """Check the step that is given, or choose one that keeps the accuracy in pilots along the motion."""
     if timestep is None:
         rate = SAMPLES_PER_CYCLE / motion.shortest_time
         chosen = choose_timestep(
@@ -88,7 +88,7 @@ def chosen_step(
 
 
 def acceleration_of(quantity: str, amplitude: float, frequency: float) -> float:
-    """Return the acceleration amplitude [m/s^2] of a sine whose amplitude is given in `quantity`."""
+    """Acceleration amplitude [m/s^2] of a sine whose amplitude is given in `quantity`."""
     omega = 2.0 * math.pi * frequency
     return amplitude * {"acceleration": 1.0, "velocity": omega, "displacement": omega**2}[quantity]
 
@@ -99,7 +99,7 @@ def frequency_sweep(
     timestep: float | None = None, accuracy: float = 1e-4, out: str | Path | None = None, progress: bool = False,
     direction: None = None,
 ) -> FrequencySweep:  # fmt: skip
-    """Return the envelope of accelerations and deflections that a sweep leaves, cycle by cycle.
+    """Compute the envelope of accelerations and deflections that a sweep leaves, cycle by cycle.
 
     The system first follows a steady sine of the sweep's level at its start frequency until its amplitudes have settled, so
     that the envelope begins on the response and not on the transient of switching on. Then it follows the sweep through its
@@ -155,9 +155,18 @@ def frequency_sweep(
         share_bar("sweeping", "Hz", enabled=progress) as update,
     ):
         step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
-        warnings: tuple[str, ...] = ()
+        warnings: list[str] = []
         if wait is not None:
-            start, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
+            level = acceleration_of(sweep.quantity, sweep.amplitude, sweep.start)
+            sine = Sine(frequency=sweep.start, acceleration=level, direction=sweep.direction)
+            lead = settle(system, sine, start, timestep=step.timestep, settled=wait, largest_cycles=most)
+            collector.count(lead.steps, lead.largest_step)
+            start = lead.state
+            if not lead.settled:
+                warnings.append(
+                    f"amplitudes at the start frequency of {sweep.start:.5g} Hz were {lead.remaining:.2g} from their limits "
+                    f"after {lead.cycles} cycles, not {wait:.2g}."
+                )
         start = at_start(system, sweep, start)
         with stepping(system, sweep, start, step.timestep) as stepped:
             for first in range(0, instants.size - 1, CHUNK):
@@ -180,20 +189,6 @@ def frequency_sweep(
     return result
 
 
-def _lead_in(
-    system: System, sweep: Sweep, start: State, collector: Collector, timestep: float, settled: float, largest_cycles: int
-) -> tuple[State, tuple[str, ...]]:
-    """Shake the system by the steady sine at the start frequency: the state after that, a warning if it has not settled."""
-    acceleration = acceleration_of(sweep.quantity, sweep.amplitude, sweep.start)
-    sine = Sine(frequency=sweep.start, acceleration=acceleration, direction=sweep.direction)
-    lead = settle(system, sine, start, timestep=timestep, settled=settled, largest_cycles=largest_cycles)
-    collector.count(lead.steps, lead.largest_step)
-    if lead.settled:
-        return lead.state, ()
-    text = f"amplitudes at the start frequency of {sweep.start:.5g} Hz were {lead.remaining:.2g} from their limits"
-    return lead.state, (f"{text} after {lead.cycles} cycles, not {settled:.2g}.",)
-
-
 def check_cycles(sweep: Sweep, timestep: float | None) -> None:
     """Raise BudgetError if a sweep has more cycles than there is memory or time for."""
     cycles = abs(float(sweep.course.phase(np.array([sweep.duration]))[0])) / (2.0 * math.pi)
@@ -210,7 +205,7 @@ def stepped_sine(
     history: History = "relaxed", initial: State | None = None, timestep: float | None = None, accuracy: float = 1e-4,
     out: str | Path | None = None, progress: bool = False,
 ) -> FrequencySweep:  # fmt: skip
-    """Return the settled amplitudes at one frequency after the other, each from the last one's final state.
+    """Compute the settled amplitudes at one frequency after the other, each from the last one's final state.
 
     A frequency has settled when the amplitudes of all bodies are estimated to lie within `settled` of their limits; the limit
     of a slow approach is extrapolated, so that a slow change is not taken for none. Where that takes more than
@@ -245,16 +240,24 @@ def stepped_sine(
     quantity, level = the_one_given({"acceleration": acceleration, "velocity": velocity, "displacement": displacement})
     level = nonzero(quantity, level)
     base = checked_direction(direction)
-    sines = [
-        Sine(frequency=f, acceleration=acceleration_of(quantity, level, f), direction=base)
-        for f in checked_frequencies(frequencies)
-    ]
+    values = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    if values.ndim != 1 or not values.size:
+        raise ValueError(f"`frequencies` must be a series of numbers, got shape {values.shape}.")
+    sines = []
+    for number, value in enumerate(values.tolist()):
+        f = positive(f"frequencies[{number}]", value)
+        sines.append(Sine(frequency=f, acceleration=acceleration_of(quantity, level, f), direction=base))
     check_direction(system, sines[0])
     require_payload(system, payload)
     along = response_axis(response_direction, base)
     tolerance, most = positive("settled", settled), integer("largest_cycles", largest_cycles, least=1)
     start = starting_state(system, history=history, initial=initial)
-    pilot = _pilot(sines, quantity, level, base)
+    # A step is chosen along a motion over all frequencies.
+    low, high = min(sine.frequency for sine in sines), max(sine.frequency for sine in sines)
+    rate = 60.0 / PILOT * float(np.log2(high / low))
+    pilot: Sine | Sweep = sines[0]
+    if low < high:
+        pilot = Sweep(start=low, stop=high, rate=rate, direction=base, **{quantity: level})
     with Collector(system, direction=base, out=out) as collector, share_bar("stepping", "Hz", enabled=progress) as update:
         step = chosen_step(system, pilot, start, duration=PILOT, timestep=timestep, accuracy=accuracy)
         steps = sum(max(STEPS_PER_CYCLE, 1.0 / (sine.frequency * step.timestep)) for sine in sines)
@@ -298,20 +301,3 @@ def _judge_step(system: System, sweep: FrequencySweep, direction: Direction) -> 
         duration=PILOT, sample_rate=SAMPLES_PER_CYCLE * frequency,
     )  # fmt: skip
     warn_of_given_step(sweep.timestep, error, stacklevel=4)
-
-
-def checked_frequencies(frequencies: ArrayLike) -> list[float]:
-    """Return the frequencies [Hz] as plain numbers; none, or one that is not positive, is a ValueError."""
-    values = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    if values.ndim != 1 or not values.size:
-        raise ValueError(f"`frequencies` must be a series of numbers, got shape {values.shape}.")
-    return [positive(f"frequencies[{number}]", value) for number, value in enumerate(values.tolist())]
-
-
-def _pilot(sines: list[Sine], quantity: str, level: float, direction: Direction) -> Sine | Sweep:
-    """Return a motion over all frequencies along which a step can be chosen."""
-    low, high = min(sine.frequency for sine in sines), max(sine.frequency for sine in sines)
-    if low == high:
-        return sines[0]
-    rate = 60.0 / PILOT * float(np.log2(high / low))
-    return Sweep(start=low, stop=high, rate=rate, direction=direction, **{quantity: level})
