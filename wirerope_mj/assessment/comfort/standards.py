@@ -44,14 +44,14 @@ class Weighting:
         """Evaluate H at frequencies [Hz], (...)."""
         p = 1j * np.asarray(frequency, dtype=np.complex128)
         root = math.sqrt(2.0)
-        band = p**2 / (p**2 + root * self.low * p + self.low**2) * self.high**2
-        found = band / (p**2 + root * self.high * p + self.high**2)
-        found = found * (1.0 + p / self.f3) / (1.0 + p / (self.q4 * self.f4) + (p / self.f4) ** 2)
+        gain = p**2 / (p**2 + root * self.low * p + self.low**2) * self.high**2
+        gain = gain / (p**2 + root * self.high * p + self.high**2)
+        gain = gain * (1.0 + p / self.f3) / (1.0 + p / (self.q4 * self.f4) + (p / self.f4) ** 2)
         if self.step:
             f5, q5, f6, q6 = self.step
             up, down = ((1.0 + p / (q * f) + (p / f) ** 2) for f, q in ((f5, q5), (f6, q6)))
-            found = found * (f5 / f6) ** 2 * up / down
-        return found
+            gain = gain * (f5 / f6) ** 2 * up / down
+        return gain
 
 
 # Parameters of ISO 8041-1: Wk vertical, Wd horizontal, Wf motion sickness, Wm buildings and ships (ISO 2631-2, ISO 6954).
@@ -118,7 +118,7 @@ def exposure(time: ArrayLike, acceleration: ArrayLike, *, discard: float = 0.0) 
 
 
 def weighted(acceleration: Array, rate: float, weighting: str) -> Array:
-    """Return a history from rest [m/s^2], (n, k), at samples a second, through a filter of `WEIGHTINGS`."""
+    """Filter a history from rest [m/s^2], (n, k), at samples a second, by one of `WEIGHTINGS`."""
     filters = WEIGHTINGS[weighting]
     size = acceleration.shape[0] + round(_RINGS / filters.low * rate)
     lines = np.fft.rfft(acceleration, n=size, axis=0)
@@ -141,7 +141,7 @@ _HOPS = 32  # Windows begun in the length of one: what passes the filter, four r
 
 
 def iso_6954_1984(frequency: ArrayLike, velocity: ArrayLike, *, subject: str) -> tuple[Verdict, ...]:
-    """Return the verdicts of ISO 6954:1984 on the lines of a spectrum: the worst line against the lower and upper limit.
+    """Judge the lines of a spectrum by ISO 6954:1984: the worst line against the lower and upper limit.
 
     Args:
         frequency: of the lines [Hz]; those outside 1 to 100 Hz do not count.
@@ -167,7 +167,7 @@ def iso_6954_1984(frequency: ArrayLike, velocity: ArrayLike, *, subject: str) ->
 def iso_6954_2000(
     frequency: ArrayLike, velocity: ArrayLike, *, subject: str, space: Literal["A", "B", "C"]
 ) -> tuple[Verdict, ...]:
-    """Return the verdicts of ISO 6954:2000 on the lines of a spectrum: the overall weighted rms velocity.
+    """Judge the lines of a spectrum by ISO 6954:2000: the overall weighted rms velocity.
 
     Args:
         frequency: of the lines [Hz]; those outside the third-octave bands of 1 to 80 Hz, 0.891 to 89.1 Hz, do not count.
@@ -187,7 +187,7 @@ def iso_6954_2000_of_history(
     time: ArrayLike, acceleration: ArrayLike, *, subject: str, space: Literal["A", "B", "C"],
     discard: float = 0.0, resolution: float = 0.25,
 ) -> tuple[Verdict, ...]:  # fmt: skip
-    """Return the verdicts of ISO 6954:2000 on a history: the overall weighted rms velocity from 1 to 80 Hz.
+    """Judge a history by ISO 6954:2000: the overall weighted rms velocity from 1 to 80 Hz.
 
     What counts are the third-octave bands of 1 to 80 Hz, from 0.891 to 89.1 Hz, with sharp edges.
 
@@ -213,7 +213,7 @@ def iso_6954_2000_of_history(
 def velocity_lines(
     time: ArrayLike, acceleration: ArrayLike, *, discard: float = 0.0, resolution: float = 0.25
 ) -> tuple[Array, Array]:
-    """Return frequencies [Hz] and the largest peak velocities [m/s] of the lines of an acceleration, for `iso_6954_1984`.
+    """Find frequencies [Hz] and the largest peak velocities [m/s] of the lines of an acceleration, for `iso_6954_1984`.
 
     ISO 6954:1984 asks for the largest value that repeats. Here the integrated history passes a filter about each line, its
     amplitude is followed through the record, and the largest counts, whether it repeats or not: that is on the safe side.
@@ -265,7 +265,7 @@ def velocity_lines(
 
 
 def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
-    """Return the verdicts on a weighted rms velocity [m/s]."""
+    """Judge a weighted rms velocity [m/s]."""
     one_of("space", space, RMS_2000)
     return tuple(
         Verdict(
@@ -277,7 +277,7 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
 
 
 def _lines_within(frequency: ArrayLike, velocity: ArrayLike, low: float, high: float) -> tuple[Array, Array]:
-    """Return the lines from `low` to `high` [Hz], frequencies and velocities [m/s], in any order; refuse what are none."""
+    """Check and take the lines from `low` to `high` [Hz], frequencies and velocities [m/s], in any order."""
     f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
     if f.ndim != 1 or f.shape != v.shape or not f.size:
         raise ValueError(f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}.")

@@ -1,6 +1,6 @@
 """Two or more runs beside each other: what they share by name, their verdicts and peaks, and how their histories differ."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -33,17 +33,15 @@ class Component:
 
     @property
     def label(self) -> str:
-        """Name in plots and tables."""
         return f"point {self.name}" if self.kind == "point" else self.name
 
     def acceleration(self, response: Response) -> Array:
-        """Return its acceleration [m/s^2], (n_t, 3)."""
+        """Its acceleration [m/s^2], (n_t, 3)."""
         if self.kind == "base":
             return response.base.acceleration
         return (response.points if self.kind == "point" else response.bodies)[self.name].acceleration
 
     def peak(self, response: Response) -> Peak:
-        """Return the peak of its acceleration."""
         peaks = response.peaks
         if self.kind == "point":
             return peaks.points[self.name].acceleration
@@ -55,7 +53,7 @@ Subject = Component | str  # A component, or a mount by its name
 
 
 def subjects_of(response: Response) -> list[Subject]:
-    """Return the base, if there is one, the other bodies, the points, and the mounts that are no stops."""
+    """List the base, if there is one, the other bodies, the points, and the mounts that are no stops."""
     base = response.scene.base
     return [
         *([BASE] if base in response.peaks.bodies else []),
@@ -79,30 +77,8 @@ class HistoryDifference:
     ratio: float  # to the first run's peak; NaN if that is zero
 
 
-def _largest_differences(runs: Sequence[ComparedRun], subjects: Iterable[Subject]) -> tuple[HistoryDifference, ...]:
-    """Return the largest difference of every other run to the first, for each subject of the first, the largest first."""
-    first, *others = runs
-    own = subjects_of(first.response)
-    entries = []
-    for subject in subjects:
-        for run in others if subject in own else ():
-            if subject not in subjects_of(run.response):
-                continue
-            time, distance = difference(subject, first, run)
-            if time.size:
-                row = int(distance.argmax())
-                peaks = first.response.peaks.mounts
-                peak = peaks[subject].deflection if isinstance(subject, str) else subject.peak(first.response)
-                value = float(distance[row])
-                ratio = value / peak.value if peak.value else np.nan
-                entries.append(
-                    HistoryDifference(subject=subject, run=run.name, value=value, time=float(time[row]), ratio=ratio)
-                )
-    return tuple(sorted(entries, key=lambda entry: -np.nan_to_num(entry.ratio)))
-
-
 def difference(subject: Subject, first: ComparedRun, other: ComparedRun) -> tuple[Array, Array]:
-    """Return instants of the first run that both have [s], (n,), and the norm of the difference there, (n,).
+    """Compute instants of the first run that both have [s], (n,), and the norm of the difference there, (n,).
 
     Accelerations [m/s^2] of a component, deflections [m] of a mount; the other run is taken linearly between its samples.
     """
@@ -110,15 +86,14 @@ def difference(subject: Subject, first: ComparedRun, other: ComparedRun) -> tupl
     time = first.response.time
     both = (time >= start) & (time <= end)
     time, values = time[both], _history(subject, first.response)[both]
-    there, theirs = other.response.time, _history(subject, other.response)
-    if np.array_equal(there, time):
-        return time, np.linalg.norm(theirs - values, axis=1)
-    between = np.column_stack([np.interp(time, there, theirs[:, axis]) for axis in range(3)])
-    return time, np.linalg.norm(between - values, axis=1)
+    instants, second = other.response.time, _history(subject, other.response)
+    if not np.array_equal(instants, time):
+        second = np.column_stack([np.interp(time, instants, second[:, axis]) for axis in range(3)])
+    return time, np.linalg.norm(second - values, axis=1)
 
 
 def identical(a: Response, b: Response) -> bool:
-    """Return whether every sample and every peak of two responses has the same bits."""
+    """Compare every sample and every peak of two responses bit by bit."""
     names = a.samples.names
     if names != b.samples.names or a.time.size != b.time.size or not a.peaks.same_as(b.peaks):
         return False
@@ -165,36 +140,43 @@ def compare_runs(
     if not shared:
         raise RecordError(f"{', '.join(responses)}: these runs share no base, body, point or mount to compare.")
     known = verdicts or {name: judge(response) for name, response in responses.items()}
-    runs = tuple(_aligned(name, responses, align, known[name]) for name in responses)
+    runs, first = [], next(iter(responses))
+    for name, response in responses.items():
+        moved = 0.0
+        if align == "shock":
+            for named in (name, first):
+                if not responses[named].events:
+                    raise RecordError(f"{named}: nothing begins in this run; align runs at their start.")
+            moved = responses[first].events[0][0] - response.events[0][0]
+        aligned = _moved(response, moved) if moved else response
+        runs.append(ComparedRun(name=name, response=aligned, moved=moved, verdicts=tuple(known[name])))
     largest = {
         subject: max(subject.peak(run.response).value for run in runs if subject in subjects[run.name])
         for subject in shared
         if isinstance(subject, Component)
     }
+    differences, peaks = [], runs[0].response.peaks.mounts
+    for subject in (subject for subject in shared if subject in subjects[first]):
+        for run in (run for run in runs[1:] if subject in subjects[run.name]):
+            time, distance = difference(subject, runs[0], run)
+            if time.size:
+                row = int(distance.argmax())
+                peak = peaks[subject].deflection if isinstance(subject, str) else subject.peak(runs[0].response)
+                value = float(distance[row])
+                ratio = value / peak.value if peak.value else np.nan
+                entry = HistoryDifference(subject=subject, run=run.name, value=value, time=float(time[row]), ratio=ratio)
+                differences.append(entry)
     return Comparison(
-        runs=runs,
-        components=tuple(sorted(largest, key=lambda one: (one != BASE, -largest[one], one.name))),
+        runs=tuple(runs),
+        components=tuple(sorted(largest, key=lambda component: (component != BASE, -largest[component], component.name))),
         mounts=tuple(subject for subject in shared if isinstance(subject, str)),
-        alone={name: tuple(one for one in of_run if one not in shared) for name, of_run in subjects.items()},
-        differences=_largest_differences(runs, shared),
+        alone={name: tuple(subject for subject in of_run if subject not in shared) for name, of_run in subjects.items()},
+        differences=tuple(sorted(differences, key=lambda entry: -np.nan_to_num(entry.ratio))),
     )
 
 
-def _aligned(name: str, responses: Mapping[str, Response], align: Align, verdicts: Sequence[Verdict]) -> ComparedRun:
-    """Return a run, moved so that its shock begins with that of the first if that is asked for."""
-    response, moved = responses[name], 0.0
-    if align == "shock":
-        first = next(iter(responses))
-        for wanted in (name, first):
-            if not responses[wanted].events:
-                raise RecordError(f"{wanted}: nothing begins in this run; align runs at their start.")
-        moved = responses[first].events[0][0] - response.events[0][0]
-    response = _moved(response, moved) if moved else response
-    return ComparedRun(name=name, response=response, moved=moved, verdicts=tuple(verdicts))
-
-
 def _moved(response: Response, by: float) -> Response:
-    """Return the response on a timeline `by` seconds later; its samples stay as they are."""
+    """Put the response on a timeline `by` seconds later; its samples stay as they are."""
     peaks = {
         kind: {
             name: replace(entry, **{key: getattr(entry, key).later(by) for key in entry.__dataclass_fields__})
@@ -221,7 +203,7 @@ class PeakRow:
     notes: tuple[str, ...]  # what is said beside a value, such as the kind of travel
 
     def difference(self, number: int) -> float | None:
-        """Return the relative difference of a run to the first; None if that makes no sense."""
+        """Relative difference of a run to the first; None if that makes no sense."""
         first, value = self.values[0], self.values[number]
         if first is None or value is None or not np.isfinite([first, value]).all() or (first == 0.0 != value):
             return None
@@ -229,31 +211,39 @@ class PeakRow:
 
 
 def acceleration_rows(comparison: Comparison, axis: int | None = None) -> list[PeakRow]:
-    """Return the peak accelerations [m/s^2], sizes or along an axis: of what is shared, then of what one run has alone."""
+    """Collect the peak accelerations [m/s^2], sizes or along an axis: of what is shared, then of what one run has alone."""
     alone = [subject for of_run in comparison.alone.values() for subject in of_run if isinstance(subject, Component)]
-    known = [subjects_of(run.response) for run in comparison.runs]
-    rows = []
-    for component in (*comparison.components, *alone):
-        peaks = [
-            component.peak(run.response) if component in of_run else None
-            for run, of_run in zip(comparison.runs, known, strict=True)
-        ]
-        rows.append(_row(component.label, peaks, axis))
-    return rows
+    responses = [(run.response, subjects_of(run.response)) for run in comparison.runs]
+    return [
+        _peak_row(component.label, [component.peak(run) if component in known else None for run, known in responses], axis)
+        for component in (*comparison.components, *alone)
+    ]
 
 
 def mount_rows(comparison: Comparison, quantity: str, axis: int | None) -> list[PeakRow]:
-    """Return the peak "deflection" [m] or "force" [N] of the mounts, the mount that uses most travel first."""
-    rows = []
-    for name in _mounts_of_runs(comparison):
-        entries = [run.response.peaks.mounts.get(name) for run in comparison.runs]
-        peaks = [getattr(entry, quantity) if entry else None for entry in entries]
-        rows.append(_row(name, peaks, axis))
-    return rows
+    """Collect the peak "deflection" [m] or "force" [N] of the mounts, the mount that uses most travel first."""
+    mounts = [run.response.peaks.mounts for run in comparison.runs]
+    return [
+        _peak_row(name, [getattr(peaks[name], quantity) if name in peaks else None for peaks in mounts], axis)
+        for name in _mounts_of_runs(comparison)
+    ]
+
+
+def _peak_row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow:
+    """Take size and instant of the largest norms, or of the extremes of a component that are farther from zero."""
+    values, times = [], []
+    for peak in peaks:
+        value, time = (None, None) if peak is None else (peak.value, peak.time)
+        if peak is not None and axis is not None:
+            low, high = float(peak.minimum[axis]), float(peak.maximum[axis])
+            value, time = max(high, -low), float((peak.maximum_time if high >= -low else peak.minimum_time)[axis])
+        values.append(value)
+        times.append(time)
+    return PeakRow(label=label, values=tuple(values), times=tuple(times), notes=("",) * len(peaks))
 
 
 def travel_rows(comparison: Comparison) -> list[PeakRow]:
-    """Return the largest utilisation of a rated travel of every mount, the largest first; NaN where none is rated."""
+    """Collect the largest utilisation of a rated travel of every mount, the largest first; NaN where none is rated."""
     rows = []
     for label, peaks in _mounts_of_runs(comparison).items():
         used = [None if peak is None else np.nan if peak.utilisation is None else peak.utilisation for peak in peaks]
@@ -263,24 +253,27 @@ def travel_rows(comparison: Comparison) -> list[PeakRow]:
 
 
 def combined_rows(comparison: Comparison) -> list[PeakRow]:
-    """Return the utilisation of the travel along all axes at once of every mount, the largest first."""
+    """Collect the utilisation of the travel along all axes at once of every mount, the largest first."""
     by_run = [
         {row.subject: row for row in run.verdicts if row.criterion == COMBINED and row.utilisation is not None}
         for run in comparison.runs
     ]
     rows = []
     for name in _mounts_of_runs(comparison):
-        found = [verdicts.get(name) for verdicts in by_run]
-        if any(found):
-            values = tuple(row.utilisation if row else None for row in found)
-            times = tuple(row.time if row else None for row in found)
-            rows.append(PeakRow(label=name, values=values, times=times, notes=("",) * len(found)))
+        verdicts = [known.get(name) for known in by_run]
+        if any(verdicts):
+            values = tuple(row.utilisation if row else None for row in verdicts)
+            times = tuple(row.time if row else None for row in verdicts)
+            rows.append(PeakRow(label=name, values=values, times=times, notes=("",) * len(verdicts)))
     return sorted(rows, key=lambda row: -max(value or 0.0 for value in row.values))
 
 
 def largest_of(rows: Sequence[PeakRow]) -> PeakRow | None:
-    """Return the largest value of any row in each run, with whose it is; None where no row has one."""
-    best = [_largest(rows, number) for number in range(len(rows[0].values) if rows else 0)]
+    """Find the largest value of any row in each run, and whose it is; None where no row has one."""
+    best: list[PeakRow | None] = []
+    for number in range(len(rows[0].values) if rows else 0):
+        sizes = [-np.inf if (value := row.values[number]) is None or np.isnan(value) else value for row in rows]
+        best.append(rows[int(np.argmax(sizes))] if max(sizes) > -np.inf else None)
     if not any(best):
         return None
     pairs = list(enumerate(best))
@@ -292,14 +285,8 @@ def largest_of(rows: Sequence[PeakRow]) -> PeakRow | None:
     )
 
 
-def _largest(rows: Sequence[PeakRow], number: int) -> PeakRow | None:
-    """Return the row with the largest value of a run."""
-    sizes = [-np.inf if value is None or np.isnan(value) else value for value in (row.values[number] for row in rows)]
-    return rows[int(np.argmax(sizes))] if max(sizes) > -np.inf else None
-
-
 def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]:
-    """Return the peaks of every mount in every run; the largest utilisation in any run first, those not rated last."""
+    """Collect the peaks of every mount in every run; the largest utilisation in any run first, those not rated last."""
     by_run = [{peak.name: peak for peak in mount_peaks(run.response)} for run in comparison.runs]
     names = [mount.name for run in comparison.runs for mount in run.response.scene.isolating]
     mounts = {name: [peaks.get(name) for peaks in by_run] for name in dict.fromkeys(names)}
@@ -309,19 +296,3 @@ def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]
         return max(used)
 
     return {name: mounts[name] for name in sorted(mounts, key=largest, reverse=True)}
-
-
-def _row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow:
-    sizes = [None if peak is None else _size(peak, axis) for peak in peaks]
-    return PeakRow(
-        label=label, values=tuple(None if size is None else size[0] for size in sizes),
-        times=tuple(None if size is None else size[1] for size in sizes), notes=("",) * len(peaks),
-    )  # fmt: skip
-
-
-def _size(peak: Peak, axis: int | None) -> tuple[float, float]:
-    """Return size and instant of the largest norm, or of the extreme of a component that is farther from zero."""
-    if axis is None:
-        return peak.value, peak.time
-    low, high = float(peak.minimum[axis]), float(peak.maximum[axis])
-    return (high, float(peak.maximum_time[axis])) if high >= -low else (-low, float(peak.minimum_time[axis]))

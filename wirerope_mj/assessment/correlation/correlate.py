@@ -20,7 +20,6 @@ from wirerope_mj.assessment.correlation.over_frequency import (
 from wirerope_mj.assessment.correlation.pairs import Delay, Pair, clock_of, coarser, delay_of, model_history, pair_of
 from wirerope_mj.assessment.correlation.ratings import INNER, MagnitudePhase, Rating, iso_rating, russell, sprague_geers
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
@@ -49,7 +48,6 @@ class ChannelCorrelation:
 
     @property
     def channel(self) -> MeasuredChannel:
-        """The measured channel."""
         return self.pair.channel
 
     @property
@@ -91,9 +89,13 @@ class ChannelCorrelation:
 
         What rests before and after the event is noise, which would be rated, too.
         """
-        measured, model = self.pair.measured[self.event], self.pair.model[self.event]
-        rate = min(_ISO_RATE, (_ISO_MOST - 1) * self.pair.rate / (measured.size - 1))
-        return iso_rating(*(_at_rate(values, self.pair.rate, rate) for values in (measured, model)))
+        histories = self.pair.measured[self.event], self.pair.model[self.event]
+        own, size = self.pair.rate, histories[0].size
+        rate = min(_ISO_RATE, (_ISO_MOST - 1) * own / (size - 1))
+        if rate <= own:
+            return iso_rating(*(coarser(values, own, rate) for values in histories))
+        time, finer = np.arange(size) / own, np.arange(int((size - 1) / own * rate) + 1) / rate
+        return iso_rating(*(scipy.interpolate.CubicSpline(time, values)(finer) for values in histories))
 
     @cached_property
     def shock(self) -> SpectrumRatio | None:
@@ -145,7 +147,7 @@ class Correlation(Summarised):
     @property
     def responses(self) -> tuple[ChannelCorrelation, ...]:
         """Channels that are not of the base; those of the base where there are no others."""
-        return tuple(one for one in self.channels if one.channel.subject != "base") or self.channels
+        return tuple(row for row in self.channels if row.channel.subject != "base") or self.channels
 
     @cached_property
     def other_base(self) -> str:
@@ -153,16 +155,19 @@ class Correlation(Summarised):
 
         A direction is left out in which both move by less than a tenth of the largest peak along any.
         """
-        base = [one for one in self.channels if one.channel.subject == "base"]
-        peaks = [(float(np.abs([one.pair.measured, one.pair.model]).max()), one) for one in base]
-        largest = {one.channel.quantity: peak for peak, one in sorted(peaks, key=lambda pair: pair[0])}
-        said = [
-            f"along {one.channel.axis} (rms {one.rms_ratio:.2f} times, Russell {one.russell.comprehensive:.2f})"
-            for peak, one in peaks
-            if peak >= _NEARLY * largest[one.channel.quantity]
-            and (abs(one.rms_ratio - 1.0) > _NEARLY or one.russell.comprehensive > _SAME_INPUT)
+        peaks = [
+            (float(np.abs([row.pair.measured, row.pair.model]).max()), row)
+            for row in self.channels
+            if row.channel.subject == "base"
         ]
-        return f"The base of the run does not move as the measured one does {' and '.join(said)}." if said else ""
+        largest = {row.channel.quantity: peak for peak, row in sorted(peaks, key=lambda pair: pair[0])}
+        apart = [
+            f"along {row.channel.axis} (rms {row.rms_ratio:.2f} times, Russell {row.russell.comprehensive:.2f})"
+            for peak, row in peaks
+            if peak >= _NEARLY * largest[row.channel.quantity]
+            and (abs(row.rms_ratio - 1.0) > _NEARLY or row.russell.comprehensive > _SAME_INPUT)
+        ]
+        return f"The base of the run does not move as the measured one does {' and '.join(apart)}." if apart else ""
 
     @cached_property
     def statement(self) -> str:
@@ -170,29 +175,31 @@ class Correlation(Summarised):
         return f"{self.other_base} {self._deviation()}".lstrip()
 
     def _deviation(self) -> str:
-        found = [(one.worst_band, one) for one in self.responses]
-        worst = max(((band, one) for band, one in found if band), key=lambda pair: pair[0].weight, default=None)
+        def span(first: float, last: float, words: tuple[str, str]) -> str:
+            low, high = (significant(frequency, 2) for frequency in (first, last))
+            return f"{words[0]} {low} {words[1]} {high} Hz"
+
+        banded = [(row.worst_band, row) for row in self.responses]
+        worst = max(((band, row) for band, row in banded if band), key=lambda pair: pair[0].weight, default=None)
         if worst is not None:
-            band, one = worst
+            band, row = worst
             side, size = ("high" if band.deviation > 0.0 else "low"), abs(100.0 * band.deviation)
-            where = (
-                f"between {_hertz(band.first)} and {_hertz(band.last)} Hz"
-                if band.last > band.first
-                else f"at {_hertz(band.first)} Hz"
-            )
-            return f"Model {size:.0f} % {side} {where} ({one.label})."
-        off = {one.label: "rated poor" for one in self.responses if one.rating.grade == "poor"}
-        off |= {one.label: "better upside down" for one in self.responses if one.delay.upside_down}
+            where = f"at {significant(band.first, 2)} Hz"
+            if band.last > band.first:
+                where = span(band.first, band.last, ("between", "and"))
+            return f"Model {size:.0f} % {side} {where} ({row.label})."
+        off = {row.label: "rated poor" for row in self.responses if row.rating.grade == "poor"}
+        off |= {row.label: "better upside down" for row in self.responses if row.delay.upside_down}
         named = " and ".join(f"{label} ({why})" for label, why in off.items())
         if len(off) == len(self.responses):
             return f"Model in no channel as measured: {named}."
-        known = [one.spectrum for one in self.responses if one.spectrum and one.label not in off]
+        known = [row.spectrum for row in self.responses if row.spectrum and row.label not in off]
         if not known:
             return "The test is too short to say over which frequencies the model is low or high."
-        first, last = max(one.frequency[0] for one in known), min(one.frequency[-1] for one in known)
+        first, last = max(row.frequency[0] for row in known), min(row.frequency[-1] for row in known)
         every = "the channel" if len(known) == 1 else f"all {len(known)} channels"
         every = f"{len(known)} of {len(known) + len(off)} channels, not in {named}" if off else every
-        return f"Model within {100.0 * _NEARLY:.0f} % of the measurement from {_hertz(first)} to {_hertz(last)} Hz in {every}."
+        return f"Model within {100.0 * _NEARLY:.0f} % of the measurement {span(first, last, ('from', 'to'))} in {every}."
 
     @cached_property
     def table(self) -> Table:
@@ -203,16 +210,21 @@ class Correlation(Summarised):
             Column("grade", align="left"), Column("in 3 dB", "%", "z.0f"), Column("coherence", "", "z.2f"),
             Column("FRAC", "", "z.2f"),
         )  # fmt: skip
+        rows: list[Sequence[Cell]] = []
+        for row in self.channels:
+            spread, within = row.sprague_geers, row.spectrum.within_3db if row.spectrum else None
+            rows.append((
+                row.label, row.peak_ratio, row.rms_ratio, spread.magnitude, spread.phase, Mark(spread.comprehensive, "strong"),
+                row.russell.comprehensive, Mark(row.rating.overall, "strong"), row.rating.grade, within, row.coherence,
+                row.frac,
+            ))  # fmt: skip
         return Table(
-            id=f"correlation-{self.name}",
-            title=f"{self.name}: model over measurement",
-            columns=columns,
-            rows=[self._row(one) for one in self.channels],
+            id=f"correlation-{self.name}", title=f"{self.name}: model over measurement", columns=columns, rows=rows,
             note="peak, rms: model over measurement. M, P, C: magnitude, phase and both, Sprague and Geers. Russell: his "
             "comprehensive error, excellent below 0.15, acceptable below 0.28. ISO: overall rating of ISO/TS 18571, 1 is "
             "agreement. in 3 dB: part of the octaves in which the spectra differ by less. FRAC: of transmissibilities where "
             "the base was measured, else of the spectra.",
-        )
+        )  # fmt: skip
 
     @cached_property
     def ratings(self) -> Table:
@@ -223,27 +235,19 @@ class Correlation(Summarised):
             Column("own delay", "ms", "z.2f"), Column("spectra", align="left"), Column("column", align="left"),
         )  # fmt: skip
         rows: list[Sequence[Cell]] = []
-        for one in self.channels:
-            r, kind = one.rating, one.spectrum.kind if one.spectrum else "-"
+        for row in self.channels:
+            r, kind = row.rating, row.spectrum.kind if row.spectrum else "-"
             parts = (r.corridor, r.phase, r.magnitude, r.slope, Mark(r.overall, "strong"))
-            rows.append((one.label, *parts, one.delay.value, kind, one.channel.column))
+            rows.append((row.label, *parts, row.delay.value, kind, row.channel.column))
         return Table(
             id=f"ratings-{self.name}", title=f"{self.name}: ratings after ISO/TS 18571", columns=columns, rows=rows,
             note="Overall: 0.4 corridor, 0.2 each of the others. Own delay: by which this channel alone fits best.",
         )  # fmt: skip
 
-    def _row(self, one: ChannelCorrelation) -> Sequence[Cell]:
-        spread = one.sprague_geers
-        return (
-            one.label, one.peak_ratio, one.rms_ratio, spread.magnitude, spread.phase, Mark(spread.comprehensive, "strong"),
-            one.russell.comprehensive, Mark(one.rating.overall, "strong"), one.rating.grade,
-            one.spectrum.within_3db if one.spectrum else None, one.coherence, one.frac,
-        )  # fmt: skip
-
     def _summary(self) -> tuple[str, dict[str, str]]:
         return f"Correlation with {self.name}: {self.statement}", {
-            one.label: f"peak {one.peak_ratio:.3f}, ISO/TS 18571 {one.rating.overall:.2f} ({one.rating.grade})"
-            for one in self.channels
+            row.label: f"peak {row.peak_ratio:.3f}, ISO/TS 18571 {row.rating.overall:.2f} ({row.rating.grade})"
+            for row in self.channels
         }
 
 
@@ -270,42 +274,36 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
         RecordError: the run does not have what was measured, or both last together for less than 16 samples, or no channel
             tells when it was taken.
     """
-    for one in measured.channels:
-        model_history(response, measured, one)  # says first that the run has every channel
-    alive = [one for one in measured.channels if np.ptp(one.values)]
+    for channel in measured.channels:
+        model_history(response, measured, channel)  # says first that the run has every channel
+    alive = [channel for channel in measured.channels if np.ptp(channel.values)]
     if not alive:
         raise RecordError(f"{measured.path}: every channel is dead: there is nothing to compare.")
-    delays = {one.key: delay_of(response, measured, one) for one in alive}
+    delays = {channel.key: delay_of(response, measured, channel) for channel in alive}
     if measured.start:
-        doubtful = [one for one in alive if delays[one.key].alike is not None]
-        delays |= {one.key: delay_of(response, measured, one, around=0.0) for one in doubtful}
-    clear = [one for one in alive if delays[one.key].alike is None]
-    driven = [one for one in clear if one.subject == "base" and abs(delays[one.key].correlation) >= _ALIKE]
-    best = max(driven or clear, key=lambda one: abs(delays[one.key].correlation), default=alive[0])
+        doubtful = [channel for channel in alive if delays[channel.key].alike is not None]
+        delays |= {channel.key: delay_of(response, measured, channel, around=0.0) for channel in doubtful}
+    clear = [channel for channel in alive if delays[channel.key].alike is None]
+    driven = [channel for channel in clear if channel.subject == "base" and abs(delays[channel.key].correlation) >= _ALIKE]
+    best = max(driven or clear, key=lambda channel: abs(delays[channel.key].correlation), default=alive[0])
     moved = align and best in clear and abs(delays[best.key].correlation) >= _ALIKE
     delay, clock = delays[best.key].value if moved else 0.0, 1.0
     if moved or not align:
-        delays = {one.key: delay_of(response, measured, one, around=delay) for one in alive}
-    unsure = {one.key: delays[one.key] for one in alive if delays[one.key].alike is not None}
+        delays = {channel.key: delay_of(response, measured, channel, around=delay) for channel in alive}
+    unsure = {channel.key: delays[channel.key] for channel in alive if delays[channel.key].alike is not None}
     if len(unsure) == len(alive):
         raise RecordError(f"{measured.path}: {_cannot_tell(best, delays[best.key])}")
-    alive = [one for one in alive if one.key not in unsure]
+    alive = [channel for channel in alive if channel.key not in unsure]
     if moved and best.subject == "base" and not delays[best.key].upside_down:
         delay, clock = clock_of(response, measured, best, delay=delay)
-    pairs = {one.key: pair_of(response, measured, one, delay=delay, clock=clock) for one in alive}
+    pairs = {channel.key: pair_of(response, measured, channel, delay=delay, clock=clock) for channel in alive}
     bases = {p.channel.axis: p for p in pairs.values() if p.channel.key.startswith("base acceleration")}
-    channels = tuple(
-        ChannelCorrelation(
-            pair=pairs[one.key],
-            delay=delays[one.key],
-            base=None if one.subject == "base" or one.subject.startswith("mount/") else bases.get(one.axis),
-        )  # fmt: skip
-        for one in alive
-    )
-    said = _warnings(measured, channels, delay, unsure, unaligned=best if align and not moved else None)
+    bases_of = {c.key: None if c.subject.startswith(("base", "mount/")) else bases.get(c.axis) for c in alive}
+    channels = tuple(ChannelCorrelation(pair=pair, delay=delays[key], base=bases_of[key]) for key, pair in pairs.items())
+    warnings = _warnings(measured, channels, delay, unsure, unaligned=best if align and not moved else None)
     return Correlation(
         name=measured.name, channels=channels, delay=delay, aligned_by=channel_label(best) if moved else "",
-        clock=clock, warnings=(*measured.warnings, *said),
+        clock=clock, warnings=(*measured.warnings, *warnings),
     )  # fmt: skip
 
 
@@ -316,7 +314,7 @@ def _warnings(
     """Yield what makes a comparison doubtful."""
     name = measured.name
     if unaligned is not None:
-        largest = max(abs(one.delay.correlation) for one in channels if one.channel == unaligned)
+        largest = max(abs(row.delay.correlation) for row in channels if row.channel == unaligned)
         yield (
             f'{name}: no delay makes column "{unaligned.column}" like the run (largest correlation {largest:.2f}): its clock '
             "was not moved. Say when its first sample was taken and how fast its clock runs (--start, --clock); or is it "
@@ -327,16 +325,20 @@ def _warnings(
             yield f"{name}: {_cannot_tell(channel, unsure[channel.key])}"
         elif not np.ptp(channel.values):
             yield f'{name}: column "{channel.column}" is dead and is not compared.'
-    for one in channels:
-        column = one.channel.column
-        if one.delay.upside_down:
-            yield f'{name}: column "{column}" fits {one.label} better upside down: is its axis -{one.channel.axis}?'
-        elif unaligned is None and one.delay.correlation >= _ALIKE and abs(one.delay.value - delay) > _period(one.pair):
+    for row in channels:
+        column, late = row.channel.column, row.delay.value - delay
+        # Period of the measured history's mean frequency, that of its root mean square slope.
+        values = row.pair.measured - row.pair.measured.mean()
+        slope = float(np.linalg.norm(np.gradient(values)))
+        period = 2.0 * np.pi * float(np.linalg.norm(values)) / (slope * row.pair.rate) if slope else np.inf
+        if row.delay.upside_down:
+            yield f'{name}: column "{column}" fits {row.label} better upside down: is its axis -{row.channel.axis}?'
+        elif unaligned is None and row.delay.correlation >= _ALIKE and abs(late) > period:
             yield (
-                f'{name}: column "{column}" fits {1e3 * (one.delay.value - delay):+.4g} ms after the others, more than a '
+                f'{name}: column "{column}" fits {1e3 * late:+.4g} ms after the others, more than a '
                 "period: is it on another clock?"
             )
-        if one.channel.saturated.any():
+        if row.channel.saturated.any():
             yield f'{name}: column "{column}" was saturated: its true peak is higher, and the peak ratio lower.'
 
 
@@ -346,21 +348,3 @@ def _cannot_tell(channel: MeasuredChannel, delay: Delay) -> str:
         f"moved by {-1e3 * delay.value:+.4g} ms and by {-1e3 * (delay.alike or 0.0):+.4g} ms; a vibration that dies away tells "
         "neither when it began nor its sign. Say when its first sample was taken (--start)."
     )
-
-
-def _hertz(frequency: float) -> str:
-    return significant(frequency, 2)
-
-
-def _period(pair: Pair) -> float:
-    """Return the period of a measured history's mean frequency, that of its root mean square slope [s]."""
-    values = pair.measured - pair.measured.mean()
-    slope = float(np.linalg.norm(np.gradient(values)))
-    return 2.0 * np.pi * float(np.linalg.norm(values)) / (slope * pair.rate) if slope else np.inf
-
-
-def _at_rate(values: Array, own: float, rate: float) -> Array:
-    if rate <= own:
-        return coarser(values, own, rate)
-    count = int((values.size - 1) / own * rate) + 1
-    return np.asarray(scipy.interpolate.CubicSpline(np.arange(values.size) / own, values)(np.arange(count) / rate))

@@ -67,15 +67,15 @@ class SpectrumRatio:
         beyond = 2.0 ** (0.5 / _PER_OCTAVE) if self.kind == "PSD" else 1.0
         signs = np.sign(self.ratio - 1.0) * (np.abs(self.ratio - 1.0) > _NOTABLE)
         edges = np.flatnonzero(np.diff(signs)) + 1
-        found = []
+        bands = []
         for rows in np.split(np.arange(signs.size), edges):
             if signs[rows[0]]:
                 size = self.measured[rows] / self.measured.max()
                 weight = float(np.sum(np.abs(np.log(self.ratio[rows])) * size)) / signs.size
                 mean = float(np.sum(self.model[rows])) / float(np.sum(self.measured[rows]))
                 first, last = float(self.frequency[rows[0]]) / beyond, float(self.frequency[rows[-1]]) * beyond
-                found.append(Band(first=first, last=last, deviation=mean - 1.0, weight=weight))
-        return tuple(sorted(found, key=lambda band: -band.weight))
+                bands.append(Band(first=first, last=last, deviation=mean - 1.0, weight=weight))
+        return tuple(sorted(bands, key=lambda band: -band.weight))
 
 
 def is_transient(values: Array) -> bool:
@@ -87,7 +87,7 @@ def is_transient(values: Array) -> bool:
 
 
 def shock_ratio(pair: Pair) -> SpectrumRatio | None:
-    """Return the shock response spectra (maximax, Q = 10) of two accelerations that are transients; None for others."""
+    """Compute the shock response spectra (maximax, Q = 10) of two accelerations that are transients; None for others."""
     if pair.channel.quantity != "acceleration" or not np.ptp(pair.measured) or not is_transient(pair.measured):
         return None
     lowest, highest = _range(pair)
@@ -100,14 +100,20 @@ def shock_ratio(pair: Pair) -> SpectrumRatio | None:
 
 
 def density_ratio(pair: Pair) -> SpectrumRatio | None:
-    """Return the roots of the power spectral densities in bands of a sixth of an octave, where there is more than noise.
+    """Compute the roots of the power spectral densities in bands of a sixth of an octave, where there is more than noise.
 
     Of a transient they are those of one segment without a window, else Welch's; None where fewer than three bands are left.
     """
-    frequency, densities = _densities(pair)
     lowest, highest = _range(pair)
     if highest < 2.0 * lowest:
         return None
+    both = np.column_stack([pair.measured, pair.model])
+    if is_transient(pair.measured):
+        densities = np.abs(np.fft.rfft(both - both.mean(axis=0), axis=0)) ** 2
+        frequency = np.asarray(np.fft.rfftfreq(pair.time.size, 1.0 / pair.rate), dtype=np.float64)
+    else:
+        density = power_spectral_density(pair.time, both)
+        frequency, densities = density.frequency, density.density
     edges = octave_grid(lowest, highest, per_octave=_PER_OCTAVE)
     numbers = np.digitize(frequency, edges)
     centres, means = [], []
@@ -125,7 +131,7 @@ def density_ratio(pair: Pair) -> SpectrumRatio | None:
 
 
 def coherence(pair: Pair) -> float | None:
-    """Return the mean coherence of model and measurement, weighted by the measured density; None where it is too short.
+    """Average the coherence of model and measurement, weighted by the measured density; None where it is too short.
 
     The coherence |S_mc|^2 / (S_mm S_cc) of Welch's method with 15 segments (Bendat and Piersol, Random Data, 4th ed.,
     section 5.2): 1 where one is a linear filter of the other.
@@ -135,15 +141,13 @@ def coherence(pair: Pair) -> float | None:
     size = 2 * pair.time.size // 16
     if size < 8 * _SEGMENTS:
         return None
-    one, other = (values - values.mean() for values in (pair.measured, pair.model))
-    (_, across), (_, first), (_, second) = (
-        csd(a, b, fs=pair.rate, nperseg=size) for a, b in ((one, other), (one, one), (other, other))
-    )
-    product = (first.real * second.real)[1:]
+    m, c = (values - values.mean() for values in (pair.measured, pair.model))
+    across, of_m, of_c = (csd(a, b, fs=pair.rate, nperseg=size)[1][1:] for a, b in ((m, c), (m, m), (c, c)))
+    product = of_m.real * of_c.real
     if not product.any():
         return None
-    squared = np.abs(across[1:]) ** 2 / np.where(product > 0.0, product, np.inf)
-    return float(np.average(squared, weights=first.real[1:]))
+    squared = np.abs(across) ** 2 / np.where(product > 0.0, product, np.inf)
+    return float(np.average(squared, weights=of_m.real))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -162,7 +166,7 @@ class Transmissibility:
 
 
 def transmissibility(base: Pair, pair: Pair) -> Transmissibility | None:
-    """Return the transfer function S_xy / S_xx from the base to a channel (H1), of one segment for transients.
+    """Estimate the transfer function S_xy / S_xx from the base to a channel (H1), of one segment for transients.
 
     None where the two do not share their instants, or fewer than eight lines are left.
     """
@@ -186,32 +190,21 @@ def transmissibility(base: Pair, pair: Pair) -> Transmissibility | None:
 
 
 def spectral_assurance(pair: Pair) -> float:
-    """Return the assurance criterion of the Fourier spectra of both histories, where no base was measured."""
-    one, other = (np.fft.rfft(values - values.mean()) for values in (pair.measured, pair.model))
-    frequency = np.fft.rfftfreq(pair.time.size, 1.0 / pair.rate)
-    kept = frequency <= _HIGHEST * pair.rate
-    return assurance(one[kept], other[kept])
+    """Compare the Fourier spectra of both histories by the assurance criterion, where no base was measured."""
+    measured, model = (np.fft.rfft(values - values.mean()) for values in (pair.measured, pair.model))
+    kept = np.fft.rfftfreq(pair.time.size, 1.0 / pair.rate) <= _HIGHEST * pair.rate
+    return assurance(measured[kept], model[kept])
 
 
-def assurance(one: ComplexArray, other: ComplexArray) -> float:
-    """Return |sum H_m conj(H_c)|^2 / (sum |H_m|^2 sum |H_c|^2): FRAC of Heylen and Lammens, ISMA 21 (1996) 17.
+def assurance(measured: ComplexArray, model: ComplexArray) -> float:
+    """Evaluate |sum H_m conj(H_c)|^2 / (sum |H_m|^2 sum |H_c|^2): FRAC of Heylen and Lammens, ISMA 21 (1996) 17.
 
     1 for functions that differ by a factor, 0 for orthogonal ones.
     """
-    size = float(np.sum(np.abs(one) ** 2) * np.sum(np.abs(other) ** 2))
-    return float(np.abs(np.vdot(one, other)) ** 2 / size) if size else 0.0
+    size = float(np.sum(np.abs(measured) ** 2) * np.sum(np.abs(model) ** 2))
+    return float(np.abs(np.vdot(measured, model)) ** 2 / size) if size else 0.0
 
 
 def _range(pair: Pair) -> tuple[float, float]:
-    """Return the frequencies between which an interval and its samples say something [Hz]."""
+    """Frequencies between which an interval and its samples say something [Hz]."""
     return _PERIODS / float(pair.time[-1] - pair.time[0]), _HIGHEST * pair.rate
-
-
-def _densities(pair: Pair) -> tuple[Array, Array]:
-    """Return frequencies, (n_f,), and densities of measurement and model, (n_f, 2)."""
-    both = np.column_stack([pair.measured, pair.model])
-    if is_transient(pair.measured):
-        lines = np.abs(np.fft.rfft(both - both.mean(axis=0), axis=0)) ** 2
-        return np.asarray(np.fft.rfftfreq(pair.time.size, 1.0 / pair.rate), dtype=np.float64), lines
-    density = power_spectral_density(pair.time, both)
-    return density.frequency, density.density

@@ -73,10 +73,10 @@ def model_history(response: Response, measured: Measured, channel: MeasuredChann
     groups: Mapping[str, Mapping[str, object]] = {"body": response.bodies, "point": response.points, "mount": response.mounts}
     part = groups[kind].get(name)
     if part is None:
-        there = ", ".join(groups[kind]) or "none"
+        known = ", ".join(groups[kind]) or "none"
         raise RecordError(
             f'{measured.path}: column "{channel.column}" is mapped to the {kind} {short(name)!r}, which this run does not '
-            f"have; its {'bodies' if kind == 'body' else kind + 's'}: {short(there)}. Is it the run of another model?"
+            f"have; its {'bodies' if kind == 'body' else kind + 's'}: {short(known)}. Is it the run of another model?"
         )
     if quantity != "displacement":
         return np.asarray(getattr(part, quantity))[:, axis]
@@ -169,11 +169,11 @@ def clock_of(response: Response, measured: Measured, channel: MeasuredChannel, *
 
 
 def _drift(pair: Pair) -> tuple[float, float]:
-    """Return by how much lags grow with every sample, and the lag of the first [samples]; zeros where it is not significant."""
+    """Fit by how much lags grow with every sample, and the lag of the first [samples]; zeros where it is not significant."""
     from scipy.signal import correlate
 
     count, reach = pair.time.size, int(0.5 * _CLOCKS_APART * pair.time.size) + 2
-    found = []
+    rows = []
     for part in np.array_split(np.arange(reach, count - reach), _WINDOWS):
         model, wide = pair.model[part], pair.measured[part[0] - reach : part[-1] + reach + 1]
         squares = np.cumsum(np.concatenate([[0.0], wide**2]))
@@ -182,10 +182,10 @@ def _drift(pair: Pair) -> tuple[float, float]:
         best = int(course.argmax())
         if 0 < best < course.size - 1 and course[best] > _SAME_COURSE:
             lag = best - reach + _summit(course[best - 1 : best + 2])
-            found.append((float(part.mean()), lag, float(np.linalg.norm(model))))
-    if len(found) < _WINDOWS // 2:
+            rows.append((float(part.mean()), lag, float(np.linalg.norm(model))))
+    if len(rows) < _WINDOWS // 2:
         return 0.0, 0.0
-    middles, lags, weights = np.array(found).T
+    middles, lags, weights = np.array(rows).T
     (slope, lag), covariance = np.polyfit(middles, lags, 1, w=weights, cov=True)
     significant = abs(slope) > max(_SURE * float(np.sqrt(covariance[0, 0])), _LEAST_DRIFT / count)
     return (float(slope), float(lag)) if significant else (0.0, 0.0)
@@ -193,8 +193,8 @@ def _drift(pair: Pair) -> tuple[float, float]:
 
 def _summit(three: Array) -> float:
     """Find the vertex of the parabola through a largest sample and its neighbours, from that sample [samples]."""
-    before, there, after = three
-    bend = before - 2.0 * there + after
+    before, largest, after = three
+    bend = before - 2.0 * largest + after
     return 0.5 * float((before - after) / bend) if bend else 0.0
 
 
@@ -231,39 +231,35 @@ def pair_of(response: Response, measured: Measured, channel: MeasuredChannel, *,
             "sample was taken, start (--start)."
         )
     time = np.asarray(first + step * np.arange(count), dtype=np.float64)
-    own = CubicSpline(start + step * clock * np.arange(values.size), values)(time)
-    said = CubicSpline(began + step * np.arange(model.size), model)(time)
+    measurement = CubicSpline(start + step * clock * np.arange(values.size), values)(time)
+    computed = CubicSpline(began + step * np.arange(model.size), model)(time)
     if channel.counts_from_start:
-        said = said - model[0]
-        before = time < _onset(response)
-        own = own - own[before].mean() if before.any() else own
-    return Pair(channel=channel, time=time, measured=own, model=said)
+        computed = computed - model[0]
+        size = np.linalg.norm(response.base.acceleration, axis=1)
+        onset = float(response.time[int(np.argmax(size > _ONSET * size.max()))]) if size.any() else began
+        before = time < onset
+        measurement = measurement - measurement[before].mean() if before.any() else measurement
+    return Pair(channel=channel, time=time, measured=measurement, model=computed)
 
 
 def _at_one_rate(response: Response, measured: Measured, channel: MeasuredChannel) -> tuple[Array, float, tuple[Array, float]]:
-    """Return the model's samples, the rate of both [Hz], and the channel's samples with the instant of the first [s]."""
+    """Bring both to one rate: the model's samples, the rate [Hz], the channel's samples with the instant of the first [s]."""
     model = model_history(response, measured, channel)
-    there, here = (response.time.size - 1) / float(response.time[-1] - response.time[0]), channel.rate
-    rate = min(there, here)
-    return coarser(model, there, rate), rate, (coarser(channel.values, here, rate), float(channel.time[0]))
+    rate = (response.time.size - 1) / float(response.time[-1] - response.time[0])
+    lower = min(rate, channel.rate)
+    return coarser(model, rate, lower), lower, (coarser(channel.values, channel.rate, lower), float(channel.time[0]))
 
 
-def coarser(values: Array, own: float, rate: float) -> Array:
-    """Return samples at a rate that is not above their own [Hz], filtered; the first stays where it is."""
+def coarser(values: Array, rate: float, lower: float) -> Array:
+    """Filter samples at a rate down to one that is not above it [Hz]; the first stays where it is."""
     from scipy.interpolate import CubicSpline
 
-    if own <= rate * (1.0 + 1e-9):
+    if rate <= lower * (1.0 + 1e-9):
         return values
-    ratio = Fraction(rate / own).limit_denominator(_FINEST)
+    ratio = Fraction(lower / rate).limit_denominator(_FINEST)
     kept = filtered(values[:, np.newaxis], ratio.numerator, ratio.denominator)[:, 0]
-    near = own * float(ratio)
-    if abs(near / rate - 1.0) < 1e-9:
+    near = rate * float(ratio)
+    if abs(near / lower - 1.0) < 1e-9:
         return kept
-    count = int((kept.size - 1) / near * rate) + 1
-    return np.asarray(CubicSpline(np.arange(kept.size) / near, kept)(np.arange(count) / rate))
-
-
-def _onset(response: Response) -> float:
-    """Return the instant at which the base begins to move [s]."""
-    size = np.linalg.norm(response.base.acceleration, axis=1)
-    return float(response.time[int(np.argmax(size > _ONSET * size.max()))]) if size.any() else float(response.time[0])
+    count = int((kept.size - 1) / near * lower) + 1
+    return np.asarray(CubicSpline(np.arange(kept.size) / near, kept)(np.arange(count) / lower))

@@ -42,48 +42,40 @@ def iso_rating(measured: Array, computed: Array) -> Rating:
     ISO/TS 18571:2014, Road vehicles - Objective rating metric for non-ambiguous signals. The standard asks for 10 000 samples
     a second, and for an interval that holds the event and nothing else.
     """
-    corridor = _corridor(measured, computed)
-    shift, phase = _phase(measured, computed)
-    n = measured.size - abs(shift)
-    first, moved = (measured[:n], computed[shift:]) if shift >= 0 else (measured[-shift:], computed[:n])
-    one, other = _warped(first, moved)
-    magnitude = _rated(first[one], moved[other], _LARGEST_MAGNITUDE)
-    slope = _rated(_smoothed(np.gradient(first)), _smoothed(np.gradient(moved)), _LARGEST_SLOPE)
-    overall = float(np.dot(_WEIGHTS, (corridor, phase, magnitude, slope)))
-    return Rating(corridor=corridor, phase=phase, magnitude=magnitude, slope=slope, overall=overall)
-
-
-def _corridor(measured: Array, computed: Array) -> float:
     peak = float(np.abs(measured).max())
     inner, outer = INNER * peak, _OUTER * peak
     inside = np.clip((outer - np.abs(measured - computed)) / (outer - inner), 0.0, 1.0)
-    return float((inside**_CORRIDOR_POWER).mean())
-
-
-def _phase(measured: Array, computed: Array) -> tuple[int, float]:
-    """Return by how many samples the computed history comes late, and the rating; of equal correlations the smaller shift."""
+    corridor = float((inside**_CORRIDOR_POWER).mean())
+    # By how many samples the computed history comes late; of equal correlations the smaller shift.
     largest = int(_LARGEST_SHIFT * measured.size)
     best, shift = -np.inf, 0
     for size in range(largest + 1):
         n = measured.size - size
         for sign in (1, -1) if size else (1,):
-            one, other = (measured[:n], computed[size:]) if sign > 0 else (measured[size:], computed[:n])
-            one, other = one - one.mean(), other - other.mean()
-            norm = float(np.sqrt((one @ one) * (other @ other)))
-            correlation = float(one @ other) / norm if norm else 0.0
+            m, c = (measured[:n], computed[size:]) if sign > 0 else (measured[size:], computed[:n])
+            m, c = m - m.mean(), c - c.mean()
+            norm = float(np.sqrt((m @ m) * (c @ c)))
+            correlation = float(m @ c) / norm if norm else 0.0
             if correlation > best:
                 best, shift = correlation, sign * size
-    return shift, max(0.0, (largest - abs(shift)) / largest) if largest else 1.0
+    phase = max(0.0, (largest - abs(shift)) / largest) if largest else 1.0
+    n = measured.size - abs(shift)
+    m, c = (measured[:n], computed[shift:]) if shift >= 0 else (measured[-shift:], computed[:n])
+    of_measured, of_computed = _warped(m, c)
+    magnitude = _rated(m[of_measured], c[of_computed], _LARGEST_MAGNITUDE)
+    slope = _rated(_smoothed(np.gradient(m)), _smoothed(np.gradient(c)), _LARGEST_SLOPE)
+    overall = float(np.dot(_WEIGHTS, (corridor, phase, magnitude, slope)))
+    return Rating(corridor=corridor, phase=phase, magnitude=magnitude, slope=slope, overall=overall)
 
 
 def _rated(measured: Array, computed: Array, largest: float) -> float:
-    """Return 1 less the error over the largest, at least 0; the error is the sum of |c - m| over that of |m|."""
+    """Rate by 1 less the error over the largest, at least 0; the error is the sum of |c - m| over that of |m|."""
     size, away = float(np.abs(measured).sum()), float(np.abs(computed - measured).sum())
     return max(0.0, 1.0 - away / size / largest) if size else float(away == 0.0)
 
 
 def _smoothed(curve: Array) -> Array:
-    """Return the means of nine samples about each, of fewer where an end is near."""
+    """Average nine samples about each, fewer where an end is near."""
     half = np.minimum(_SMOOTHED // 2, np.minimum(np.arange(curve.size), np.arange(curve.size)[::-1]))
     sums = np.concatenate([[0.0], np.cumsum(curve)])
     rows = np.arange(curve.size)
@@ -91,7 +83,7 @@ def _smoothed(curve: Array) -> Array:
 
 
 def _warped(measured: Array, computed: Array) -> tuple[Array, Array]:
-    """Return the samples of both histories that dynamic time warping brings together, least squares, inside a band.
+    """Pair the samples of both histories that dynamic time warping brings together, least squares, inside a band.
 
     D(i, j) = (c_j - m_i)^2 + min(D(i-1, j), D(i, j-1), D(i-1, j-1)), computed along the diagonals i + j, whose elements do not
     depend on each other.
@@ -105,9 +97,9 @@ def _warped(measured: Array, computed: Array) -> tuple[Array, Array]:
         low = max(diagonal - n + 1, (diagonal - width + 1) // 2, 0)
         high = min(diagonal, (diagonal + width) // 2, n - 1)
         first, end = 2 * low - diagonal + width + 1, 2 * high - diagonal + width + 2
-        both, one, other = before[first:end:2], last[first - 1 : end - 1 : 2], last[first + 1 : end + 1 : 2]
-        best = np.minimum(one, other)
-        chosen = np.where(one <= other, 1, 2)
+        both, by_row, by_column = before[first:end:2], last[first - 1 : end - 1 : 2], last[first + 1 : end + 1 : 2]
+        best = np.minimum(by_row, by_column)
+        chosen = np.where(by_row <= by_column, 1, 2)
         chosen[both <= best] = 0
         total = (backwards[n - 1 - diagonal + low : n - diagonal + high] - measured[low : high + 1]) ** 2
         if diagonal:
@@ -163,7 +155,7 @@ def russell(measured: Array, computed: Array) -> MagnitudePhase:
 
 
 def _products(measured: Array, computed: Array) -> tuple[float, float, float]:
-    """Return the angle between two histories over pi, and the sums of their squares."""
+    """Compute the angle between two histories over pi, and the sums of their squares."""
     of_measured, of_computed = float(measured @ measured), float(computed @ computed)
     if of_measured == 0.0:
         raise ValueError("`measured` must not be zero throughout: nothing can be compared with a dead channel.")

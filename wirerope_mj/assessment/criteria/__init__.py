@@ -1,6 +1,6 @@
 """Criteria by which a response is judged: each gives a value, its limit, the margin and a verdict; and all of them together."""
 
-from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
+from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts, spectrum_verdict
 from wirerope_mj.assessment.criteria.judge import headline, judge
 from wirerope_mj.assessment.criteria.loads import (
     closing_text,
@@ -10,7 +10,6 @@ from wirerope_mj.assessment.criteria.loads import (
     static_load_verdicts,
 )
 from wirerope_mj.assessment.criteria.peaks import BodyPeak, MountPeak, body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.points import spectrum_verdict
 from wirerope_mj.assessment.criteria.random import judge_random, random_verdicts
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
 from wirerope_mj.assessment.criteria.summary import summary, verdict_lines

@@ -45,7 +45,7 @@ def ddam_design_values(
     weight: float, frequency: float, *, location: Location, direction: Direction, ship: Ship = "surface",
     deformation: Deformation = "elastic",
 ) -> DesignValues:  # fmt: skip
-    """Return the design values of a mode after NRL memorandum 1396, the unclassified interim values of 1963.
+    """Compute the design values of a mode after NRL memorandum 1396, the unclassified interim values of 1963.
 
     With the modal weight W in kip, A0 = a (37.5 + W)(12 + W)/(6 + W)^2 g and V0 = v (12 + W)/(6 + W) in/s on surface ships,
     A0 = a (480 + W)/(20 + W) g and V0 = v (480 + W)/(100 + W) in/s in submarines; a, v and the factors of the directions are

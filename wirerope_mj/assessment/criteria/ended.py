@@ -29,7 +29,6 @@ from wirerope_mj.assessment.criteria.verdict import (
     by_use,
 )
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.payload_limits import BETWEEN
 from wirerope_mj.foundation.units import duration_text
@@ -46,17 +45,15 @@ class Used:
 
     @property
     def governing(self) -> Verdict:
-        """The verdict with the largest utilisation."""
         return self.verdicts[0]
 
     @property
     def largest(self) -> float:
-        """Its utilisation, over every step."""
         return self.governing.utilisation or 0.0
 
 
 def used_limits(response: Response, verdicts: Sequence[Verdict]) -> list[Used]:
-    """Return what has limits that it uses more or less of over time, in the order of `by_use`."""
+    """Follow whatever has limits that it uses more or less of over time, in the order of `by_use`."""
     by_subject: dict[str, list[tuple[Verdict, Array]]] = {}
     for verdict in verdicts:
         course = utilisation_over_time(response, verdict)
@@ -68,45 +65,37 @@ def used_limits(response: Response, verdicts: Sequence[Verdict]) -> list[Used]:
         rows, courses = zip(*pairs, strict=True)
         used.append(Used(subject=subject, verdicts=rows, course=np.max(courses, axis=0)))
     order = list(by_use(verdicts))
-    return sorted(used, key=lambda one: order.index(one.subject))
+    return sorted(used, key=lambda row: order.index(row.subject))
 
 
 def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
-    """Return value over limit at each sample, (n_t,); None where nothing is judged, or it does not change over time."""
+    """Compute value over limit at each sample, (n_t,); None where nothing is judged, or it does not change over time."""
     if verdict.limit is None or verdict.utilisation is None:
         return None
-    criterion = verdict.criterion
-    mount = next((mount for mount in response.scene.isolating if mount.name == verdict.subject), None)
+    criterion, subject = verdict.criterion, verdict.subject
+    mount = next((mount for mount in response.scene.isolating if mount.name == subject), None)
     if criterion.kind == ACCELERATION:
-        kind = "bodies" if verdict.subject in response.bodies else "points"
-        value = _along(read_columns(response, f"{kind}/{verdict.subject}/acceleration/x", 3), criterion)
+        kind = "bodies" if subject in response.bodies else "points"
+        value = _along(read_columns(response, f"{kind}/{subject}/acceleration/x", 3), criterion)
+    elif criterion.kind == RATTLE_SPACE and subject in response.points:
+        value = _along(response.points[subject].relative_displacement, criterion)
+    elif criterion.kind == RATTLE_SPACE and BETWEEN in subject:
+        value = _along(between_points(response, subject), criterion)
     elif criterion.kind == RATTLE_SPACE:
-        value = _rattle(response, verdict.subject, criterion)
+        body = next(body for body in response.scene.bodies if body.name == subject)
+        corners = corner_displacements(response, body, body_corners(body))
+        value = np.max([_along(corner, criterion) for corner in corners], axis=0)
     elif mount is not None and criterion.kind in (TRAVEL, COMBINED, BOTTOMING):
-        value = _travel(read_columns(response, f"mounts/{mount.name}/deflection/roll", 3), criterion, mount)
+        deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
+        rating = "compression" if criterion == BOTTOMING else criterion.sense
+        value = combined_travel(mount, deflection) if criterion == COMBINED else travel_in(rating, deflection)
     else:
         return None
     return np.asarray(value / verdict.limit)
 
 
-def _travel(deflection: Array, criterion: Criterion, mount: SceneMount) -> Array:
-    if criterion == COMBINED:
-        return combined_travel(mount, deflection)
-    return travel_in("compression" if criterion == BOTTOMING else criterion.sense, deflection)
-
-
-def _rattle(response: Response, subject: str, criterion: Criterion) -> Array:
-    if subject not in response.points and BETWEEN in subject:
-        return _along(between_points(response, subject), criterion)
-    if subject in response.points:
-        return _along(response.points[subject].relative_displacement, criterion)
-    body = next(body for body in response.scene.bodies if body.name == subject)
-    moved = corner_displacements(response, body, body_corners(body))
-    return np.asarray(np.max([_along(corner, criterion) for corner in moved], axis=0))
-
-
 def _along(values: Array, criterion: Criterion) -> Array:
-    """Return components of vectors (n_t, 3) along the axis of a criterion, in its sense or both; without one their length."""
+    """Take components of vectors (n_t, 3) along the axis of a criterion, in its sense or both; without one their length."""
     if not criterion.axis:
         return np.asarray(np.linalg.norm(values, axis=1))
     along = values[:, "xyz".index(criterion.axis)]
@@ -124,7 +113,7 @@ _NEAR = 1e-9  # [s]
 
 
 def too_short(response: Response) -> str:
-    """Return why a run ends before its peaks are over, as a note; "" if it does not, or if older responses do not say it."""
+    """Note why a run ends before its peaks are over; "" if it does not, or if older responses do not say it."""
     numerics = response.numerics
     return ends_early(
         response.motion, (response.initial_state.time, response.final_state.time), numerics.motion_end, numerics.slowest_period
@@ -132,7 +121,7 @@ def too_short(response: Response) -> str:
 
 
 def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: float) -> str:
-    """Return why a run from and to [s] ends before its peaks are over, as a note; "" if it does not.
+    """Note why a run from and to [s] ends before its peaks are over; "" if it does not.
 
     The motion, plain values, is over at `over`, NaN if it has no end; `slowest` is the slowest period for small amplitudes,
     NaN if it is not known: then nothing is said.
@@ -160,28 +149,32 @@ def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: 
 
 
 def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
-    """Return verdicts, of which those within their limits are not judged where the peak is not over when the run ends.
+    """Take the judgement off verdicts within their limits where the peak is not over when the run ends.
 
-    Neither is a stop, or a pair of geoms, that has not been touched until then. Where something still grows, what else peaked
-    late is not judged either: a slow mode takes up the motion, and what it drives peaks with it.
+    Neither is a stop, or a pair of geoms, judged that has not been touched until then. Where something still grows, what else
+    peaked late is not judged either: a slow mode takes up the motion, and what it drives peaks with it.
     """
-    early, rows, begin = too_short(response), tuple(verdicts), _quiet_from(response)
+    early, rows, numerics = too_short(response), tuple(verdicts), response.numerics
+    run = response.initial_state.time, response.final_state.time
+    # Older responses do not say enough.
+    begin = math.inf if math.isnan(numerics.slowest_period) else quiet_from(response.motion, run, numerics.motion_end)
     growing = set() if early else {row for row in rows if _grows(response, row, begin)}
-    if growing and math.isfinite(over := response.numerics.motion_end):
+    if growing and math.isfinite(over := numerics.motion_end):
         growing |= {row for row in rows if _grows(response, row, 0.5 * (over + begin), goes_on=False)}
-    growth = growth_note(response.final_state.time)
-    return tuple(
-        replace(row, contact=NOT_JUDGED, note=early)
-        if early and row.contact == CLEAR
-        else replace(row, limit=None, note="; ".join(part for part in (early or growth, row.note) if part))
-        if row in growing or (early and row.verdict == WITHIN)
-        else row
-        for row in rows
-    )
+    reason = early or growth_note(run[1])
+
+    def judged(row: Verdict) -> Verdict:
+        if early and row.contact == CLEAR:
+            return replace(row, contact=NOT_JUDGED, note=early)
+        if row in growing or (early and row.verdict == WITHIN):
+            return replace(row, limit=None, note=f"{reason}; {row.note}" if row.note else reason)
+        return row
+
+    return tuple(judged(row) for row in rows)
 
 
 def _grows(response: Response, row: Verdict, begin: float, *, goes_on: bool = True) -> bool:
-    """Return whether something within its limit reaches more than until `begin` [s], or is about to if it `goes_on`."""
+    """Tell whether something within its limit reaches more than until `begin` [s], or is about to if it `goes_on`."""
     if row.verdict != WITHIN or row.time is None or row.time <= begin:
         return False
     course = utilisation_over_time(response, row)
@@ -196,21 +189,13 @@ def _grows(response: Response, row: Verdict, begin: float, *, goes_on: bool = Tr
     return goes_on and late / max(fall, 1.0 / _CREEPS) > GROWTH
 
 
-def _quiet_from(response: Response) -> float:
-    """Return the instant [s] from which on nothing may grow, of older responses infinite, since they do not say enough."""
-    numerics = response.numerics
-    run = response.initial_state.time, response.final_state.time
-    old = math.isnan(numerics.slowest_period)
-    return math.inf if old else quiet_from(response.motion, run, numerics.motion_end)
-
-
 def growth_note(end: float) -> str:
-    """Return the note on what is not judged since something grows until the end of a run [s]."""
+    """Note what is not judged since something grows until the end of a run [s]."""
     return f"{GROWS} at {duration_text(end, 4)}: run longer"
 
 
 def quiet_from(motion: Entries, run: tuple[float, float], over: float) -> float:
-    """Return the instant [s] from which on nothing may grow; infinite where that may be until the end.
+    """Find the instant [s] from which on nothing may grow; infinite where that may be until the end.
 
     After a shock that is half of the free vibration: what a strong one passes on slowly, as to rocking, peaks late.
     The arguments are those of `ends_early`.

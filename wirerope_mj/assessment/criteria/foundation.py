@@ -13,7 +13,7 @@ from wirerope_mj.foundation.directions import rotation_matrices
 
 
 def foundation_force(response: Response, names: Collection[str] | None = None) -> Array:
-    """Return the sum of the mounts' forces on what carries them, weight included [N], world axes, (n_t, 3); of all or of some.
+    """Sum the mounts' forces on what carries them, weight included [N], world axes, (n_t, 3); of all or of some.
 
     A mount pulls its payload by minus R F and its base by R F, with R the axes of the base site, see
     `wirerope_mj.engine.control.mounts`; those whose base moves by itself, such as a frame between two stages, are left out.
@@ -29,7 +29,7 @@ def foundation_force(response: Response, names: Collection[str] | None = None) -
 
 
 def standing(scene: Scene) -> list[SceneMount]:
-    """Return the mounts that stand on the base or on the world, not on what moves by itself."""
+    """List the mounts that stand on the base or on the world, not on what moves by itself."""
     moving = {body.name for body in scene.bodies if body.moves and not body.on_base}
     return [mount for mount in scene.mounts if mount.base_body not in moving]
 
@@ -52,23 +52,23 @@ class AreaForce:
 
 
 def area_forces(response: Response) -> list[AreaForce]:
-    """Return what all mounts and those of each area of the deck exert on it; contacts of geoms are not among them."""
-    time, standing_there = response.time, [mount.name for mount in standing(response.scene)]
-    areas: dict[str, Collection[str]] = {"": standing_there, **response.scene.areas}
-    found = []
+    """Find the largest forces of all mounts and of those of each area on the deck; contacts of geoms are not among them."""
+    time, on_deck = response.time, [mount.name for mount in standing(response.scene)]
+    areas: dict[str, Collection[str]] = {"": on_deck, **response.scene.areas}
+    loads = []
     for name, mounts in areas.items():
         force = foundation_force(response, mounts)
         across = np.hypot(force[:, 0], force[:, 1])
         low, high, side = int(force[:, 2].argmin()), int(force[:, 2].argmax()), int(across.argmax())
-        found.append(
+        loads.append(
             AreaForce(
-                name=name, mounts=len(set(mounts) & set(standing_there)), at_rest=float(-force[0, 2]),
+                name=name, mounts=len(set(mounts) & set(on_deck)), at_rest=float(-force[0, 2]),
                 down=max(float(-force[low, 2]), 0.0), down_time=float(time[low]),
                 up=max(float(force[high, 2]), 0.0), up_time=float(time[high]),
                 across=float(across[side]), across_time=float(time[side]),
             )
         )  # fmt: skip
-    return found
+    return loads
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,7 @@ class BoltLoad:
 
 
 def bolt_loads(response: Response) -> list[BoltLoad]:
-    """Return the loads of the bolts of every mount whose isolator says how many it has, the largest tension first.
+    """Compute the loads of the bolts of every mount whose isolator says how many it has, the largest tension first.
 
     The plate is rigid. A bolt has its share of the axial tension and of the force across. That acts at half the height: its
     moment pulls the bolts of one side by F h / 2 over their distance, shared by half of them; a line of bolts bears none about

@@ -1,6 +1,6 @@
 """All verdicts on a run, and the answer that they are in one sentence."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.acceleration import UNLIMITED, acceleration_verdicts
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, require_over
@@ -42,44 +42,39 @@ _SHOWN = 5
 
 def headline(verdicts: Sequence[Verdict]) -> str:
     """Say whether the limits are kept, what is most critical, how many stops are struck, and how much is not judged."""
+
+    def several(count: int, thing: str) -> str:
+        return f"{count} {thing}{'' if count == 1 else 's'}"
+
     early = next((row.note.partition("; ")[0] for row in verdicts if row.note.startswith(TOO_EARLY)), "")
     over, within = (sum(row.verdict == verdict for row in verdicts) for verdict in (EXCEEDED, WITHIN))
     judged = over + within
+    part, missing = scope(verdicts)
     if over:
-        answer = fail_text(f"{over} of {_several(judged, 'check')} exceeded", verdicts)
+        answer = fail_text(f"{over} of {several(judged, 'check')} exceeded", verdicts)
     elif early:
         answer = f"{UNKNOWN}: {early}"
     elif judged:
         checks = "the only check is" if judged == 1 else f"all {judged} checks are"
-        answer = f"{PASS}{scope(verdicts)[0]}: {checks} within limits; most critical {critical_text(verdicts)}"
+        answer = f"{PASS}{part}: {checks} within limits; most critical {critical_text(verdicts)}"
     else:
         answer = f"{UNKNOWN}: no limit is stated for anything in this run"
-    return "; ".join([answer, *_clauses(verdicts, early, over, within)]) + "."
-
-
-def _clauses(verdicts: Sequence[Verdict], early: str, over: int, within: int) -> Iterator[str]:
-    """Yield what else must be known to read the answer."""
-    if within + over and not early and (missing := scope(verdicts)[1]):
-        yield missing
-    if amplified := amplified_text(verdicts):
-        yield amplified
-    contacts = sum(bool(row.contact) for row in verdicts)
+    clauses = [answer, missing if judged and not early else "", amplified_text(verdicts)]
     for thing, of_mounts in (("contact pair", False), ("stop", True)):
         outcomes = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
         if STRUCK in outcomes:
-            yield f"{outcomes.count(STRUCK)} of {_several(len(outcomes), thing)} struck"
-    left = len(verdicts) - over - within - contacts
+            clauses.append(f"{outcomes.count(STRUCK)} of {several(len(outcomes), thing)} struck")
+    left = len(verdicts) - judged - sum(bool(row.contact) for row in verdicts)
     if early and within:
-        yield f"{_several(within, 'check')} of the state at rest kept"
-    elif over + within and left:
-        other = any(row.note.startswith((TOO_EARLY, SAMPLED)) or GROWS in row.note for row in verdicts if not row.contact)
-        plain = f"{_several(left, 'value')} {'has' if left == 1 else 'have'} no limit"
-        yield f"{_several(left, 'value')} {'is' if left == 1 else 'are'} not judged" if other else plain
-    grows = sum(row.note.startswith(GROWS) for row in verdicts)
-    if grows:
-        yield f"{grows} of them still {'grows' if grows == 1 else 'grow'} when the run ends: run longer"
-    if early and over:
-        yield early
+        clauses.append(f"{several(within, 'check')} of the state at rest kept")
+    elif judged and left:
+        reasons = any(row.note.startswith((TOO_EARLY, SAMPLED)) or GROWS in row.note for row in verdicts if not row.contact)
+        verb, why = ("is" if left == 1 else "are", "not judged") if reasons else ("has" if left == 1 else "have", "no limit")
+        clauses.append(f"{several(left, 'value')} {verb} {why}")
+    if grows := sum(row.note.startswith(GROWS) for row in verdicts):
+        clauses.append(f"{grows} of them still {'grows' if grows == 1 else 'grow'} when the run ends: run longer")
+    clauses.append(early if over else "")
+    return "; ".join(clause for clause in clauses if clause) + "."
 
 
 def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
@@ -87,38 +82,37 @@ def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
     rows = [row for row in verdicts if not row.contact]
     parts = {
         "mounts": [row for row in rows if row.criterion.kind in _OF_MOUNTS],
-        "rattle space": [row for row in rows if row.criterion.kind == RATTLE_SPACE],
         "payload": [row for row in rows if row.criterion.kind not in (*_OF_MOUNTS, RATTLE_SPACE)],
+        "rattle space": [row for row in rows if row.criterion.kind == RATTLE_SPACE],
     }
-    judged = {part: any(row.utilisation is not None for row in own) for part, own in parts.items()}
-    missing = [part for part in ("mounts", "payload") if parts[part] and not judged[part]]
+    judged = [part for part, members in parts.items() if any(row.utilisation is not None for row in members)]
+    missing = [part for part in ("mounts", "payload") if parts[part] and part not in judged]
     if not missing:
         return "", ""
-    (part,) = missing if len(missing) == 1 else ("payload",)
-    stated = all(row.note.endswith((UNLIMITED, RATTLE_UNLIMITED)) for row in parts[part]) if part == "payload" else True
-    of = " and ".join(one for one in ("mounts", "payload", "rattle space") if judged[one])
-    what = "acceleration of the payload" if part == "payload" and judged["rattle space"] else part
-    why = "" if not stated else ": no limit stated" if part == "payload" else ": nothing is rated"
-    return f" of the {of}", f"{what} not judged{why}"
+    part, why = missing[-1], ": nothing is rated"
+    if part == "payload":
+        stated = all(row.note.endswith((UNLIMITED, RATTLE_UNLIMITED)) for row in parts[part])
+        why = ": no limit stated" if stated else ""
+    what = "acceleration of the payload" if part == "payload" and "rattle space" in judged else part
+    return f" of the {' and '.join(judged)}", f"{what} not judged{why}"
 
 
 def amplified_text(verdicts: Sequence[Verdict]) -> str:
     """Say whose acceleration is largest beside the base's; "" where none is more than that."""
     if (worst := most_amplified(verdicts)) is None:
         return ""
-    subject, found = worst
-    value, base = (f"{number / STANDARD_GRAVITY:.3g}" for number in (found.value, found.base))
-    return f"amplification {found.ratio:.3g} at {subject} ({found.measure} {value} g, base {base} g)"
+    subject, amplification = worst
+    value, base = (f"{number / STANDARD_GRAVITY:.3g}" for number in (amplification.value, amplification.base))
+    return f"amplification {amplification.ratio:.3g} at {subject} ({amplification.measure} {value} g, base {base} g)"
 
 
 def fail_text(count: str, verdicts: Sequence[Verdict], where: str = "") -> str:
     """Say that limits are exceeded, how many and which most; first of all where weight rests on stops at rest."""
     rested = most_used(row for row in verdicts if row.criterion.kind == RESTED)
-    others = [row for row in verdicts if row.criterion.kind != RESTED]
     if rested is None:
         return f"{FAIL}: {count}; worst {critical_text(verdicts)}{where}"
-    more = most_used(others)
-    worst = f"; else most critical {critical_text(others)}" if more is not None else ""
+    rest = [row for row in verdicts if row.criterion.kind != RESTED]
+    worst = f"; else most critical {critical_text(rest)}" if most_used(rest) is not None else ""
     return f"{FAIL}: {rested.note}; {count}{worst}"
 
 
@@ -149,14 +143,10 @@ class Verdicts(tuple[Verdict, ...]):
         return "\n".join([f"{len(self)} verdicts. {headline(self)}", *lines])
 
 
-def _several(count: int, thing: str) -> str:
-    return f"{count} {thing}{'' if count == 1 else 's'}"
-
-
 def judge(
     response: Response, limits: Sequence[PayloadLimit] | None = None, *, statics: StaticTable | None = None
 ) -> tuple[Verdict, ...]:
-    """Return the verdicts on accelerations, travels, bottoming, rattle space, static loads and contacts of a run.
+    """Judge accelerations, travels, bottoming, rattle space, static loads and contacts of a run.
 
     Where the run ends before its peaks are over, only what is exceeded already is judged of them.
 

@@ -31,7 +31,7 @@ AT_REST = 1e-3 * STANDARD_GRAVITY
 
 
 def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Return a verdict on the compression every mount carries at the start of the run against its rated static load.
+    """Judge the compression every mount carries at the start of the run against its rated static load.
 
     The rating holds for compression. A mount that hangs, or carries more across its axis than along it, is not judged, nor
     is a run that does not begin at rest in equilibrium.
@@ -49,7 +49,7 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
 
 
 def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
-    """Return a verdict on the compression of every mount, history by history, as `starting_load_verdicts` does for a run.
+    """Judge the compression of every mount, history by history, as `starting_load_verdicts` does for a run.
 
     Not judged where no load is rated, where the mount hangs, and where it carries more across its axis than along it.
     """
@@ -61,7 +61,7 @@ def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
 
 
 def rested_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
-    """Return for each history in which stops or contacts carry weight at rest by how much, of the weight; () where none does.
+    """Judge for each history the share of the weight that stops or contacts carry at rest; () where none does.
 
     Isolation is short-circuited there: what the base does goes through them.
     """
@@ -78,21 +78,13 @@ def rested_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
                 f"isolation is short-circuited at rest, {when}: {some} {'carries' if len(names) == 1 else 'carry'} "
                 f"{100.0 * share:.2g} % of the weight"
             )
-            verdicts.append(
-                Verdict(
-                    criterion=Criterion(RESTED, sense=history),
-                    subject=names[0],
-                    value=share,
-                    limit=AT_STOPS,
-                    unit="",
-                    note=note,
-                )
-            )
+            criterion = Criterion(RESTED, sense=history)
+            verdicts.append(Verdict(criterion=criterion, subject=names[0], value=share, limit=AT_STOPS, unit="", note=note))
     return tuple(verdicts)
 
 
 def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
-    """Return for each history without an equilibrium that its static loads are not judged, and why."""
+    """Note for each history without an equilibrium that its static loads are not judged, and why."""
     return tuple(
         Verdict(
             criterion=Criterion(STATIC_LOAD, sense=history), subject="every mount", value=math.nan, limit=None, unit="N",
@@ -112,24 +104,23 @@ def _static(
 
 
 def contact_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Return what became of every pair of geoms that may touch and of every stop, with the largest force [N].
+    """Say of every pair of geoms that may touch and of every stop what became of it, with the largest force [N].
 
     () where none was recorded. No limit is stated for a contact: that a stop is struck is the finding, since the
     accelerations depend on its stiffness and damping from then on.
     """
-    return tuple(_verdict(name, contact) for name, contact in (response.peaks.contacts or {}).items())
-
-
-def _verdict(name: str, contact: ContactPeak) -> Verdict:
-    return Verdict(
-        criterion=STOP if contact.mount else CONTACT, subject=name, value=contact.force, limit=None, unit="N",
-        time=contact.force_time, note=contact_text(contact),
-        contact=STRUCK if contact.struck else TOUCHING if contact.touches else CLEAR,
+    return tuple(
+        Verdict(
+            criterion=STOP if contact.mount else CONTACT, subject=name, value=contact.force, limit=None, unit="N",
+            time=contact.force_time, note=contact_text(contact),
+            contact=STRUCK if contact.struck else TOUCHING if contact.touches else CLEAR,
+        )
+        for name, contact in (response.peaks.contacts or {}).items()
     )  # fmt: skip
 
 
 def contact_text(contact: ContactPeak) -> str:
-    """Return when a pair or a stop touched first, how often, how deep and for how long; "" for one that never did."""
+    """Say when a pair or a stop touched first, how often, how deep and for how long; "" for one that never did."""
     if not contact.touches:
         return ""
     strikes = contact.touches - int(contact.from_start)
@@ -140,6 +131,6 @@ def contact_text(contact: ContactPeak) -> str:
 
 
 def closing_text(name: str, contact: ContactPeak) -> str:
-    """Return when a stop of a mount closed first and its largest force, "stop s3 closed at 61.2 ms, up to 4.1 kN"."""
+    """Say when a stop of a mount closed first and its largest force, "stop s3 closed at 61.2 ms, up to 4.1 kN"."""
     when = instant_text(contact.first_touch or 0.0)
     return f"{contact.called(name)} closed at {when}, up to {force_text(contact.force)}"

@@ -52,13 +52,13 @@ class MountPeak:
         return [rating for rating, row in self.travel.items() if row.verdict == EXCEEDED]
 
     def utilisation_along(self, axis: str) -> float | None:
-        """Return the largest utilisation of the ratings of "roll", "shear" or "axial"; None = not judged."""
+        """Find the largest utilisation of the ratings of "roll", "shear" or "axial"; None = not judged."""
         values = [self.travel[side].utilisation for side in SIDES[axis]]
         return max((value for value in values if value is not None), default=None)
 
 
 def body_peaks(response: Response) -> list[BodyPeak]:
-    """Return the peaks of base, bodies and points; the base first, then the largest."""
+    """List the peaks of base, bodies and points; the base first, then the largest."""
     bodies, points = response.peaks.bodies, response.peaks.points
     peaks = [("base" if name == response.scene.base else "body", name, bodies[name].acceleration) for name in bodies]
     peaks += [("point", name, points[name].acceleration) for name in points]
@@ -70,7 +70,7 @@ def body_peaks(response: Response) -> list[BodyPeak]:
 
 
 def mount_peaks(response: Response) -> list[MountPeak]:
-    """Return the peaks of the mounts; the largest utilisation of a rated travel first, those not judged last."""
+    """List the peaks of the mounts; the largest utilisation of a rated travel first, those not judged last."""
     rows, early = [], too_short(response)
     for mount in response.scene.isolating:
         peaks = response.peaks.mounts[mount.name]

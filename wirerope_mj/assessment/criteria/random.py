@@ -17,9 +17,9 @@ from wirerope_mj.assessment.criteria.sampled import (
 )
 from wirerope_mj.assessment.criteria.verdict import LARGEST, RMS, SIGMA, Criterion, Verdict, limits_by_name, payload_bodies
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.arrays import Array, ArrayLike
+from wirerope_mj.foundation.arrays import ArrayLike
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-from wirerope_mj.motions.spectra import PowerSpectralDensity, power_spectral_density
+from wirerope_mj.motions.spectra import power_spectral_density
 
 SIGMAS = 3.0
 
@@ -29,7 +29,7 @@ def random_verdicts(
     limit: float | None = None, rms_limit: float | None = None, resolution: float | None = None, along: str = "",
     fixed_over: float | None = None,
 ) -> tuple[Verdict, ...]:  # fmt: skip
-    """Return verdicts on the rms, the 3-sigma value and the largest value of a stationary acceleration.
+    """Judge the rms, the 3-sigma value and the largest value of a stationary acceleration.
 
     Only what is stationary may count: neither the settling at the beginning nor the fall of the vibration and what follows
     it. How well the rms is known stands in the notes: with statistical bandwidth B and length t its relative standard error
@@ -64,12 +64,26 @@ def random_verdicts(
     kept = round(density.duration * (instants.size - 1) / float(instants[-1] - instants[0]))
     instants, values = instants[-kept:], values[-kept:]
     rms = float(np.std(values))
-    uncertainty = _uncertainty(density, rms, fixed_over)
     largest, when = sampled_peak(instants, np.abs(values - values.mean()))
+    uncertainty, expected = "", ""
+    if rms > 0.0:
+        gaussian = f"{100.0 * float(density.rms_error):.2g} %"
+        length = f"({density.duration:.4g} s of a bandwidth of {float(density.bandwidth):.3g} Hz)"
+        uncertainty = f"standard error {gaussian} {length}"
+        if fixed_over is not None:
+            # A record that is all of it has one rms; the bandwidth is known to some 10 %, and so no less than a tenth is said.
+            part = max(math.sqrt(max(1.0 - density.duration / fixed_over, 0.0)), 0.1)
+            error = f"standard error {100.0 * float(density.rms_error) * part:.2g} %"
+            uncertainty = f"{error} from seed to seed, amplitudes being fixed; {gaussian} in Gaussian vibration {length}"
+        # The zeros of a Gaussian process are crossed upward sqrt(int f^2 G df / int G df) times a second (Rice 1944), and the
+        # largest size of N = twice as many half waves has the mean c + 0.577 / c in sigma, c = sqrt(2 ln N) (Davenport 1964).
+        rate = math.sqrt(float(np.sum(density.frequency**2 * density.density) / np.sum(density.density)))
+        c = math.sqrt(2.0 * math.log(max(2.0 * rate * density.duration, math.e)))
+        expected = f"{largest / rms:.3g} sigma; a Gaussian of this length is expected to reach {c + 0.5772 / c:.3g}"
     rows = (
         (RMS, rms, rms_limit, None, uncertainty),
         (SIGMA, SIGMAS * rms, limit, None, uncertainty),
-        (LARGEST, largest, limit, when, _expected(density, rms, largest)),
+        (LARGEST, largest, limit, when, expected),
     )
     return tuple(
         Verdict(
@@ -84,7 +98,7 @@ def judge_random(
     response: Response, *, discard: float | None = None, end: float | None = None, limits: Sequence[PayloadLimit] | None = None,
     resolution: float | None = None,
 ) -> tuple[Verdict, ...]:  # fmt: skip
-    """Return `random_verdicts` on x, y and z of every payload body and every point that move along them.
+    """Judge by `random_verdicts` x, y and z of every payload body and every point that move along them.
 
     Without `discard` and `end`, the interval in which the base is stationary counts, from where the response has settled
     in it: three decay times of the resonance that dominates, from the width of its peak (`settling` of the density).
@@ -110,57 +124,24 @@ def judge_random(
     kinds = {name: "bodies" for name in bodies} | {name: "points" for name in response.points}
     random = [part for part in elements(response.motion) if "psd" in part]
     fixed = all(part.get("amplitudes", "fixed") == "fixed" for part in random) and alone
+    steady = slice(*np.searchsorted(response.time, [first, last]))
+    lead = max(first - float(response.time[0]), 0.0)
     verdicts: list[Verdict] = []
     for name, kind in kinds.items():
         acceleration = read_columns(response, f"{kind}/{name}/acceleration/x", 3)
         values = stated[name].values if name in stated else (0.0,)
         for axis in np.flatnonzero(np.ptp(acceleration, axis=0) > 1e-9 * np.ptp(acceleration)):
             history = acceleration[:, axis]
+            settled = discard
+            if settled is None:  # a response to what is steady from `first` on
+                settled = lead + float(power_spectral_density(response.time[steady], history[steady]).settling)
             verdicts += random_verdicts(
-                response.time, history, subject=name,
-                discard=_settled(response.time, history, first, last) if discard is None else discard, end=last,
+                response.time, history, subject=name, discard=settled, end=last,
                 limit=values[axis % len(values)] or None, resolution=resolution, along="xyz"[axis],
                 fixed_over=min(float(part["duration"]) for part in random) if fixed else None,
             )  # fmt: skip
-    return _if_enough(response, verdicts)
-
-
-def _if_enough(response: Response, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
-    """Return verdicts, none of them judged if the samples are too few for the highest frequency of the vibration."""
-    highest = max((float(part["psd"][-1][0]) for part in elements(response.motion) if "psd" in part), default=0.0)
+    highest = max((float(part["psd"][-1][0]) for part in random), default=0.0)
     if sample_rate(response.time) >= 2.0 * highest:
         return tuple(verdicts)
     note = f"{sampled_text(response.time)}, and the vibration reaches up to {highest:.4g} Hz"
-    return tuple(replace(row, limit=None, note="; ".join(part for part in (note, row.note) if part)) for row in verdicts)
-
-
-def _settled(time: Array, acceleration: Array, first: float, last: float) -> float:
-    """Return the length [s] from the first instant to where a response to what is steady from `first` on has settled."""
-    rows = slice(*np.searchsorted(time, [first, last]))
-    lead = max(first - float(time[0]), 0.0)
-    return lead + float(power_spectral_density(time[rows], acceleration[rows]).settling)
-
-
-def _uncertainty(density: PowerSpectralDensity, rms: float, fixed_over: float | None) -> str:
-    """Return how well the rms is known."""
-    if not rms > 0.0:
-        return ""
-    gaussian = 100.0 * float(density.rms_error)
-    length = f"{density.duration:.4g} s of a bandwidth of {float(density.bandwidth):.3g} Hz"
-    if fixed_over is None:
-        return f"standard error {gaussian:.2g} % ({length})"
-    # A record that is all of it has one rms; the bandwidth is known to some 10 %, and so no less than a tenth is said.
-    own = gaussian * max(math.sqrt(max(1.0 - density.duration / fixed_over, 0.0)), 0.1)
-    gaussian_text = f"{gaussian:.2g} % in Gaussian vibration ({length})"
-    return f"standard error {own:.2g} % from seed to seed, amplitudes being fixed; {gaussian_text}"
-
-
-def _expected(density: PowerSpectralDensity, rms: float, largest: float) -> str:
-    """Return in words the largest value over its rms, and the ratio expected of a Gaussian process of this length."""
-    # Its zeros are crossed upward sqrt(int f^2 G df / int G df) times a second (Rice 1944), and the largest size of N = twice
-    # as many half waves has the mean c + 0.577 / c in sigma, c = sqrt(2 ln N) (Davenport 1964).
-    if not rms > 0.0:
-        return ""
-    rate = math.sqrt(float(np.sum(density.frequency**2 * density.density) / np.sum(density.density)))
-    c = math.sqrt(2.0 * math.log(max(2.0 * rate * density.duration, math.e)))
-    return f"{largest / rms:.3g} sigma; a Gaussian of this length is expected to reach {c + 0.5772 / c:.3g}"
+    return tuple(replace(row, limit=None, note=f"{note}; {row.note}" if row.note else note) for row in verdicts)

@@ -20,7 +20,7 @@ SAMPLED = "sampled at"  # How the notes begin on what is not judged because samp
 
 
 def read_columns(response: Response, first: str, count: int) -> Array:
-    """Return `count` columns from the one named `first` on, (n_t, count).
+    """Read `count` columns from the one named `first` on, (n_t, count).
 
     They are not kept in the response: of a long one in a file only what is looked at is in memory.
     """
@@ -29,18 +29,18 @@ def read_columns(response: Response, first: str, count: int) -> Array:
 
 
 def read_start(response: Response, first: str, count: int) -> Array:
-    """Return the first sample of `count` columns from the one named `first` on, (count,)."""
+    """Read the first sample of `count` columns from the one named `first` on, (count,)."""
     column = response.samples.names.index(first)
     return next(iter(response.samples.blocks(column, column + count)))[0]
 
 
 def sampled_text(time: Array) -> str:
-    """Return at what rate something is sampled, as a note of what is not judged for it."""
+    """Note at what rate something is sampled."""
     return f"{SAMPLED} {sample_rate(time):.4g} Hz"
 
 
 def samples_hold(response: Response) -> str:
-    """Return what the samples of a run can tell, as a sentence: up to which frequency, and how much of the peaks they reach."""
+    """Say what the samples of a run can tell: up to which frequency, and how much of the peaks they reach."""
     rate, worst, of_what = sample_rate(response.time), 0.0, ""
     for kind, peaks in (("bodies", response.peaks.bodies), ("points", response.peaks.points)):
         for name, peak in peaks.items():
@@ -57,14 +57,14 @@ _MISSED = 0.01
 
 
 def sampled_peak(time: Array, values: Array) -> tuple[float, float]:
-    """Return the largest of `values` (n,) and its instant [s], refined by the parabola through the samples beside it."""
+    """Find the largest of `values` (n,) and its instant [s] by the parabola through the samples beside it."""
     k = int(values.argmax())
     if 0 < k < values.size - 1:
-        before, here, after = values[k - 1 : k + 2].tolist()
-        bend = before - 2.0 * here + after
+        before, top, after = values[k - 1 : k + 2].tolist()
+        bend = before - 2.0 * top + after
         if bend < 0.0:
             shift = 0.5 * (before - after) / bend
-            return here - 0.25 * (before - after) * shift, float(time[k] + shift * (time[k + 1] - time[k]))
+            return top - 0.25 * (before - after) * shift, float(time[k] + shift * (time[k + 1] - time[k]))
     return float(values[k]), float(time[k])
 
 
@@ -73,7 +73,7 @@ STEADY = frozenset({"sweep", "sine", "vibration-lines", "harmonic-force", "unbal
 
 
 def steady_interval(motion: Entries) -> tuple[bool, float, float]:
-    """Return whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
+    """Tell whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
 
     Without any random vibration these are minus and plus infinity. Files of records are not read.
     """
@@ -105,15 +105,15 @@ _TRUSTED = 0.01
 
 
 def sample_rate(time: Array) -> float:
-    """Return the rate of uniform samples [Hz], from their instants [s]; 0 for one alone."""
+    """Rate of uniform samples [Hz], from their instants [s]; 0 for one alone."""
     return (time.size - 1) / float(time[-1] - time[0]) if time.size > 1 else 0.0
 
 
 def path(values: Array, rates: Array, spacing: float) -> tuple[Array, Array]:
-    """Return samples, (n,), and extremes of the cubics between them in their order, and where they are, in samples."""
+    """Reach along samples, (n,), and extremes of the cubics between them in their order, and where these are, in samples."""
     start, step = values[:-1], np.diff(values)
-    slope, other = spacing * rates[:-1], spacing * rates[1:]
-    square, cube = 3.0 * step - 2.0 * slope - other, slope + other - 2.0 * step
+    slope, last = spacing * rates[:-1], spacing * rates[1:]
+    square, cube = 3.0 * step - 2.0 * slope - last, slope + last - 2.0 * step
     # Roots of the derivative, slope + 2 square s + 3 cube s^2, without the loss of digits of the usual formula.
     with np.errstate(divide="ignore", invalid="ignore"):
         q = -(square + np.copysign(np.sqrt(square * square - 3.0 * cube * slope), square))
@@ -137,7 +137,7 @@ def misfit(values: Array, rates: Array, spacing: float) -> Array:
 
 
 def peak_between(time: Array, values: Array, rates: Array) -> tuple[float, float, float]:
-    """Return the largest value, its instant [s], and by how much the history may be above it; never more than it reached."""
+    """Find the largest value, its instant [s], and by how much the history may be above it; never more than it reached."""
     if values.size < 2:
         return float(values[0]), float(time[0]), np.inf
     spacing = 1.0 / sample_rate(time)
@@ -155,10 +155,10 @@ def peak_between(time: Array, values: Array, rates: Array) -> tuple[float, float
 
 
 def parabolas(values: Array) -> Array:
-    """Return samples (n,), whose turning points are those of the parabolas through three of them."""
+    """Refine the turning points of samples (n,) by the parabolas through three of them."""
     refined = values.copy()
-    before, here, after = values[:-2], values[1:-1], values[2:]
-    turns = (here - before) * (after - here) < 0.0
-    bend = np.where(turns, before - 2.0 * here + after, 1.0)
+    before, middle, after = values[:-2], values[1:-1], values[2:]
+    turns = (middle - before) * (after - middle) < 0.0
+    bend = np.where(turns, before - 2.0 * middle + after, 1.0)
     refined[1:-1] -= np.where(turns, 0.125 * (before - after) ** 2 / bend, 0.0)
     return refined

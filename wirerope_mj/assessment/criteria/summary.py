@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.judge import headline
 from wirerope_mj.assessment.criteria.loads import closing_text
-from wirerope_mj.assessment.criteria.peaks import MountPeak, body_peaks, mount_peaks
+from wirerope_mj.assessment.criteria.peaks import body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.travel import ELLIPSOID
 from wirerope_mj.assessment.criteria.verdict import (
     ACCELERATION,
@@ -42,15 +42,33 @@ _LIMITS = 8  # limits of the payload that have lines of their own
 
 
 def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
+    """Say the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
     early = too_short(response)  # whose reason stands in the headline
     lines = ["What is not exceeded yet is not judged."] if early else []
-    lines += _payload_lines(verdicts, early) + _travel_lines(response, verdicts)
+    kinds = (ACCELERATION, RATTLE_SPACE)
+    rows = [row for row in verdicts if row.criterion.kind in (*kinds, RMS, SIGMA, LARGEST)]
+    judged = sorted((row for row in rows if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
+    lines += [f"{row.verdict.capitalize()}: {against_limit(row)}{_at(row)}." for row in judged[:_LIMITS]]
+    if more := judged[_LIMITS:]:
+        over = sum(row.verdict == EXCEEDED for row in more)
+        lines.append(f"Of the payload's other limits {over or 'none'} of {len(more)} is exceeded.")
+    unjudged = [kind for kind in kinds if not any(row.criterion.kind == kind for row in judged)]
+    if unjudged and rows and not early:
+        lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
+    mounts = mount_peaks(response)
+    rated = [row for row in mounts if row.utilisation is not None]
+    lines += single_travel_lines([verdict for row in mounts for verdict in row.travel.values()])
+    lines += (_combined_lines(response, verdicts, early) if rated else []) + pressed_lines(verdicts)
+    together = any(row.criterion == COMBINED and row.verdict != NOT_JUDGED for row in verdicts)  # whose line says it
+    untensioned = bool(rated) and not together and all(row.travel["tension"].utilisation is None for row in rated)
+    unrated = ["tension of every mount"] * untensioned + [row.name for row in mounts if row.utilisation is None]
+    if unrated and not early:
+        lines.append(f"Not judged, because no travel is rated: {', '.join(unrated)}.")
     return lines + static_load_lines(verdicts) + contact_lines(response, early)
 
 
 def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return which mount has most of its rated static load; nothing where none is judged."""
+    """Name the mount with most of its rated static load; nothing where none is judged."""
     worst = most_used(row for row in verdicts if row.criterion.kind == STATIC_LOAD)
     if worst is None:
         return []
@@ -59,97 +77,49 @@ def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def rested_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return that stops or contacts carry weight at rest, history by history; nothing where none does."""
+    """Say that stops or contacts carry weight at rest, history by history; nothing where none does."""
     return [f"{row.note[:1].upper()}{row.note[1:]}." for row in verdicts if row.criterion.kind == RESTED]
 
 
 def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return whose rule it is that mounts leave, if they leave one that is not a vendor's."""
+    """Say whose rule it is that mounts leave, if they leave one that is not a vendor's."""
     return [OWN_RULE] if any(row.criterion == COMBINED and row.verdict == EXCEEDED for row in verdicts) else []
 
 
 def contact_lines(response: Response, early: str = "") -> list[str]:
-    """Return which pair of geoms was struck hardest and how many others were, which stops closed, and what touches always."""
-    known = response.peaks.contacts or {}
-    contacts = {name: contact for name, contact in known.items() if not contact.mount}
-    lines, struck = [], [name for name in response.peaks.struck if name in contacts]
-    if struck:
-        first, hardest = contacts[struck[0]], max(struck, key=lambda name: contacts[name].force)
-        lines.append(
-            f"Struck: {_listed(struck)}; first {struck[0]} at {first.first_touch:.4f} s, hardest {hardest} with "
-            f"{force_text(contacts[hardest].force)}. Accelerations are uncertain from the first touch on."
-        )
-    elif contacts and not any(contact.touches for contact in contacts.values()):
-        lines.append(_untouched(len(contacts), "contact pair", early))
-    lines += _stop_lines(response, len(known) - len(contacts), early)
+    """Say which pair of geoms was struck hardest and how many others were, which stops closed, and what touches always."""
+    known, lines = response.peaks.contacts or {}, []
+    for thing, of_mounts in (("contact pair", False), ("bump stop", True)):
+        contacts = {name: contact for name, contact in known.items() if bool(contact.mount) is of_mounts}
+        struck = [name for name in response.peaks.struck if name in contacts]
+        if struck and of_mounts:
+            text = _listed([closing_text(name, contacts[name]) for name in struck], "; ")
+            lines.append(f"{text[0].upper()}{text[1:]}. From then on accelerations depend on what the stops are made of.")
+        elif struck:
+            first, hardest = contacts[struck[0]], max(struck, key=lambda name: contacts[name].force)
+            lines.append(
+                f"Struck: {_listed(struck)}; first {struck[0]} at {first.first_touch:.4f} s, hardest {hardest} with "
+                f"{force_text(contacts[hardest].force)}. Accelerations are uncertain from the first touch on."
+            )
+        elif contacts and not any(contact.touches for contact in contacts.values()):
+            which = f"The {thing} is not" if len(contacts) == 1 else f"None of the {len(contacts)} {thing}s is"
+            lines.append(f"{which} touched{' until the run ends' if early else ''}.")
     resting = [contact.called(name) for name, contact in known.items() if contact.from_start and not contact.struck]
-    if resting:
-        lines.append(f"Touching from the start: {_listed(resting)}.")
-    return lines
-
-
-def _stop_lines(response: Response, n_stops: int, early: str) -> list[str]:
-    """Return which stops of mounts closed, the first one first, or that none of them did."""
-    contacts = response.peaks.contacts or {}
-    closed = [name for name in response.peaks.struck if contacts[name].mount]
-    if closed:
-        text = _listed([closing_text(name, contacts[name]) for name in closed], "; ")
-        return [f"{text[0].upper()}{text[1:]}. From then on accelerations depend on what the stops are made of."]
-    if n_stops and not any(contact.touches for contact in contacts.values() if contact.mount):
-        return [_untouched(n_stops, "bump stop", early)]
-    return []
-
-
-def _untouched(count: int, thing: str, early: str) -> str:
-    """Say that nothing of a kind is touched, as far as the run goes."""
-    which = f"The {thing} is not" if count == 1 else f"None of the {count} {thing}s is"
-    return f"{which} touched{' until the run ends' if early else ''}."
+    return [*lines, f"Touching from the start: {_listed(resting)}."] if resting else lines
 
 
 def _listed(names: list[str], between: str = ", ") -> str:
-    """Return some names and how many more there are."""
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return between.join(names[:_NAMED]) + more
 
 
-def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
-    """Give every limit of the payload a line, the most critical first, and say what has no limit."""
-    kinds = (ACCELERATION, RATTLE_SPACE)
-    rows = [row for row in verdicts if row.criterion.kind in (*kinds, RMS, SIGMA, LARGEST)]
-    judged = sorted((row for row in rows if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
-    lines = [f"{row.verdict.capitalize()}: {against_limit(row)}{_at(row)}." for row in judged[:_LIMITS]]
-    if more := judged[_LIMITS:]:
-        over = sum(row.verdict == EXCEEDED for row in more)
-        which = f"{over} of {len(more)}" if over else f"none of {len(more)}"
-        lines.append(f"Of the payload's other limits {which} is exceeded.")
-    unjudged = [kind for kind in kinds if not any(row.criterion.kind == kind for row in judged)]
-    if unjudged and rows and not early:
-        lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
-    return lines
-
-
 def against_limit(row: Verdict) -> str:
-    """Return a value beside its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"; of a ratio the percentage."""
+    """Put a value beside its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"; of a ratio the percentage."""
     used = f"{100.0 * (row.utilisation or 0.0):.0f} %"
     if not row.unit:
         return f"{row.criterion} of {row.subject}, {used}"
     unit, factor = shown_in(row.unit)
     return f"{row.criterion} of {row.subject}, {factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit} ({used})"
-
-
-def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
-    """Return what the worst mount uses of its rated travel, which mounts exceed it, and which are not judged."""
-    mounts = mount_peaks(response)
-    judged = [row for row in mounts if row.utilisation is not None]
-    lines = single_travel_lines([verdict for row in mounts for verdict in row.travel.values()])
-    lines += (_combined_line(response, verdicts) if judged else []) + pressed_lines(verdicts)
-    together = any(row.criterion == COMBINED and row.verdict != NOT_JUDGED for row in verdicts)  # whose line says it
-    untensioned = bool(judged) and not together and all(row.travel["tension"].utilisation is None for row in judged)
-    unjudged = ["tension of every mount"] if untensioned else []
-    unjudged += [row.name for row in mounts if row.utilisation is None]
-    if unjudged and not too_short(response):
-        lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")
-    return lines
 
 
 def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
@@ -167,7 +137,6 @@ def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _at(row: Verdict) -> str:
-    """Return when a value was reached, " at 61.2 ms"; "" if it has no instant."""
     return "" if row.time is None else f" at {instant_text(row.time)}"
 
 
@@ -180,7 +149,7 @@ def pressed_lines(verdicts: Sequence[Verdict]) -> list[str]:
     ] if flat else []  # fmt: skip
 
 
-def _combined_line(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
+def _combined_lines(response: Response, verdicts: Sequence[Verdict], early: str) -> list[str]:
     """Say at how many mounts all axes together come to more than the ratings, what is left out, and what is not judged."""
     every = [row for row in verdicts if row.criterion == COMBINED]
     rows = {row.subject: row for row in every if row.verdict != NOT_JUDGED}
@@ -200,61 +169,50 @@ def _combined_line(response: Response, verdicts: Sequence[Verdict]) -> list[str]
             most = max(free, key=lambda row: row.value)
             parts.append(f"{way}, up to {1e3 * most.value:.3g} mm at {most.subject}, has no limit and is left out")
     reasons: dict[str, list[str]] = {}
-    for row in every if not too_short(response) else ():
-        if row.verdict == NOT_JUDGED:
+    for row in every:
+        if row.verdict == NOT_JUDGED and not early:
             reasons.setdefault(", ".join(part for part in row.note.split("; ") if part != ELLIPSOID), []).append(row.subject)
     parts += [f"not judged at {_listed(names)}: {reason}" for reason, names in reasons.items()]
     return [f"{'; '.join(parts)}."]
 
 
 def summary(response: Response, verdicts: Sequence[Verdict]) -> Entries:
-    """Return headline, peaks, limits and `verdicts` as plain values: accelerations [g], deflections [m], forces [N]."""
+    """Summarise headline, peaks, limits and `verdicts` as plain values: accelerations [g], deflections [m], forces [N]."""
     travel = {mount.name: mount.travel for mount in response.scene.mounts}
+    of_contacts = {row.subject: row.verdict for row in verdicts if row.criterion in (CONTACT, STOP)}
+    accelerations = [
+        {
+            "name": row.name, "kind": row.kind, "peak_g": in_unit(row.value, "g"), "time_s": row.time,
+            "axes_g": [in_unit(size, "g") for size in row.axes],
+        }
+        for row in body_peaks(response)
+    ]  # fmt: skip
+    mounts = []
+    for row in mount_peaks(response):
+        verdict = f"exceeds {', '.join(row.exceeded)}" if row.exceeded else NOT_JUDGED if row.utilisation is None else WITHIN
+        mounts.append({
+            "name": row.name, "isolator": row.isolator, "verdict": verdict,
+            "share_of_travel": {rating: verdict.utilisation for rating, verdict in row.travel.items()},
+            "rated_travel_m": travel[row.name],
+            "lowest_deflection_m": dict(zip(AXES, row.minimum, strict=True)),
+            "highest_deflection_m": dict(zip(AXES, row.maximum, strict=True)),
+            "extreme_force_N": dict(zip(AXES, row.force, strict=True)),
+        })  # fmt: skip
+    contacts = None  # of older runs, which did not record them
+    if response.peaks.contacts is not None:
+        contacts = [
+            {
+                "name": name, "geoms": list(contact.geoms), "bodies": list(contact.bodies), "mount": contact.mount,
+                "verdict": of_contacts.get(name, NOT_JUDGED), "from_start": contact.from_start, "touches": contact.touches,
+                "first_touch_s": contact.first_touch, "duration_s": contact.duration, "peak_force_N": contact.force,
+                "peak_force_time_s": contact.force_time, "penetration_m": contact.penetration,
+                "penetration_time_s": contact.penetration_time,
+            }
+            | ({} if contact.energy is None else {"energy_J": contact.energy})
+            for name, contact in response.peaks.contacts.items()
+        ]  # fmt: skip
     return {
         "headline": headline(verdicts), "verdicts": verdict_lines(response, verdicts),
         "judged": [verdict.to_dict() for verdict in verdicts],
-        "accelerations": [
-            {
-                "name": row.name, "kind": row.kind, "peak_g": in_unit(row.value, "g"), "time_s": row.time,
-                "axes_g": [in_unit(size, "g") for size in row.axes],
-            }
-            for row in body_peaks(response)
-        ],
-        "mounts": [
-            {
-                "name": row.name, "isolator": row.isolator, "verdict": _travel_verdict(row),
-                "share_of_travel": {rating: verdict.utilisation for rating, verdict in row.travel.items()},
-                "rated_travel_m": travel[row.name],
-                "lowest_deflection_m": dict(zip(AXES, row.minimum, strict=True)),
-                "highest_deflection_m": dict(zip(AXES, row.maximum, strict=True)),
-                "extreme_force_N": dict(zip(AXES, row.force, strict=True)),
-            }
-            for row in mount_peaks(response)
-        ],
-        "contacts": _contacts(response, verdicts),
+        "accelerations": accelerations, "mounts": mounts, "contacts": contacts,
     }  # fmt: skip
-
-
-def _travel_verdict(row: MountPeak) -> str:
-    """Return "within", "exceeds compression, ..." or "not judged"."""
-    if row.exceeded:
-        return f"exceeds {', '.join(row.exceeded)}"
-    return NOT_JUDGED if row.utilisation is None else WITHIN
-
-
-def _contacts(response: Response, verdicts: Sequence[Verdict]) -> list[Entries] | None:
-    """Return every pair of geoms that may touch and every stop; None where contacts were not recorded."""
-    if response.peaks.contacts is None:
-        return None
-    judged = {row.subject: row.verdict for row in verdicts if row.criterion in (CONTACT, STOP)}
-    return [
-        {
-            "name": name, "geoms": list(contact.geoms), "bodies": list(contact.bodies), "mount": contact.mount,
-            "verdict": judged.get(name, NOT_JUDGED), "from_start": contact.from_start, "touches": contact.touches,
-            "first_touch_s": contact.first_touch, "duration_s": contact.duration, "peak_force_N": contact.force,
-            "peak_force_time_s": contact.force_time, "penetration_m": contact.penetration,
-            "penetration_time_s": contact.penetration_time,
-        }
-        | ({} if contact.energy is None else {"energy_J": contact.energy})
-        for name, contact in response.peaks.contacts.items()
-    ]  # fmt: skip

@@ -19,7 +19,7 @@ from wirerope_mj.mounts.isolator.travel import RATINGS, falling_text, travel_in,
 
 
 def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Return a verdict on every mount for compression, tension, shear, roll and for all of them combined.
+    """Judge every mount in compression, tension, shear, roll and all of them combined.
 
     Deflections count from the unloaded mount, so that the sag is part of them. Beyond its rated compression a wire-rope
     isolator bottoms; for how long is in the note. Stops of the model are contacts, judged by `contact_verdicts`: what
@@ -42,7 +42,7 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
 
 
 def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
-    """Return the verdicts on the travel of a mount by rating, from the peaks of every step alone."""
+    """Judge the travel of a mount by rating, from the peaks of every step alone."""
     reached, verdicts = travel_reached(peak.minimum, peak.maximum), {}
     for rating, (axis, way) in RATINGS.items():
         down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
@@ -56,7 +56,7 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
 
 
 def rest_travel_verdicts(isolators: Mapping[str, Isolator], table: StaticTable) -> tuple[Verdict, ...]:
-    """Return the verdicts on the travel of every mount at rest and on its bars, history by history; `isolators` by mount."""
+    """Judge the travel of every mount at rest and its bars, history by history; `isolators` by mount."""
     verdicts: list[Verdict] = []
     for history, sag in table.sags.items():
         for name, mount in sag.listed.items():
@@ -66,17 +66,16 @@ def rest_travel_verdicts(isolators: Mapping[str, Isolator], table: StaticTable) 
             reached = travel_reached(mount.deflection, mount.deflection)
             rows = [(Criterion(TRAVEL, sense=rating), reached[rating], rated.get(rating)) for rating in RATINGS]
             rows.append((BOTTOMING, reached["compression"], geometry and geometry.solid_compression))
+            note = f"at rest, {history}"
             verdicts += [
-                Verdict(
-                    criterion=criterion, subject=name, value=float(value), limit=limit, unit="m", note=f"at rest, {history}"
-                )
+                Verdict(criterion=criterion, subject=name, value=float(value), limit=limit, unit="m", note=note)
                 for criterion, value, limit in rows
             ]
     return tuple(verdicts)
 
 
 def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Return a verdict on the largest compression of every mount against that at which its bars meet, height - 2 bar.
+    """Judge the largest compression of every mount against that at which its bars meet, height - 2 bar.
 
     The rated compression, less than that, is where the vendor says that a mount bottoms: see `travel_verdicts`. No law knows
     that the bars meet, so that what is beyond it cannot happen: a stop is missing in the model. Where the isolator does not
@@ -86,7 +85,15 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
     for mount in response.scene.isolating:
         deflection = response.peaks.mounts[mount.name].deflection
         compression = max(-float(deflection.minimum[2]), 0.0)
-        limit, note = _solid(mount, compression)
+        limit, note = None, "the isolator states no thickness of its bars"
+        if not math.isnan(mount.bar):
+            limit = mount.height - 2.0 * mount.bar
+            size = f"{1e3 * mount.height:.4g} mm - 2 x {1e3 * mount.bar:.4g} mm"
+            note = f"compression at which the bars meet: height less two bars, {size}"
+        elif math.isnan(mount.height):
+            note = "the isolator states no height"
+        elif compression > mount.height:
+            limit, note = mount.height, f"compression against the whole height; {note}"
         verdicts.append(Verdict(
             criterion=BOTTOMING, subject=mount.name, value=compression, limit=limit, unit="m",
             time=float(deflection.minimum_time[2]), note=note,
@@ -94,20 +101,8 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
     return tuple(verdicts)
 
 
-def _solid(mount: SceneMount, compression: float) -> tuple[float | None, str]:
-    """Return the compression at which a mount is solid [m], and what that rests on, or why it is not judged."""
-    if not math.isnan(mount.bar):
-        size = f"{1e3 * mount.height:.4g} mm - 2 x {1e3 * mount.bar:.4g} mm"
-        return mount.height - 2.0 * mount.bar, f"compression at which the bars meet: height less two bars, {size}"
-    if math.isnan(mount.height):
-        return None, "the isolator states no height"
-    if compression > mount.height:
-        return mount.height, "compression against the whole height; the isolator states no thickness of its bars"
-    return None, "the isolator states no thickness of its bars"
-
-
 def combined_travel(mount: SceneMount, deflection: Array) -> Array:
-    """Return the utilisation by all rated travels of a mount at once, (n_t,), from its deflection (n_t, 3)."""
+    """Compute the utilisation by all rated travels of a mount at once, (n_t,), from its deflection (n_t, 3)."""
     total = np.zeros(len(deflection))
     for rating, travel in mount.travel.items():
         total += (travel_in(rating, deflection) / travel) ** 2
@@ -115,7 +110,7 @@ def combined_travel(mount: SceneMount, deflection: Array) -> Array:
 
 
 def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: Array) -> Array:
-    """Return the combined utilisation of many mounts, (...), by the rule of a run's verdicts; NaN where it is not judged.
+    """Compute the combined utilisation of many mounts, (...), by the rule of a run's verdicts; NaN where it is not judged.
 
     `farthest` is the largest utilisation of every step, `judged` that of the instants at which the way along the axis is
     rated, (...), `reached` and `rated` are travels in the order of RATINGS [m], (..., 4); NaN stands for what there is not.
@@ -129,10 +124,10 @@ ELLIPSOID = "sqrt of the sum of (deflection / rated)^2 at one instant"
 
 
 def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdict:
-    """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1."""
+    """Judge all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1."""
     # A rebound into tension, which few vendors rate, counts nothing in the sum, and is said; so no axis uses more by itself
     # than all do together. A mount that is never pressed, or whose shear or roll is not rated, has a lower bound: it can
-    # exceed, but not be within. Older responses have it in their samples alone: see `_missed`.
+    # exceed, but not be within. Older responses have it in their samples alone, which must not miss the peaks of every step.
     peak = response.peaks.mounts[mount.name].deflection
     reached = travel_reached(peak.minimum, peak.maximum)
     missing = [rating for rating in RATINGS if rating not in mount.travel and reached[rating] > 0.0]
@@ -148,8 +143,12 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
     if missing:
         always = f"in {one_way} throughout, and " if len(ways) == 1 and travel.judged is None else ""
         notes.append(f"{always}no travel in {', '.join(missing)} is rated")
-    if followed is None and (missed := _missed(response.time, mount, deflection, reached)):
-        bound, notes = True, [*notes, missed]
+    for rating, rated in mount.travel.items() if followed is None else ():
+        missed = abs(float(reached[rating]) - sampled_peak(response.time, travel_in(rating, deflection))[0])
+        if missed > MISSED * rated:
+            bound = True
+            notes.append(f"{sampled_text(response.time)}, which miss up to {100.0 * missed / rated:.2g} % of {rating}")
+            break
     return Verdict(
         criterion=COMBINED, subject=mount.name, value=value, limit=1.0 if not bound or value > 1.0 else None, unit="",
         time=when, note="; ".join(notes),
@@ -157,7 +156,7 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
 
 
 def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTravel:
-    """Return the farthest travel of the samples, refined between them."""
+    """Find the farthest travel of the samples, refined between them."""
     total, judged = np.zeros(time.size), np.ones(time.size, dtype=bool)
     for rating, (_, way) in RATINGS.items():
         travel = travel_in(rating, deflection)
@@ -174,17 +173,8 @@ def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTrave
 MISSED = 0.005
 
 
-def _missed(time: Array, mount: SceneMount, deflection: Array, reached: Mapping[str, Array]) -> str:
-    """Return that samples miss the travel along an axis, whose peaks are those of every step, and so that of all; "" if not."""
-    for rating, rated in mount.travel.items():
-        found, _ = sampled_peak(time, travel_in(rating, deflection))
-        if abs(float(reached[rating]) - found) > MISSED * rated:
-            return f"{sampled_text(time)}, which miss up to {100.0 * abs(reached[rating] - found) / rated:.2g} % of {rating}"
-    return ""
-
-
 def _length(time: Array, rows: Booleans) -> str:
-    """Return how long something lasted, as the samples tell; "" if too few of them do."""
+    """Say how long something lasted, as the samples tell; "" if too few of them do."""
     count = np.count_nonzero(rows)
     spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a run shorter than that has one sample
     return f"{duration_text(count * spacing)} in all" if count >= _ENOUGH else ""
@@ -201,17 +191,17 @@ def untested(isolators: Mapping[str, Isolator], ends: Mapping[str, tuple[Array, 
 
     `ends` are the lowest and highest deflections along roll, shear and axial [m], (3,) each, by mount.
     """
-    found = [
+    outside = [
         f"{name} {axis} {text}"
         for name, isolator in isolators.items()
         for axis, text in isolator.validity.outside(*ends[name], small=True).items()
     ]
-    more = len(found) - _NAMED
-    return ", ".join(found[:_NAMED]) + (f" and {more} more" if more > 0 else "")
+    more = len(outside) - _NAMED
+    return ", ".join(outside[:_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
 def untested_line(isolators: Mapping[str, Isolator], response: Response) -> str:
-    """Return a sentence on the mounts whose deflections in a run are outside what was tested; "" where none is."""
+    """Warn of the mounts whose deflections in a run are outside what was tested; "" where none is."""
     peaks = {name: mount.deflection for name, mount in response.peaks.mounts.items()}
     ends = {name: (peak.minimum, peak.maximum) for name, peak in peaks.items()}
     where = untested(isolators, ends)
@@ -222,13 +212,13 @@ def untested_line(isolators: Mapping[str, Isolator], response: Response) -> str:
 
 
 def falling_line(isolators: Mapping[str, Isolator], response: Response) -> str:
-    """Return a sentence on the mounts that went where their force falls as the deflection grows; "" where none did."""
-    found = []
+    """Warn of the mounts that went where their force falls as the deflection grows; "" where none did."""
+    falling = []
     for name, mount in response.peaks.mounts.items():
         ends = zip(isolators[name].axes.items(), mount.deflection.minimum, mount.deflection.maximum, strict=True)
         for (axis, law), low, high in ends:
             if law is not None and (text := falling_text(law, min(float(low), 0.0), max(float(high), 0.0))):
-                found.append(f"{name} {axis}: {text}")
-    more = len(found) - _NAMED
-    listed = "; ".join(found[:_NAMED]) + (f"; and {more} more" if more > 0 else "")
+                falling.append(f"{name} {axis}: {text}")
+    more = len(falling) - _NAMED
+    listed = "; ".join(falling[:_NAMED]) + (f"; and {more} more" if more > 0 else "")
     return listed and f"Mounts went where their force falls as the deflection grows, and pushes the load away: {listed}."

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from wirerope_mj.engine.response import Response
@@ -39,11 +40,7 @@ class Criterion(str):
         return criterion
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _criterion, (self.kind, self.axis, self.sense)
-
-
-def _criterion(kind: str, axis: str, sense: str) -> Criterion:
-    return Criterion(kind, axis=axis, sense=sense)
+        return partial(Criterion, self.kind, axis=self.axis, sense=self.sense), ()
 
 
 COMBINED: Final = Criterion("travel combined")
@@ -106,7 +103,7 @@ class Verdict:
 
     @property
     def verdict(self) -> str:
-        """Return "within", "exceeded" or "not judged", or what became of a contact pair; a value at its limit is within."""
+        """One of "within", "exceeded" and "not judged", or what became of a contact pair; a value at its limit is within."""
         if self.contact:
             return self.contact
         if self.utilisation is None:
@@ -114,17 +111,16 @@ class Verdict:
         return WITHIN if self.utilisation <= 1.0 else EXCEEDED
 
     def to_dict(self) -> Entries:
-        """Return the verdict as plain values; what is not known or not finite is None."""
-        margin = self.margin
+        """Write the verdict as plain values; what is not known or not finite is None."""
         return {
             "criterion": str(self.criterion), "subject": self.subject, "value": json_values(self.value),
-            "limit": self.limit, "unit": self.unit, "time_s": self.time, "margin": json_values(margin),
+            "limit": self.limit, "unit": self.unit, "time_s": self.time, "margin": json_values(self.margin),
             "verdict": self.verdict, "note": self.note,
         }  # fmt: skip
 
 
-def one_each(verdicts: Iterable[Verdict]) -> list[Verdict]:
-    """Return verdicts, of several by one criterion on one name, as of a body and a point of that name, the largest alone."""
+def largest_each(verdicts: Iterable[Verdict]) -> list[Verdict]:
+    """Keep, of several verdicts by one criterion on one name, as of a body and a point of that name, the largest alone."""
     largest: dict[tuple[str, str], Verdict] = {}
     for row in verdicts:
         key = row.criterion, row.subject
@@ -134,7 +130,7 @@ def one_each(verdicts: Iterable[Verdict]) -> list[Verdict]:
 
 
 def most_used(verdicts: Iterable[Verdict]) -> Verdict | None:
-    """Return the verdict with the largest utilisation; None if nothing is judged."""
+    """Find the verdict with the largest utilisation; None if nothing is judged."""
     return next(iter(by_use(verdicts).values()), None)
 
 
@@ -152,25 +148,25 @@ def by_use(verdicts: Iterable[Verdict]) -> dict[str, Verdict]:
 
 def most_amplified(verdicts: Iterable[Verdict]) -> tuple[str, Amplification] | None:
     """Find the subject whose acceleration is largest beside the base's, if it is more than that; None otherwise."""
-    found = [(row.subject, row.amplification) for row in verdicts if row.amplification is not None]
-    worst = max(found, key=lambda pair: pair[1].ratio, default=None)
+    amplified = [(row.subject, row.amplification) for row in verdicts if row.amplification is not None]
+    worst = max(amplified, key=lambda pair: pair[1].ratio, default=None)
     return worst if worst is not None and worst[1].ratio > AMPLIFIED else None
 
 
 def smallest_margin(verdicts: Iterable[Verdict]) -> float:
-    """Return the smallest margin of what is judged; infinite if nothing is."""
+    """Find the smallest margin of what is judged; infinite if nothing is."""
     return min((verdict.margin for verdict in verdicts if verdict.margin is not None), default=math.inf)
 
 
 def payload_bodies(response: Response) -> list[str]:
-    """Return the names of the bodies that move and are not fixed to the base, in the order of the scene."""
+    """Name the bodies that move and are not fixed to the base, in the order of the scene."""
     return [body.name for body in response.scene.bodies if body.moves and not body.on_base]
 
 
 def limits_by_name(
     response: Response, limits: Sequence[PayloadLimit] | None, kind: str, known: Sequence[str], others: Sequence[str] = ()
 ) -> dict[str, PayloadLimit]:
-    """Return the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
+    """Choose the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
 
     ValueError if a limit names nothing that is known.
     """

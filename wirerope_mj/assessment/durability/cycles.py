@@ -39,7 +39,7 @@ class Cycles(Brief):
         return float(self.counts.sum())
 
     def damage(self, exponent: float, constant: float = 1.0) -> float:
-        """Return Miner's sum of n/N with N = C / A^b, A being half the range.
+        """Sum n/N after Miner with N = C / A^b, A being half the range.
 
         Args:
             exponent: b.
@@ -56,7 +56,7 @@ class Cycles(Brief):
 
 
 def rainflow_cycles(history: ArrayLike) -> Cycles:
-    """Return the cycles of a history after ASTM E1049-85, counted by the package rainflow.
+    """Count the cycles of a history after ASTM E1049-85, by the package rainflow.
 
     Args:
         history: values, (n,), n >= 2.
@@ -69,18 +69,14 @@ def rainflow_cycles(history: ArrayLike) -> Cycles:
     values = np.asarray(history, dtype=np.float64)
     if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all():
         raise ValueError(f"`history` must be finite numbers, (n,) with n >= 2, got the shape {values.shape}.")
-    turns = _turning_points(values)
-    # The package sees an end only behind a third value; one that repeats is no turning point.
-    rows = [row[:3] for row in rainflow.extract_cycles([*turns, turns[-1]])]
-    ranges, means, counts = np.array(rows, dtype=np.float64).reshape(-1, 3).T
-    return Cycles(ranges=ranges, means=means, counts=counts)
-
-
-def _turning_points(values: Array) -> list[float]:
-    """Return ends and turning points alone: the counting goes through them one by one."""
     moved = values[np.concatenate([[True], np.diff(values) != 0.0])]
     turns = np.flatnonzero(np.diff(np.sign(np.diff(moved))) != 0.0) + 1
-    return [float(value) for value in moved[np.unique([0, *turns, moved.size - 1])]]
+    # Ends and turning points alone: the counting goes through them one by one. The package sees an end only behind a third
+    # value; one that repeats is no turning point.
+    points = moved[np.unique([0, *turns, moved.size - 1])].tolist()
+    rows = [row[:3] for row in rainflow.extract_cycles([*points, points[-1]])]
+    ranges, means, counts = np.array(rows, dtype=np.float64).reshape(-1, 3).T
+    return Cycles(ranges=ranges, means=means, counts=counts)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -96,7 +92,7 @@ class DamageSpectrum(Brief):
 def fatigue_damage_spectrum(
     time: ArrayLike, acceleration: ArrayLike, *, exponent: float, frequencies: ArrayLike | None = None, q: float = 10.0
 ) -> DamageSpectrum:
-    """Return the fatigue damage spectrum of a sampled acceleration.
+    """Compute the fatigue damage spectrum of a sampled acceleration.
 
     The oscillators start at rest and are solved exactly for an acceleration that is straight between the samples, as for shock
     response spectra; cycles of the samples are counted by the rainflow method. What vibrates on after the last sample is not
@@ -127,22 +123,16 @@ def fatigue_damage_spectrum(
         at = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
         if at.ndim != 1 or not (np.isfinite(at).all() and (at > 0.0).all() and at.max() <= highest * (1.0 + 1e-9)):
             raise ValueError(f"`frequencies` must be numbers > 0 up to {highest:.6g} Hz, a tenth of the sampling rate.")
-    steps = ramp_steps(2.0 * math.pi * at * step, 0.5 / quality)
-    damage = [
-        rainflow_cycles(2.0 * math.pi * frequency * step**2 * _deflection(values, one)).damage(b)
-        for frequency, one in zip(at, steps, strict=True)
-    ]
+    damage = []
+    for frequency, matrices in zip(at, ramp_steps(2.0 * math.pi * at * step, 0.5 / quality), strict=True):
+        # The two states of a step u, v -> A (u, v) + b0 x + b1 x' as one recursion of second order in u over the step squared.
+        (a11, a12, b01, b11), (a21, a22, b02, b12) = matrices
+        above = np.array([b11, b01 - a22 * b11 + a12 * b12, a12 * b02 - a22 * b01])
+        below = np.array([1.0, -(a11 + a22), a11 * a22 - a12 * a21])
+        at_rest = values[0] * np.array([-b11, b01 - above[1]])  # the first sample moves nothing yet
+        deflection = np.asarray(scipy.signal.lfilter(above, below, values, zi=at_rest)[0])
+        damage.append(rainflow_cycles(2.0 * math.pi * frequency * step**2 * deflection).damage(b))
     return DamageSpectrum(frequencies=at, damage=np.array(damage), exponent=b, q=quality)
-
-
-def _deflection(x: Array, step: Array) -> Array:
-    """Return an oscillator's deflection over the step squared at every sample, from rest; `step` is of `ramp_steps`, (2, 4)."""
-    # The two states of a step u, v -> A (u, v) + b0 x + b1 x' as one recursion of second order in u.
-    (a11, a12, b01, b11), (a21, a22, b02, b12) = step
-    above = np.array([b11, b01 - a22 * b11 + a12 * b12, a12 * b02 - a22 * b01])
-    below = np.array([1.0, -(a11 + a22), a11 * a22 - a12 * a21])
-    at_rest = x[0] * np.array([-b11, b01 - above[1]])  # the first sample moves nothing yet
-    return np.asarray(scipy.signal.lfilter(above, below, x, zi=at_rest)[0])
 
 
 EXAMPLE = "rack 3600 s 5 to 80 Hz z"
@@ -187,14 +177,14 @@ def equivalent_vibration(response: Response, text: str, *, exponent: float) -> E
     ValueError if the text is not understood, there is no such body or point, or the samples are too few.
     """
     subject, rest = site_first(text, Path())
-    known = {name: one.acceleration for name, one in (*response.bodies.items(), *response.points.items())}
+    known = {name: subject.acceleration for name, subject in (*response.bodies.items(), *response.points.items())}
     known["base"] = response.base.acceleration
     try:
         if subject not in known:
             raise ValueError(f"the run has no body or point {subject!r}; it has {', '.join(known)}.")
         phrase = parse_phrase(rest, words={"q": ""})
-        said = {name: len(values) for name, values in phrase.quantities.items()}
-        if said != {"time": 1, "frequency": 2} or len(phrase.directions) != 1:
+        counts = {name: len(values) for name, values in phrase.quantities.items()}
+        if counts != {"time": 1, "frequency": 2} or len(phrase.directions) != 1:
             raise ValueError("one time, two frequencies and one direction must stand there.")
         low, high = phrase.quantities["frequency"]
         q, duration = phrase.named.get("q", 10.0), phrase.one("time")

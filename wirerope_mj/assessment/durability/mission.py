@@ -1,7 +1,6 @@
 """Cycles of the mounts of a run, and a service life as a file: runs, and how often each of them happens."""
 
 import math
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
@@ -42,7 +41,7 @@ class MountCycles:
     frequency: float = 0.0  # mean frequency of the deflection, rms of its rate over 2 pi that of itself [Hz]
 
     def damage_error(self, exponent: float) -> float:
-        """Return the damage of every other sample over that of all less 1, in size; infinite where nothing can be told.
+        """Compare the damage of every other sample with that of all, less 1, in size; infinite where nothing can be told.
 
         The damage of all samples is off by about a third of it: errors fall with the square of the rate at the least.
         """
@@ -53,7 +52,7 @@ class MountCycles:
 def mount_cycles(
     response: Response, *, quantity: Quantity = "deflection", start: float = -math.inf, end: float = math.inf
 ) -> list[MountCycles]:
-    """Return the cycles of every mount but stops along roll, shear and axial, in the order of the model.
+    """Count the cycles of every mount but stops along roll, shear and axial, in the order of the model.
 
     Turning points between the samples are those of cubics through the deflections and their rates, which follow from the motion
     of the bodies; of forces, those of parabolas. `MountCycles.damage_error` says whether the samples are enough for that.
@@ -71,36 +70,31 @@ def mount_cycles(
     rows = slice(*np.searchsorted(response.time, [start, end + 1e-9]))
     if response.time[rows].size < 2:
         raise ValueError(f"`start` and `end` must hold two samples between them, got {start!r} and {end!r} s.")
-    mounts: Sequence[SceneMount] = [mount for mount in response.scene.mounts if not mount.stop]
-    return [one for mount in mounts for one in _of_mount(response, mount, quantity, rows)]
-
-
-def _of_mount(response: Response, mount: SceneMount, quantity: Quantity, rows: slice) -> Iterator[MountCycles]:
-    spacing = 1.0 / sample_rate(response.time)
-    rates = deflection_rates(response, mount)[rows]
-    for number, axis in enumerate(AXES):
-        deflection = response.column(f"mounts/{mount.name}/deflection/{axis}")[rows]
-        rate, spread = rates[:, number], float(deflection.std())
-        several = ((0, 1), (0, 2), (1, 2)) if deflection.size >= _LEAST else ((0, 1),)
-        turns = [[path(deflection[at::every], rate[at::every], every * spacing)[0] for at, every in several]]
-        if quantity == "force":
-            force = response.column(f"mounts/{mount.name}/force/{axis}")[rows]
-            turns.append([parabolas(force[at::every]) for at, every in several])
-        counted = [tuple(map(rainflow_cycles, each)) for each in turns]
-        frequency = float(rate.std()) / (2.0 * math.pi * spread) if spread else 0.0
-        told = frequency * spacing * _OF_PERIOD <= 1.0
-        yield MountCycles(
-            mount=mount.name, axis=axis, cycles=counted[-1][0],
-            coarser=tuple((each[0], half) for each in counted for half in each[1:] if told), frequency=frequency,
-        )  # fmt: skip
+    spacing, cycles = 1.0 / sample_rate(response.time), []
+    for mount in (mount for mount in response.scene.mounts if not mount.stop):
+        rates = deflection_rates(response, mount)[rows]
+        for number, axis in enumerate(AXES):
+            deflection = response.column(f"mounts/{mount.name}/deflection/{axis}")[rows]
+            rate, spread = rates[:, number], float(deflection.std())
+            several = ((0, 1), (0, 2), (1, 2)) if deflection.size >= _LEAST else ((0, 1),)
+            turns = [[path(deflection[at::every], rate[at::every], every * spacing)[0] for at, every in several]]
+            if quantity == "force":
+                force = response.column(f"mounts/{mount.name}/force/{axis}")[rows]
+                turns.append([parabolas(force[at::every]) for at, every in several])
+            counted = [tuple(map(rainflow_cycles, each)) for each in turns]
+            frequency = float(rate.std()) / (2.0 * math.pi * spread) if spread else 0.0
+            enough = frequency * spacing * _OF_PERIOD <= 1.0
+            coarser = tuple((whole, half) for whole, *halves in counted for half in halves if enough)
+            cycles.append(MountCycles(mount=mount.name, axis=axis, cycles=counted[-1][0], coarser=coarser, frequency=frequency))
+    return cycles
 
 
 def deflection_rates(response: Response, mount: SceneMount) -> Array:
-    """Return the rates of a mount's deflection along roll, shear and axial at the samples [m/s], (n_t, 3)."""
+    """Compute the rates of a mount's deflection along roll, shear and axial at the samples [m/s], (n_t, 3)."""
     place, velocity, _, _ = _site(response, mount.payload_body, mount.payload_point)
     base, base_velocity, turn, spin = _site(response, mount.base_body, mount.base_point)
     relative = velocity - base_velocity - np.cross(spin, place - base)
-    rates, rigid = (np.einsum("...ij,...i->...j", turn @ mount.axes, one) for one in (relative, place - base))
+    rates, rigid = (np.einsum("...ij,...i->...j", turn @ mount.axes, vector) for vector in (relative, place - base))
     bent = response.mounts[mount.name].deflection - rigid  # what a flexible part adds, whose modes are no bodies
     if np.abs(bent).max(initial=0.0) > ROUNDING:
         rates += np.gradient(bent, response.time, axis=0)
@@ -108,13 +102,13 @@ def deflection_rates(response: Response, mount: SceneMount) -> Array:
 
 
 def _site(response: Response, body: str, point: Array) -> tuple[Array, Array, Array, Array]:
-    """Return place and velocity of a point of a body, the body's axes and its angular velocity, at the samples."""
+    """Follow place and velocity of a point of a body, the body's axes and its angular velocity, at the samples."""
     if body in response.bodies:
         moved = response.bodies[body]
         turn, spin = rotation_matrices(moved.orientation), moved.angular_velocity
         arm = turn @ point
         return moved.position + arm, moved.velocity + np.cross(spin, arm), turn, spin
-    still, none = next((one for one in response.scene.bodies if one.name == body), None), np.zeros(3)
+    still, none = next((part for part in response.scene.bodies if part.name == body), None), np.zeros(3)
     if still is None:
         return point, none, np.eye(3), none
     turn = rotation_matrices(still.orientation)
@@ -183,11 +177,11 @@ def read_mission(path: str | Path) -> Mission:
 
 
 def mission_damage(mission: Mission) -> list[MountDamage]:
-    """Return the damage of every mount and axis over a service life, the largest first.
+    """Sum the damage of every mount and axis over a service life, the largest first.
 
     RecordError if the folder of a stage holds no run, its samples are too few, or its mounts are not those of the first.
     """
-    found: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
+    by_axis: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
     coarse: list[tuple[float, float, float, Stage, float]] = []
     for number, stage in enumerate(mission.stages):
         response = load_response(stage.run)
@@ -197,16 +191,16 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
         start, end, length = _counted(response, stage)
         times = stage.repetitions if stage.hours is None else 3600.0 * stage.hours / length
         assert times is not None
-        for one in mount_cycles(response, quantity=mission.quantity, start=start, end=end):
-            row = found.setdefault((one.mount, one.axis), [])
-            damage = times * one.cycles.damage(mission.exponent, mission.constant or 1.0)
-            row.append((damage, times * one.cycles.total, float(one.cycles.ranges.max(initial=0.0))))
-            error = one.damage_error(mission.exponent)
+        for counted in mount_cycles(response, quantity=mission.quantity, start=start, end=end):
+            damage = times * counted.cycles.damage(mission.exponent, mission.constant or 1.0)
+            row = (damage, times * counted.cycles.total, float(counted.cycles.ranges.max(initial=0.0)))
+            by_axis.setdefault((counted.mount, counted.axis), []).append(row)
+            error = counted.damage_error(mission.exponent)
             if error > DAMAGE_ERROR:
-                coarse.append((damage, error, one.frequency, stage, sample_rate(response.time)))
-        if any(len(row) != number + 1 for row in found.values()):
+                coarse.append((damage, error, counted.frequency, stage, sample_rate(response.time)))
+        if any(len(rows) != number + 1 for rows in by_axis.values()):
             raise RecordError(f"{stage.run}: the mounts of this run are not those of {mission.stages[0].run}.")
-    if not np.isfinite([row for rows in found.values() for row in rows]).all():
+    if not np.isfinite([row for rows in by_axis.values() for row in rows]).all():
         raise ValueError(
             "the damage is too large for a number: check `exponent`, `constant`, and `repetitions` or `hours` of each stage."
         )
@@ -215,10 +209,10 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
             mount=mount, axis=axis, stages=tuple(row[0] for row in rows), cycles=sum(row[1] for row in rows),
             largest_range=max(row[2] for row in rows),
         )
-        for (mount, axis), rows in found.items()
+        for (mount, axis), rows in by_axis.items()
     ]  # fmt: skip
-    worst = max((one.total for one in damages), default=0.0)
-    for damage, error, frequency, stage, rate in sorted(coarse, key=lambda one: -one[0]):
+    worst = max((row.total for row in damages), default=0.0)
+    for damage, error, frequency, stage, rate in sorted(coarse, key=lambda row: -row[0]):
         if damage >= NEGLIGIBLE * worst or math.isinf(error):
             enough = max(PER_PERIOD * frequency, 2.0 * rate)
             why = (
@@ -231,11 +225,11 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
                 f"{stage.run}: {rate:.4g} samples a second are too few to count cycles: {why}. Run it again with a "
                 f"`sample_rate` of {float(f'{enough:.1e}'):g} Hz."
             )
-    return sorted(damages, key=lambda one: -one.total)
+    return sorted(damages, key=lambda row: -row.total)
 
 
 def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
-    """Return the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s]."""
+    """Find the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s]."""
     # Hours are of what goes on: of random vibration its stationary part, neither rise nor fall nor what follows; of sines,
     # sweeps and records from their start to their end, with all that follows. Repetitions are of the whole run. RecordError if
     # hours are asked for of a shock, or of random vibration of which the run holds too little.

@@ -3,5 +3,11 @@
 What a part does in a model is computed by `wirerope_mj.studies.catalogue`.
 """
 
-from wirerope_mj.assessment.selection.select import Candidate, PartSelection, select_isolators
-from wirerope_mj.assessment.selection.worksheet import Worksheet, mode_text, shock_from_text
+from wirerope_mj.assessment.selection.worksheet import (
+    Candidate,
+    PartSelection,
+    Worksheet,
+    mode_text,
+    select_isolators,
+    shock_from_text,
+)

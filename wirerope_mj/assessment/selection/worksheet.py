@@ -1,15 +1,18 @@
-"""The vendors' worksheet: load, shock and room of a payload, in the formulas of their sheets."""
+"""The vendors' worksheet: load, shock and room of a payload, in the formulas of their sheets, and the parts that meet it."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Criterion, Verdict, smallest_margin
 from wirerope_mj.foundation.arguments import between, integer, positive
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import VelocityStep, ranges
 from wirerope_mj.motions.pulses import Pulse
 from wirerope_mj.motions.spoken import motion_from_words
-from wirerope_mj.mounts.vendor_parts.parts import MODES
+from wirerope_mj.mounts.vendor_parts.parts import MODES, VendorPart, vendor_parts
 
 # Acceleration of gravity of the vendors' sheets [m/s^2]: their printed digits need it, 0.03 % above the standard one.
 WORKSHEET_GRAVITY = 9.81
@@ -91,28 +94,26 @@ class Worksheet:
         return None if self.fragility is None else self.load / self.gravity * (self.fragility / self.velocity) ** 2
 
     def amplifies(self, acceleration: float) -> bool:
-        """Return whether a transmitted acceleration [m/s^2] is above the pulse's own peak."""
         return self.peak is not None and acceleration > self.peak
 
     def frequency(self, stiffness: float) -> float:
-        """Return the natural frequency [Hz] on mounts of a stiffness [N/m] each, sqrt(K g / W) / 2 pi."""
+        """Natural frequency [Hz] on mounts of a stiffness [N/m] each, sqrt(K g / W) / 2 pi."""
         return math.sqrt(stiffness * self.gravity / self.load) / (2.0 * math.pi)
 
     def dynamic_travel(self, shock_stiffness: float) -> float:
-        """Return D = V / sqrt(Ks g / W) [m]."""
+        """D = V / sqrt(Ks g / W) [m]."""
         return self.velocity / (2.0 * math.pi * self.frequency(shock_stiffness))
 
     def acceleration(self, shock_stiffness: float) -> float:
-        """Return the transmitted acceleration 2 pi f V [m/s^2] with f of the shock stiffness [N/m]; GT in g is it over g."""
+        """Transmitted acceleration 2 pi f V [m/s^2] with f of the shock stiffness [N/m]; GT in g is it over g."""
         return 2.0 * math.pi * self.frequency(shock_stiffness) * self.velocity
 
     def impulse(self, shock_stiffness: float) -> float:
-        """Return natural frequency times length of the pulse [-]; 0 for a velocity step."""
+        """Natural frequency times length of the pulse [-]; 0 for a velocity step."""
         return self.frequency(shock_stiffness) * self.shock.duration
 
 
 def mode_text(mode: str) -> str:
-    """Return a mode in a sentence: "at 45 degrees", "in compression"."""
     return "at 45 degrees" if mode == "45" else f"in {mode}"
 
 
@@ -120,7 +121,7 @@ _EXAMPLES = '"15 g 11 ms half-sine", "20 g 11 ms sawtooth", "10 g 18 ms trapezoi
 
 
 def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, rebound: float, gravity: float) -> Shock:
-    """Return the one shock that was given; a fall from h with rebound e changes the velocity by (1 + e) sqrt(2 g h)."""
+    """Choose the one shock that was given; a fall from h with rebound e changes the velocity by (1 + e) sqrt(2 g h)."""
     given = [value for value in (pulse, velocity, drop) if value is not None]
     if len(given) != 1:
         raise ValueError(f"give one shock: `pulse`, `velocity` or `drop`; got {len(given)}.")
@@ -149,3 +150,158 @@ def shock_from_text(text: str) -> Shock:
     if isinstance(shock, VelocityStep):
         return shock
     return replace(shock, peak=shock.peak * WORKSHEET_GRAVITY / STANDARD_GRAVITY)
+
+
+UNSTATED, NOT_GIVEN = "the vendor states none", "no limit given"
+BY_VELOCITY = ("rated travel", "room", "acceleration")  # Criteria whose values come from the velocity change
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """One part under a worksheet."""
+
+    part: VendorPart
+    frequency: float  # of small vibration under the load [Hz], from the vibration stiffness
+    shock_frequency: float  # from the shock stiffness along the shock [Hz]
+    travel: float  # dynamic travel under the shock [m]
+    acceleration: float  # of the payload [m/s^2]
+    impulse: float  # shock frequency times length of the pulse [-]; below 0.25 the worksheet's rule holds
+    verdicts: tuple[Verdict, ...]  # static load, vibration frequency, rated travel, room, acceleration, in this order
+
+    @property
+    def impulse_holds(self) -> bool:
+        """True if the pulse is short enough to count by its velocity change; if not, its values are on the safe side."""
+        return self.impulse < IMPULSE
+
+    @property
+    def margin(self) -> float:
+        """Smallest margin of all that is judged; infinite if nothing is."""
+        return smallest_margin(self.verdicts)
+
+    def utilisation(self, criterion: str) -> float | None:
+        """Value over limit of a criterion, for instance "static load"; None = not judged."""
+        return next(verdict.utilisation for verdict in self.verdicts if verdict.criterion == criterion)
+
+    @property
+    def governing(self) -> Verdict | None:
+        """The verdict with the smallest margin; None if nothing is judged."""
+        judged = [verdict for verdict in self.verdicts if verdict.margin is not None]
+        return min(judged, key=lambda verdict: verdict.margin or 0.0) if judged else None
+
+    @property
+    def unrated(self) -> tuple[str, ...]:
+        """Criteria for which the vendor states no limit: not judged, which is not the same as met."""
+        return tuple(verdict.criterion for verdict in self.verdicts if verdict.note == UNSTATED)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rejected:
+    """A part that exceeds limits, or lacks stiffnesses."""
+
+    part: VendorPart
+    reasons: tuple[str, ...]  # one sentence each
+    margin: float  # of the worst criterion [-], negative; NaN if values are missing or nothing could be judged
+    # whether nothing but the velocity rule speaks against it, for a pulse that is far too long for that rule
+    undecided: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PartSelection(Brief):
+    """Parts of the tables that meet a worksheet, and those that do not."""
+
+    worksheet: Worksheet  # what the mounts must do
+    # parts that exceed no limit: those with every rating first; in each group the largest smallest margin first if a
+    # fragility is given, and otherwise the part that passes on least, which is the softest that fits the travel:
+    # margins of load and travel alone would put the stiffest and most oversized part first
+    candidates: tuple[Candidate, ...]
+    rejected: tuple[Rejected, ...]  # the others: what is undecided first, then the nearest
+
+
+def select_isolators(
+    *, mass: float, mounts: int, pulse: Shock | None = None, velocity: float | None = None, drop: float | None = None,
+    rebound: float = 0.0, travel: float | None = None, fragility: float | None = None, disturbance: float | None = None,
+    loading: str = "compression", direction: str | None = None, isolation_ratio: float = ISOLATION_RATIO,
+    gravity: float = WORKSHEET_GRAVITY, loops: Sequence[int] = (), parts: Sequence[VendorPart] | None = None,
+) -> PartSelection:  # fmt: skip
+    """Choose the catalogue parts that carry the load and keep their limits, by the vendors' worksheet.
+
+    One of `pulse`, `velocity` and `drop` gives the shock. Limits that are not given are not judged.
+
+    Args:
+        mass: of the payload [kg], its centre of mass in the middle of the mounts.
+        mounts: number of mounts that share it.
+        pulse: half-sine, sawtooth, trapezoid or velocity step; it counts by its velocity change, whatever its direction.
+        velocity: sudden velocity of the base [m/s].
+        drop: height from which the base falls onto a stop [m].
+        rebound: velocity after that fall over the one before it.
+        travel: room that the payload has to move [m].
+        fragility: acceleration that the payload stands [m/s^2].
+        disturbance: lowest disturbing frequency that must be isolated [Hz].
+        loading: mode in which the weight loads the mounts: compression, 45 (degrees), shear or roll.
+        direction: mode in which the shock does; that of the weight by default.
+        isolation_ratio: disturbing over natural frequency.
+        gravity: [m/s^2]; the vendors' sheets take 9.81.
+        loops: also try the parts with so many loops, for instance (4, 6).
+        parts: to choose among; all that ship by default.
+
+    Raises:
+        ValueError: an argument is out of range, or there is not exactly one shock.
+    """
+    worksheet = Worksheet(
+        mass=mass, mounts=mounts, shock=shock_of(pulse, velocity, drop, rebound, gravity), travel=travel, fragility=fragility,
+        disturbance=disturbance, loading=loading, direction=loading if direction is None else direction,
+        isolation_ratio=isolation_ratio, gravity=gravity,
+    )  # fmt: skip
+    counts, judged = [integer("loops", number, least=1) for number in loops], []
+    for part in vendor_parts() if parts is None else parts:
+        fewer = [count for count in counts if part.loops is not None and count < part.loops]
+        judged += [judge(variant, worksheet) for variant in (part, *(part.with_loops(count) for count in fewer))]
+    candidates = [row for row in judged if isinstance(row, Candidate)]
+    rejected = [row for row in judged if isinstance(row, Rejected)]
+    softest = worksheet.fragility is None
+    candidates.sort(key=lambda row: (len(row.unrated) > 0, row.acceleration if softest else -row.margin))
+    rejected.sort(key=lambda row: (not row.undecided, -row.margin if math.isfinite(row.margin) else math.inf))
+    return PartSelection(worksheet=worksheet, candidates=tuple(candidates), rejected=tuple(rejected))
+
+
+def judge(part: VendorPart, worksheet: Worksheet) -> Candidate | Rejected:
+    """Judge one part by the worksheet, or say why it does not meet it."""
+    carried, struck, gravity = part.modes[worksheet.loading], part.modes[worksheet.direction], worksheet.gravity
+    if carried.vibration is None or struck.shock is None:
+        lacking = worksheet.loading if carried.vibration is None else worksheet.direction
+        return Rejected(part=part, reasons=(f"the table has no stiffness {mode_text(lacking)}",), margin=math.nan)
+    frequency, travel = worksheet.frequency(carried.vibration), worksheet.dynamic_travel(struck.shock)
+    acceleration, impulse = worksheet.acceleration(struck.shock), worksheet.impulse(struck.shock)
+    rows = (
+        ("static load", worksheet.load, carried.static_load, "N", UNSTATED),
+        ("natural frequency", frequency, worksheet.largest_frequency, "Hz", NOT_GIVEN),
+        ("rated travel", travel, struck.travel, "m", UNSTATED),
+        ("room", travel, worksheet.travel, "m", NOT_GIVEN),
+        ("acceleration", acceleration, worksheet.fragility, "m/s^2", NOT_GIVEN),
+    )
+    verdicts = tuple(
+        Verdict(
+            criterion=Criterion(criterion), subject=part.name, value=value, limit=limit, unit=unit,
+            note=missing if limit is None else "",
+        )
+        for criterion, value, limit, unit, missing in rows
+    )  # fmt: skip
+    exceeded = [verdict for verdict in verdicts if verdict.verdict == EXCEEDED]
+    if not exceeded:
+        return Candidate(
+            part=part, frequency=frequency, shock_frequency=worksheet.frequency(struck.shock), travel=travel,
+            acceleration=acceleration, impulse=impulse, verdicts=verdicts,
+        )  # fmt: skip
+    decided = [verdict for verdict in exceeded if impulse < LONG or verdict.criterion not in BY_VELOCITY]
+    if not decided:
+        reason = (
+            f"not judged: natural frequency x length of the pulse is {impulse:.3g}, far above {IMPULSE:g}: the rule "
+            "of the velocity change does not hold"
+        )
+        return Rejected(part=part, reasons=(reason,), margin=math.nan, undecided=True)
+    reasons = []
+    for verdict in decided:
+        scale, unit = {"m": (1e3, "mm"), "m/s^2": (1.0 / gravity, "g")}.get(verdict.unit, (1.0, verdict.unit))
+        limit = scale * (verdict.limit or 0.0)
+        reasons.append(f"{verdict.criterion} {scale * verdict.value:.4g} {unit}, limit {limit:.4g} {unit}")
+    return Rejected(part=part, reasons=tuple(reasons), margin=smallest_margin(decided))
