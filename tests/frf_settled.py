@@ -18,8 +18,7 @@ from house import deck, mjcf
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
-from wirerope_mj.dynamics.frequency_response.curve import curve_of
-from wirerope_mj.dynamics.frequency_response.summary import peaks_of
+from wirerope_mj.dynamics.frequency_response.summary import curve_of, peaks_of
 from wirerope_mj.dynamics.periodic.branch import ALIKE
 from wirerope_mj.mounts.vendor_parts.parts import vendor_parts
 

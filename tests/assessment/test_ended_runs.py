@@ -12,7 +12,7 @@ from house import sdof
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import headline, judge, judge_random
 from wirerope_mj.assessment.criteria.ended import GROWS, too_short
-from wirerope_mj.assessment.criteria.peaks import mount_peaks
+from wirerope_mj.assessment.criteria.summary import mount_peaks
 from wirerope_mj.cli import main
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.foundation.payload_limits import PayloadLimit

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from wirerope_mj.dynamics.frequency_response.curve import along_branch, along_resonance, curve_of
-from wirerope_mj.dynamics.frequency_response.summary import compare
+from wirerope_mj.dynamics.frequency_response.summary import along_branch, along_resonance, compare, curve_of
 from wirerope_mj.dynamics.periodic import Jump
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 

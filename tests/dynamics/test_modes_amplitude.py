@@ -8,8 +8,7 @@ from one_scale import one_scale, one_scale_floor
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.modes import modes
-from wirerope_mj.dynamics.modes.axis import closed_cycle, one_sided_tangents, vanishing_cycle
-from wirerope_mj.dynamics.modes.mount import plane_cycle, plane_tangents
+from wirerope_mj.dynamics.modes.mount import closed_cycle, one_sided_tangents, plane_cycle, plane_tangents, vanishing_cycle
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.laws import BiaxialBoucWen
 

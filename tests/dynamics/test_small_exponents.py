@@ -13,8 +13,8 @@ import wirerope_mj as wr
 from wirerope_mj.cli.app import main
 from wirerope_mj.content.modes import about_carried, about_small
 from wirerope_mj.dynamics.modes import modes
-from wirerope_mj.dynamics.modes.axis import closed_cycle
 from wirerope_mj.dynamics.modes.carried import carried
+from wirerope_mj.dynamics.modes.mount import closed_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import oscillator_at
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.isolator import Provenance

@@ -7,8 +7,7 @@ from shaken_mass import MASS, hysteretic, linear, up
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.sweep import cycles
-from wirerope_mj.dynamics.sweep.cycles import at_start, cycle_grid, stepping
-from wirerope_mj.dynamics.sweep.engines import ByKernel, ByMujoco
+from wirerope_mj.dynamics.sweep.cycles import ByKernel, ByMujoco, at_start, cycle_grid, stepping
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 

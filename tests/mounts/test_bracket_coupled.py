@@ -10,8 +10,7 @@ from laws_for_tests import path_through
 from table_study import PULSE, table_study
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.modes.axis import closed_cycle
-from wirerope_mj.dynamics.modes.mount import plane_stiffness, plane_tangents
+from wirerope_mj.dynamics.modes.mount import closed_cycle, plane_stiffness, plane_tangents
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of

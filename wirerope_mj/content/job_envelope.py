@@ -6,7 +6,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.foundation import area_forces
-from wirerope_mj.assessment.criteria.peaks import BodyPeak
+from wirerope_mj.assessment.criteria.summary import BodyPeak
 from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun

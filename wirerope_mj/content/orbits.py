@@ -6,7 +6,7 @@ import numpy as np
 
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, with_room
-from wirerope_mj.dynamics.frequency_response.curve import along_resonance, busiest_loops
+from wirerope_mj.dynamics.frequency_response.summary import along_resonance, busiest_loops
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 from wirerope_mj.foundation.units import force_unit, in_unit

@@ -15,8 +15,13 @@ from wirerope_mj.content.orbits import orbit_blocks
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, OrderBand, ResonancePeak, order_statements
+from wirerope_mj.dynamics.frequency_response.summary import (
+    BranchCurve,
+    LevelSummary,
+    OrderBand,
+    ResonancePeak,
+    order_statements,
+)
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text

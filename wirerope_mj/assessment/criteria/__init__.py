@@ -9,10 +9,9 @@ from wirerope_mj.assessment.criteria.loads import (
     starting_load_verdicts,
     static_load_verdicts,
 )
-from wirerope_mj.assessment.criteria.peaks import BodyPeak, MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.random import judge_random, random_verdicts
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
-from wirerope_mj.assessment.criteria.summary import summary, verdict_lines
+from wirerope_mj.assessment.criteria.summary import BodyPeak, MountPeak, body_peaks, mount_peaks, summary, verdict_lines
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, rest_travel_verdicts, travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (
     CLEAR,

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from wirerope_mj.dynamics.modes.axis import closed_cycle, cycle_samples
-from wirerope_mj.dynamics.modes.mount import SMALL
+from wirerope_mj.dynamics.modes.mount import SMALL, closed_cycle, cycle_samples
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.single_mass.cycle import is_neutral
 from wirerope_mj.engine.system import System

@@ -8,9 +8,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.cycles import STEPS_PER_CYCLE, at_start, settle, stepping
-from wirerope_mj.dynamics.sweep.envelope import AXES, Collector, FrequencySweep
+from wirerope_mj.dynamics.sweep.envelope import AXES, Channels, Collector, FrequencySweep
 from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.run import warn_of_given_step

@@ -98,7 +98,7 @@ def compare_laws(
     loops: Sequence[Loop], *, laws: Sequence[type[Law]] = USUAL, elements: int = 5, weights: str = "range",
     leave_out: bool = True,
 ) -> LawComparison:  # fmt: skip
-    """Return the fits of several laws to the same loops, and their errors on amplitudes that they have not seen.
+    """Fit several laws to the same loops, and find their errors on amplitudes that they have not seen.
 
     The criterion is the Bayesian one. With a thousand samples Akaike's correction for few samples vanishes, and what is left
     of it charges 2 for a parameter, which the serially correlated misfit of any law pays back; ln N is the stricter price.
@@ -140,7 +140,7 @@ def _row(
     fit_to: Callable[..., Identification], name: str, loops: Sequence[Loop], measured: Sequence[MeasuredLoop],
     left_out: Sequence[Sequence[int]],
 ) -> LawRow:  # fmt: skip
-    """Return the fit of one law, its distance to the best not yet known, and its errors at the groups that are left out."""
+    """Fit one law, its distance to the best not yet known, and find its errors at the groups that are left out."""
     groups = amplitude_groups(measured)
     errors = np.full(len(groups), np.nan)
     try:
@@ -149,30 +149,26 @@ def _row(
         return LawRow(law=name, errors=errors, errors_left_out=errors, message=str(failure))
     converged, why_not = fit.converged, ""
     for number, group in enumerate(left_out):
+        rest = [loop for index, loop in enumerate(loops) if index not in group]
+        again = partial(fit_to, rest, method="time", profiles=False)
         try:
-            other = _refitted(fit_to, fit.law, [loop for index, loop in enumerate(loops) if index not in group])
+            if not rest:
+                raise ValueError("there is only one amplitude.")
+            try:  # from the fit to all, else from the grid
+                refit = again(start=fit.law, grid=False)
+            except ValueError:
+                refit = again()
         except ValueError as failure:
             why_not = str(failure)
             continue
-        errors[number] = group_error(other.law, measured, group)
-        converged = converged and other.converged
+        errors[number] = group_error(refit.law, measured, group)
+        converged = converged and refit.converged
     free = len(fit.uncertainty.free)
     return LawRow(
         law=name, free=free, criterion=criterion(fit, free),
         errors=np.array([group_error(fit.law, measured, group) for group in groups]), errors_left_out=errors,
         converged=converged, message=fit.message, fit=fit, why_not_left_out=why_not,
     )  # fmt: skip
-
-
-def _refitted(fit_to: Callable[..., Identification], begin: Law, loops: Sequence[Loop]) -> Identification:
-    """Return the fit to fewer loops, begun at the fit to all, else from the grid."""
-    if not loops:
-        raise ValueError("there is only one amplitude.")
-    again = partial(fit_to, loops, method="time", profiles=False)
-    try:
-        return again(start=begin, grid=False)
-    except ValueError:
-        return again()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,7 +200,7 @@ class MethodComparison:
 
 
 def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights: str = "range") -> MethodComparison:
-    """Return the fits by the three methods to the same loops, from each start alone.
+    """Fit by the three methods to the same loops, from each start alone.
 
     A search that converged may still stand in a valley of its own: the error says which. A start from which a parameter moves
     nothing is a row with an infinite error and the reason.

@@ -65,16 +65,15 @@ class Coordinate:
         return self.lower > 0.0
 
     def inside(self, value: float) -> float:
-        """Return the number that stands for a value, within the bounds."""
+        """Number that stands for a value, within the bounds."""
         value = min(max(value, self.lower), self.upper)
         return math.log(value) if self.logarithmic else value / self.scale
 
     def value(self, number: float) -> float:
-        """Return the value that a number stands for."""
         return math.exp(number) if self.logarithmic else number * self.scale
 
     def slope(self, number: float) -> float:
-        """Return the derivative of the value by the number."""
+        """Derivative of the value by the number."""
         return math.exp(number) if self.logarithmic else self.scale
 
 
@@ -94,7 +93,7 @@ ELASTIC = 1e-6  # Loss below which a stop is elastic: no test shows it, and the 
 
 
 def least_exponent(s: Scales) -> float:
-    """Return the n below which samples cannot show what it does: then half of the slope at z = 0 is lost before they see it.
+    """Find the n below which samples cannot show what it does: then half of the slope at z = 0 is lost before they see it.
 
     That is at x_y (1/2)^(1/n). A law that yields at the largest amplitude loses it there within what is seen of the least one.
     """
@@ -102,7 +101,7 @@ def least_exponent(s: Scales) -> float:
 
 
 def _slips(s: Scales) -> list[float]:
-    """Return deflections of slip [m] at which searches begin."""
+    """Deflections of slip [m] at which searches begin."""
     return np.geomspace(0.1 * s.least, s.deflection, 8).tolist()
 
 
@@ -119,18 +118,13 @@ def _hysteresis(s: Scales, *, sigma: bool = True) -> list[Coordinate]:
 
 
 def _elastic(s: Scales, *names: str) -> list[Coordinate]:
-    """Return polynomial stiffnesses; the linear one is that of a spring, which cannot be negative."""
+    """List polynomial stiffnesses; the linear one is that of a spring, which cannot be negative."""
     rows = []
     for power, name in enumerate(names, start=1):
         size = s.force / s.deflection**power
         unit, lower = ("N/m", 0.0) if power == 1 else (f"N/m^{power}", -1e3 * size)
         rows.append(Coordinate(name, unit, lower, 1e3 * size, scale=size, linear=True, stiffness=True))
     return rows
-
-
-def _asymmetry(s: Scales) -> Coordinate:
-    x = s.deflection  # exp(10) between the ends of the travel is beyond any isolator
-    return Coordinate("c_ln_b", "1/m", -5.0 / x, 5.0 / x, scale=1.0 / x, stiffness=True, grid=(-1.0 / x, 0.0, 1.0 / x))
 
 
 def _of_springs(kind: type[Hysteresis], *names: str, sigma: bool = True) -> Family:
@@ -176,26 +170,23 @@ def _stop(s: Scales) -> list[Coordinate]:
 
 
 def _make_stop(values: dict[str, float]) -> Law:
-    if values["loss"] < ELASTIC:
-        values = {key: value for key, value in values.items() if key not in ("loss", "reversal")}
-    return Stop(**values)  # type: ignore[arg-type]
+    elastic = values["loss"] < ELASTIC
+    return Stop(**{name: value for name, value in values.items() if not (elastic and name in ("loss", "reversal"))})  # type: ignore[arg-type]
 
 
 # Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests.
-STOP = Family(
-    coordinates=_stop, make=_make_stop, usual={"exponent": 1.0, "rounding": 0.0},
-)  # fmt: skip
+STOP = Family(coordinates=_stop, make=_make_stop, usual={"exponent": 1.0, "rounding": 0.0})
 
 
 def beside_known(family: Family, known: Law | None) -> Family:
-    """Return the family of laws in parallel with one that is known."""
+    """Put the family of laws in parallel with one that is known."""
     if known is None:
         return family
     return replace(family, make=lambda values: Parallel(laws=(*known.components, *family.make(values).components)))
 
 
 def masing_family(elements: int) -> Family:
-    """Return the family of Masing laws with a number of Jenkin elements."""
+    """Make the family of Masing laws with a number of Jenkin elements."""
     integer("elements", elements, least=1)
 
     def coordinates(s: Scales) -> list[Coordinate]:
@@ -224,8 +215,16 @@ FAMILIES: dict[type[Law], Family] = {
         coordinates=lambda s: [
             *_hysteresis(s),
             *_elastic(s, "k1", "k2", "k3"),
-            _asymmetry(s),
-        ],
+            Coordinate(  # exp(10) between the ends of the travel is beyond any isolator
+                "c_ln_b",
+                "1/m",
+                -5.0 / s.deflection,
+                5.0 / s.deflection,
+                scale=1.0 / s.deflection,
+                stiffness=True,
+                grid=(-1.0 / s.deflection, 0.0, 1.0 / s.deflection),
+            ),
+        ],  # fmt: skip
         make=lambda values: AsymmetricBoucWen.from_normalised(
             **{key: value for key, value in values.items() if key != "c_ln_b"}, b=math.e, c=values["c_ln_b"]
         ),
@@ -238,15 +237,12 @@ FAMILIES: dict[type[Law], Family] = {
         ],
         make=lambda values: EnhancedDryFriction(**values),
     ),
-    VaianaRosati: Family(
-        coordinates=_vaiana_rosati,
-        make=lambda values: VaianaRosati(**values),
-    ),
+    VaianaRosati: Family(coordinates=_vaiana_rosati, make=lambda values: VaianaRosati(**values)),
 }
 
 
 def family_of(law: type[Law], elements: int = 5) -> Family:
-    """Return the coordinates of a class of laws; ValueError if cyclic tests cannot fix them."""
+    """Find the coordinates of a class of laws; ValueError if cyclic tests cannot fix them."""
     require_law(law)
     if law is Stop:
         return STOP

@@ -61,7 +61,7 @@ def identify(
     method: Method = "three-stage", data: Data = "loops", weights: str = "range", noise: float | None = None,
     grid: bool = True, profiles: bool = True,
 ) -> Identification:  # fmt: skip
-    """Return the law of a class that fits closed cyclic loops best, and its uncertainty.
+    """Find the law of a class that fits closed cyclic loops best, and its uncertainty.
 
     The law is compared along each loop's own path of deflections: led through what a record holds before it where that is
     known, as `load_cycles` gives it, else in its steady state. The mean of each loop's force is free, as a load cell's zero
@@ -145,46 +145,37 @@ def identify(
         methods: list[Method] = [method if origin == "given" and data == "loops" else "time"]
         if grid and methods == ["three-stage"]:  # its first stages may lead away from a start that was good already
             methods.append("time")
-        for one in methods:
-            minimum, stages = run_stages(unknowns, measured, full, values, one)
+        for way in methods:
+            minimum, stages = run_stages(unknowns, measured, full, values, way)
             ends.append(_End(minimum=minimum, stages=stages, started=origin))
     if not ends:
         raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
-
-    result = _result(unknowns, measured, *_best(unknowns, measured, full, ends, noise, profiles, data))
-    return replace(result, scales=names)
+    return replace(_result(unknowns, measured, full, ends, noise, profiles, data), scales=names)
 
 
-def _best(
-    unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None,
-    profiles: bool, data: Data,
-) -> tuple[_End, Survey, int]:  # fmt: skip
-    """Return the best end, its survey and all evaluations; a search goes on from a better fit that a survey shows."""
+def _result(
+    unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None, profiles: bool,
+    data: Data,
+) -> Identification:  # fmt: skip
+    """Describe the best end and its uncertainty; a search goes on from a better fit that a survey shows."""
     evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
     for left in range(DEEPER, -1, -1):
         least = min(end.minimum.cost for end in ends)
         best = next(end for end in ends if end.minimum.cost <= least * (1.0 + SAME / end.minimum.residual.size))
-        rivals = [end.minimum for end in ends if end is not best]
         if profiles:
-            around = survey(unknowns, full, best.minimum, rivals, noise)
+            around = survey(unknowns, full, best.minimum, [end.minimum for end in ends if end is not best], noise)
         else:
             around = Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
+        uncertainty = around.uncertainty
         if noise is None and data == "loops":
-            sizes = [loop.force.size for loop in loops]
-            known = with_noise_of_each(around.uncertainty, unknowns, best.minimum, sizes)
-            around = replace(around, uncertainty=known)
+            uncertainty = with_noise_of_each(uncertainty, unknowns, best.minimum, [loop.force.size for loop in loops])
         evaluations += around.evaluations
         if around.better is None or left == 0:
             break
         minimum, stages = run_stages(unknowns, loops, full, around.better, "time")
         evaluations += sum(stage.evaluations for stage in stages)
         ends.append(_End(minimum=minimum, stages=(*best.stages, *stages), started=best.started))
-    return best, around, evaluations
-
-
-def _result(unknowns: Unknowns, loops: list[MeasuredLoop], best: _End, around: Survey, evaluations: int) -> Identification:
-    minimum, uncertainty = best.minimum, around.uncertainty
-    law = unknowns.law(minimum.numbers)
+    minimum, law = best.minimum, unknowns.law(best.minimum.numbers)
     differences = [(loop.model_force(law) - loop.force) / (0.5 * float(np.ptp(loop.force))) for loop in loops]
     residuals = np.array([rms(difference - difference.mean()) for difference in differences])
     message = f"ended from the {best.started} start: {minimum.message.rstrip('.')}"

@@ -14,7 +14,7 @@ SAME = 0.05  # Relative difference within which two amplitudes are one: a rig do
 
 
 def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
-    """Return the indices of the loops of each amplitude; the loops are in the order of their amplitudes."""
+    """Group the indices of the loops by amplitude; the loops are in the order of their amplitudes."""
     groups: list[list[int]] = []
     for index, loop in enumerate(loops):
         if groups and loop.amplitude <= (1.0 + SAME) * loops[groups[-1][0]].amplitude:
@@ -25,7 +25,7 @@ def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
 
 
 def group_error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:
-    """Return the root mean square of a law's force minus that of the loops of one amplitude, over half of the force range.
+    """Root mean square of a law's force minus that of the loops of one amplitude, over half of the force range.
 
     Both are without their means.
     """
@@ -35,7 +35,7 @@ def group_error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -
 
 
 def criterion(fit: Identification, free: int) -> float:
-    """Return N ln(S / N) + p ln N, S the weighted squares that are left; the loops' means are the same for every law."""
+    """Evaluate N ln(S / N) + p ln N, S the weighted squares that are left; the loops' means are the same for every law."""
     count, squares = 0, 0.0
     for loop, residual in zip(fit.loops, fit.residuals, strict=True):
         newtons = residual * 0.5 * float(np.ptp(loop.force))
@@ -56,14 +56,23 @@ def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[
     ValueError: one scale cannot be fitted, or there is only one amplitude, so that none can be left out.
     """
     order = sorted(loops, key=lambda loop: float(np.ptp(loop.deflection)))
-    groups = amplitude_groups(prepare(order, weights=weights))
+    measured = prepare(order, weights=weights)
+    groups = amplitude_groups(measured)
     if len(groups) < 2:
         raise ValueError("`scales='auto'` leaves out every amplitude once, and there is only one; say how many scales.")
     rows: list[ScaleRow] = []
     for count in SCALES:
         least = min((row.criterion for row in rows), default=math.inf)
         try:
-            rows.append(_judged(order, groups, fit, count, weights, least=least))
+            whole, errors = fit(order, count, None), [math.inf]
+            free = len(whole.uncertainty.free)
+            size = criterion(whole, free)
+            if size < least:
+                rest = [[loop for index, loop in enumerate(order) if index not in group] for group in groups]
+                laws = [fit(part, count, whole).law for part in rest]
+                errors = [group_error(law, measured, group) for law, group in zip(laws, groups, strict=True)]
+            left_out = float(np.exp(np.mean(np.log(errors))))
+            rows.append(ScaleRow(count=count, free=free, criterion=size, left_out=left_out))
         except ValueError as failure:
             if not rows:
                 raise
@@ -71,17 +80,3 @@ def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[
         if len(rows) > 1 and not (rows[-1].criterion < least and rows[-1].left_out < rows[-2].left_out):
             return rows[-2].count, tuple(rows)
     return rows[-1].count, tuple(rows)
-
-
-def _judged(
-    loops: Sequence[Loop], groups: Sequence[Sequence[int]], fit: Fit, count: int, weights: str, *, least: float
-) -> ScaleRow:
-    """Return the criterion of a number of scales, and where it is below `least` the error at amplitudes left out."""
-    whole, measured, errors = fit(loops, count, None), prepare(loops, weights=weights), [math.inf]
-    free = len(whole.uncertainty.free)
-    size = criterion(whole, free)
-    if size < least:
-        rest = [[loop for index, loop in enumerate(loops) if index not in group] for group in groups]
-        laws = [fit(part, count, whole).law for part in rest]
-        errors = [group_error(law, measured, group) for law, group in zip(laws, groups, strict=True)]
-    return ScaleRow(count=count, free=free, criterion=size, left_out=float(np.exp(np.mean(np.log(errors)))))

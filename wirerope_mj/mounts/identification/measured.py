@@ -45,11 +45,11 @@ class MeasuredLoop:
         return 0.5 * float(np.ptp(self.deflection))
 
     def area(self, force: Array) -> float:
-        """Return the area that a force encloses on the loop's path [J]."""
+        """Area that a force encloses on the loop's path [J]."""
         return float(np.trapezoid(force, self.deflection))
 
     def mid_line(self, force: Array, points: int) -> Array:
-        """Return the mean of a force on the way up and on the way down, at evenly spaced deflections, (points,)."""
+        """Average a force on the way up and on the way down, at evenly spaced deflections, (points,)."""
         x = np.linspace(self.deflection.min(), self.deflection.max(), points)
         start = int(np.argmin(self.deflection))
         path, values = np.roll(self.deflection[:-1], -start), np.roll(force[:-1], -start)
@@ -59,7 +59,7 @@ class MeasuredLoop:
         return 0.5 * (up + down)
 
     def thinned(self, samples: int) -> "MeasuredLoop":
-        """Return about `samples` of the loop's samples, its turning points among them."""
+        """Keep about `samples` of the loop's samples, its turning points among them."""
         x = self.deflection
         even = np.linspace(0, x.size - 1, samples).astype(int)
         kept = np.unique(np.concatenate([even, [np.argmax(x), np.argmin(x)]]))
@@ -67,14 +67,14 @@ class MeasuredLoop:
         return replace(self, deflection=x[kept], force=self.force[kept], elapsed=elapsed)
 
     def model_force(self, law: Law) -> Array:
-        """Return the force of a law on the loop's path [N], (n_t,); NaN where it is not finite.
+        """Evaluate the force of a law on the loop's path [N], (n_t,); NaN where it is not finite.
 
         The law is led there as the device was, through the turning points before, and its cycles are averaged as the measured
         ones were. Where they are not known it is in its steady state; elements that never slip there stand as a ramp from the
         unloaded device to the operating point leaves them.
         """
         if len(law.components) > 1:  # each has states of its own
-            return np.asarray(sum(self.model_force(one) for one in law.components))
+            return np.asarray(sum(self.model_force(part) for part in law.components))
         if self.averaged:
             return mean_of_cycles(self._led_forces(law), self.elapsed)
         x, parameters = self.deflection, law.kernel_parameters()
@@ -89,7 +89,7 @@ class MeasuredLoop:
         return follow_force(law.kernel, parameters, x, states, law.n_states)
 
     def law_closure(self, law: Law) -> float:
-        """Return the distance of the ends of the last cycle of a law that is led there, as a record's `closure`.
+        """Distance of the ends of the last cycle of a law that is led there, as a record's `closure`.
 
         It is without the drift of the cycles' means, over the measured force range; 0 for a loop that counts as steady.
         """
@@ -101,7 +101,7 @@ class MeasuredLoop:
         return float(abs(forces[-1, -1] - forces[-1, 0] - drift) / np.ptp(self.force))
 
     def _led_forces(self, law: Law) -> Array:
-        """Return the forces of a law that came the way of the history in every averaged cycle [N], (n_cycles, n_t)."""
+        """Lead a law the way of the history through every averaged cycle, and keep its forces [N], (n_cycles, n_t)."""
         x, parameters, states = self.deflection, law.kernel_parameters(), np.zeros(law.n_states)
         follow_force(law.kernel, parameters, np.append(self.history, x[0]), states, law.n_states)
         forces = np.empty((self.averaged, x.size))
@@ -129,7 +129,7 @@ def require_loops(loops: object, name: str = "loops") -> None:
 
 
 def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False) -> list[MeasuredLoop]:
-    """Return closed cycles ready to be fitted, smallest first.
+    """Make closed cycles ready to be fitted, smallest first.
 
     Noise of the deflection would turn every sample into a reversal; the monotone path nearest to the samples of each branch
     (isotonic regression) has none. Weights "range" divide residuals by each loop's half force range, so that small loops
@@ -140,57 +140,48 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
     largest = max((0.5 * float(np.ptp(loop.force)) for loop in loops), default=0.0)
     ready = []
     for number, loop in enumerate(loops, start=1):
-        _check(loop, number, stop)
-        size = 0.5 * float(np.ptp(loop.force)) if weights == "range" else largest
-        one = MeasuredLoop(deflection=_monotone(loop.deflection), force=loop.force, weight=size or 1.0)
+        x, f, name = loop.deflection, loop.force, f"loop {number}"
+        if x.size < 12:
+            raise ValueError(f"{name} has {x.size} samples; a loop needs 12 at least.")
+        if not (np.isfinite(x).all() and np.isfinite(f).all()):
+            raise ValueError(f"{name} holds numbers that are not finite.")
+        if np.ptp(x) == 0.0:
+            raise ValueError(f"{name}: the deflection is constant at {x[0]:.6g} m.")
+        require_likely(loop.amplitude, 0.5 * float(np.ptp(f)), name, stop=stop)
+        # A cycle ends where it began; its steps there are as large as anywhere.
+        gap, step = abs(x[-1] - x[0]), float(np.abs(np.diff(x)).max())
+        if gap > 3.0 * step:
+            raise ValueError(
+                f"{name} is not a full cycle: it begins at {x[0]:.6g} m and ends at {x[-1]:.6g} m, of a range of "
+                f"{np.ptp(x):.6g} m."
+            )
+        if loop.closure > OPEN_ENDED and not (stop and loop.closure * np.ptp(f) <= ENDS_NOISE * rms_noise(f)):
+            raise ValueError(
+                f"{name} is not a full cycle: its force begins at {f[0]:.6g} N and ends at {f[-1]:.6g} N, "
+                f"{100 * loop.closure:.0f} % of its range apart."
+            )
+        require_unclipped(x, f, name, stop=stop)
+        require_falling(loop, name, stop=stop)
+        # Every branch between its turning points is made monotone.
+        start = int(np.argmin(x))
+        cyclic = np.roll(x[:-1], -start)
+        top = int(np.argmax(cyclic))
+        up = scipy.optimize.isotonic_regression(cyclic[: top + 1]).x
+        down = scipy.optimize.isotonic_regression(np.append(cyclic[top:], cyclic[0]), increasing=False).x
+        path = np.roll(np.concatenate([up, down[1:-1]]), start)
+        size = 0.5 * float(np.ptp(f)) if weights == "range" else largest
+        measured = MeasuredLoop(deflection=np.append(path, path[0]), force=f, weight=size or 1.0)
         if isinstance(loop, RecordedLoop):
-            one = replace(one, history=loop.history, elapsed=loop.elapsed, averaged=loop.averaged, period=loop.period)
-        ready.append(one)
+            recorded = {name: getattr(loop, name) for name in ("history", "elapsed", "averaged", "period")}
+            measured = replace(measured, **recorded)
+        ready.append(measured)
     return sorted(ready, key=lambda loop: float(np.ptp(loop.deflection)))
 
 
 def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
-    """Return the sizes of the measured loops."""
     amplitudes = [loop.amplitude for loop in loops]
     force = max(float(np.ptp(loop.force)) / 2.0 for loop in loops)
     return Scales(deflection=max(amplitudes), least=min(amplitudes), force=force)
-
-
-def _check(loop: Loop, number: int, stop: bool) -> None:
-    """Raise ValueError if a loop cannot be fitted."""
-    x, f = loop.deflection, loop.force
-    if x.size < 12:
-        raise ValueError(f"loop {number} has {x.size} samples; a loop needs 12 at least.")
-    if not (np.isfinite(x).all() and np.isfinite(f).all()):
-        raise ValueError(f"loop {number} holds numbers that are not finite.")
-    if np.ptp(x) == 0.0:
-        raise ValueError(f"loop {number}: the deflection is constant at {x[0]:.6g} m.")
-    require_likely(loop.amplitude, 0.5 * float(np.ptp(f)), f"loop {number}", stop=stop)
-    # A cycle ends where it began; its steps there are as large as anywhere.
-    gap, step = abs(x[-1] - x[0]), float(np.abs(np.diff(x)).max())
-    if gap > 3.0 * step:
-        raise ValueError(
-            f"loop {number} is not a full cycle: it begins at {x[0]:.6g} m and ends at {x[-1]:.6g} m, of a range of "
-            f"{np.ptp(x):.6g} m."
-        )
-    if loop.closure > OPEN_ENDED and not (stop and loop.closure * np.ptp(f) <= ENDS_NOISE * rms_noise(f)):
-        raise ValueError(
-            f"loop {number} is not a full cycle: its force begins at {f[0]:.6g} N and ends at {f[-1]:.6g} N, "
-            f"{100 * loop.closure:.0f} % of its range apart."
-        )
-    require_unclipped(x, f, f"loop {number}", stop=stop)
-    require_falling(loop, f"loop {number}", stop=stop)
-
-
-def _monotone(x: Array) -> Array:
-    """Return the deflection with every branch between its turning points made monotone."""
-    start = int(np.argmin(x))
-    cyclic = np.roll(x[:-1], -start)
-    top = int(np.argmax(cyclic))
-    up = scipy.optimize.isotonic_regression(cyclic[: top + 1]).x
-    down = scipy.optimize.isotonic_regression(np.append(cyclic[top:], cyclic[0]), increasing=False).x
-    joined = np.roll(np.concatenate([up, down[1:-1]]), start)
-    return np.append(joined, joined[0])
 
 
 _KEPT = 48  # Shapes that a loop recalls: those of one Jacobian and of the steps about it
@@ -207,11 +198,10 @@ class ScaleLoop(MeasuredLoop):
 
     @classmethod
     def of(cls, loop: MeasuredLoop) -> Self:
-        """Return a loop with a memory of its own."""
         return cls(**{item.name: getattr(loop, item.name) for item in fields(MeasuredLoop)})
 
     def model_force(self, law: Law) -> Array:
-        """Return the force of a law of one scale or several on the loop's path [N], (n_t,), as `MeasuredLoop` does."""
+        """Evaluate the force of a law of one scale or several on the loop's path [N], (n_t,), as `MeasuredLoop` does."""
         if len(law.components) == 1:
             return super().model_force(law)
         x, z, elastic, asymmetry = self.deflection, np.zeros(1), np.zeros(1), 0.0
@@ -225,11 +215,11 @@ class ScaleLoop(MeasuredLoop):
         return self.as_measured(np.exp(asymmetry * x) * (z + elastic))
 
     def as_measured(self, forces: Array) -> Array:
-        """Return what was measured of the forces of every averaged cycle, (n_cycles, n_t), or of the steady one, (1, n_t)."""
+        """Take from the forces of every averaged cycle, (n_cycles, n_t), or of the steady one, (1, n_t), what was measured."""
         return mean_of_cycles(forces, self.elapsed) if self.averaged else forces[0]
 
     def shape(self, x_y: float, sigma: float, n: float) -> Array:
-        """Return z / z_max of a scale in every averaged cycle, or in the steady one, (n_cycles, n_t)."""
+        """Evaluate z / z_max of a scale in every averaged cycle, or in the steady one, (n_cycles, n_t)."""
         key = tuple(f"{value:.12e}" for value in (x_y, sigma, n))  # a millionth of the step of a difference
         if key not in self._known:
             size = 0.5 * float(np.ptp(self.force))  # what counts as steady is a fraction of it

@@ -46,9 +46,10 @@ class Survey:
 def survey(
     unknowns: Unknowns, residual: Residual, best: Minimum, rivals: Sequence[Minimum], noise: float | None = None
 ) -> Survey:
-    """Return the uncertainty of the best minimum, by values moved and by the minima where other searches ended.
+    """Judge the uncertainty of the best minimum, by values moved and by the minima where other searches ended.
 
-    `noise` is the standard deviation of the residuals; None: as they are left.
+    Standard errors become as wide as what fits as well, with a message for each that this leaves open. `noise` is the standard
+    deviation of the residuals; None: as they are left.
     """
     uncertainty, spread = uncertainty_of(unknowns, best, noise), noise_of(unknowns, best, noise)
     if not EXACT < spread < np.inf:
@@ -70,27 +71,15 @@ def survey(
     for point in points:
         for name, value in unknowns.values(point.numbers).items():
             reaches[name] = max(reaches.get(name, 0.0), abs(value - values[name]))
-    others = []
+    sets: list[tuple[float, Mapping[str, Parameter]]] = []
     for rival in rivals:
         rise = max((rival.cost - best.cost) / spread**2, 0.0)
         if rise >= ERRORS**2:
             continue
-        there = uncertainty_of(unknowns, rival, noise).parameters
-        others.append((rise, there))
-        for name, p in there.items():
+        sets.append((rise, uncertainty_of(unknowns, rival, noise).parameters))
+        for name, p in sets[-1][1].items():
             reach = abs(p.value - values[name]) + np.sqrt(ERRORS**2 - rise) * p.standard_error
             reaches[name] = max(reaches.get(name, 0.0), reach)
-    return Survey(uncertainty=_widened(uncertainty, reaches, others), better=None, evaluations=evaluations)
-
-
-def _identified(p: Parameter) -> bool:
-    return not p.fixed and not p.at_bound and 0.0 < p.standard_error < OPEN * abs(p.value)
-
-
-def _widened(
-    uncertainty: Uncertainty, reaches: Mapping[str, float], others: Sequence[tuple[float, Mapping[str, Parameter]]]
-) -> Uncertainty:
-    """Return standard errors as wide as what fits as well, with a message for each that this leaves open."""
     parameters, messages = dict(uncertainty.parameters), list(uncertainty.non_identifiable)
     for name, p in uncertainty.parameters.items():
         wide = replace(p, standard_error=max(p.standard_error, reaches.get(name, 0.0) / ERRORS))
@@ -99,20 +88,25 @@ def _widened(
             error = 100 * wide.standard_error / abs(p.value)
             size = f"to better than {error:.3g} %" if wide.standard_error < np.inf else "at all"
             messages.append(f"{name} is not identifiable {size}: moved that far, the other parameters make up for it")
-    named: list[Mapping[str, Parameter]] = []
-    for rise, there in sorted(others, key=lambda pair: pair[0]):
-        if any(not _different(there, known) for known in (uncertainty.parameters, *named)):
+    named = [uncertainty.parameters]
+    for rise, rival_set in sorted(sets, key=lambda pair: pair[0]):
+        if any(not _different(rival_set, known) for known in named):
             continue
-        named.append(there)
-        different = [there[name] for name in _different(uncertainty.parameters, there)]
-        values = ", ".join(f"{p.name} {p.value:.4g} {p.unit}".removesuffix(" -") for p in different)
-        messages.append(f"another set of values fits {'as well' if rise < 1.0 else 'almost as well'}: {values}")
-    return replace(uncertainty, parameters=parameters, non_identifiable=tuple(messages))
+        named.append(dict(rival_set))
+        different = [rival_set[name] for name in _different(uncertainty.parameters, rival_set)]
+        texts = ", ".join(f"{p.name} {p.value:.4g} {p.unit}".removesuffix(" -") for p in different)
+        messages.append(f"another set of values fits {'as well' if rise < 1.0 else 'almost as well'}: {texts}")
+    widened = replace(uncertainty, parameters=parameters, non_identifiable=tuple(messages))
+    return Survey(uncertainty=widened, better=None, evaluations=evaluations)
 
 
-def _different(one: Mapping[str, Parameter], other: Mapping[str, Parameter]) -> list[str]:
-    """Return the names of values that lie beyond three errors of one set and are identified there."""
-    return [n for n, p in one.items() if _identified(p) and abs(other[n].value - p.value) > ERRORS * p.standard_error]
+def _identified(p: Parameter) -> bool:
+    return not p.fixed and not p.at_bound and 0.0 < p.standard_error < OPEN * abs(p.value)
+
+
+def _different(first: Mapping[str, Parameter], second: Mapping[str, Parameter]) -> list[str]:
+    """Name the values of the second set that lie beyond three errors of the first and are identified there."""
+    return [n for n, p in first.items() if _identified(p) and abs(second[n].value - p.value) > ERRORS * p.standard_error]
 
 
 class _Profile:
@@ -129,7 +123,7 @@ class _Profile:
         self.line = column / column[index]
 
     def reach(self, distance: float) -> float:
-        """Return the distance at which the sum of squares has risen by nine variances; 0 if not beyond `distance`."""
+        """Find the distance at which the sum of squares has risen by nine variances; 0 if not beyond `distance`."""
         c, begin = self.unknowns.free[self.index], self.best.numbers[self.index]
         value, numbers, limit = c.value(begin), self.best.numbers, ERRORS**2
         farthest, before = 0.0, (0.0, 0.0)
@@ -140,23 +134,33 @@ class _Profile:
             moved = numbers + (c.inside(target) - numbers[self.index]) * self.line
             if number == 0 and self._straight(moved):
                 return 0.0
-            point = self._fitted(moved, target)
+            held = replace(self.unknowns, fixed={**self.unknowns.fixed, c.name: target})
+            if held.free:
+                start = self.unknowns.values(np.clip(moved, *self.unknowns.bounds))
+                ended = run_search(held, self.residual, start, most=STEPS)
+                cost, evaluations = ended.cost, ended.evaluations
+                moved = self.unknowns.numbers(held.values(ended.numbers))
+            else:
+                residual = self.residual(self.unknowns.law(moved))
+                cost, evaluations = float(residual @ residual), 1
+            self.evaluations += evaluations
+            point = ProfilePoint(numbers=moved, rise=(cost - self.best.cost) / self.spread**2)
             if point.rise >= 0.9 * limit:
                 return farthest
             self.points.append(point)
             if point.rise < -BETTER:
                 return abs(distance)
             # Errors that the last two points are worth go on straight, twice as far at most.
-            here = (abs(distance), float(np.sqrt(max(point.rise, 0.0))))
-            steepness = max(here[1] - before[1], 1e-9) / (here[0] - before[0])
-            farthest, before = min(here[0] + (ERRORS - here[1]) / steepness, 2.0 * here[0]), here
+            size, errors = abs(distance), float(np.sqrt(max(point.rise, 0.0)))
+            steepness = max(errors - before[1], 1e-9) / (size - before[0])
+            farthest, before = min(size + (ERRORS - errors) / steepness, 2.0 * size), (size, errors)
             if farthest > 2.0 * ERRORS * OPEN * abs(value):
                 return farthest
             numbers, distance = point.numbers, math.copysign(farthest, distance)
         return farthest
 
     def _straight(self, moved: Array) -> bool:
-        """Return whether the residual at the end of the straight line is that of a linear one."""
+        """Check that the residual at the end of the straight line is that of a linear one."""
         low, high = self.unknowns.bounds
         if not ((moved > low) & (moved < high)).all():
             return False
@@ -172,17 +176,3 @@ class _Profile:
         step = np.linalg.lstsq(others, residual, rcond=None)[0]
         gain = float(np.sum((others @ step) ** 2)) / self.spread**2
         return bool(abs(rise - ERRORS**2) < STRAIGHT and gain < STRAIGHT)
-
-    def _fitted(self, moved: Array, target: float) -> ProfilePoint:
-        """Return the best fit with the value held."""
-        c, unknowns = self.unknowns.free[self.index], self.unknowns
-        others = replace(unknowns, fixed={**unknowns.fixed, c.name: target})
-        low, high = unknowns.bounds
-        if not others.free:
-            self.evaluations += 1
-            residual = self.residual(unknowns.law(moved))
-            return ProfilePoint(numbers=moved, rise=float(residual @ residual - self.best.cost) / self.spread**2)
-        ended = run_search(others, self.residual, unknowns.values(np.clip(moved, low, high)), most=STEPS)
-        self.evaluations += ended.evaluations
-        numbers = unknowns.numbers(others.values(ended.numbers))
-        return ProfilePoint(numbers=numbers, rise=(ended.cost - self.best.cost) / self.spread**2)

@@ -33,7 +33,7 @@ _OTHER_UNITS = 100.0
 
 
 def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[Loop]]:
-    """Return the loops by file, or raise RecordError that names the file which cannot be used.
+    """Read the loops by file; RecordError names the file which cannot be used.
 
     A bare bump stop may have no force in some of them.
     """
@@ -59,21 +59,33 @@ def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[
 
 
 def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict[Path, str]]:
-    """Return faults of the rig, warnings about loops that make a fit doubtful, and those of a bare stop that stay open.
+    """Warn of faults of the rig, of loops that make a fit doubtful, and of those of a bare stop that stay open.
 
     The second is, by file, the least lag between its channels that would have been named, as text behind its contents.
     """
     loops = [(path, loop) for path, loops in tests.items() for loop in loops]
     if not result.law.only_stops:
         checked = {path: checked_file(path) for path in tests}
-        faults = [text for one in checked.values() for text in one.faults]
-        warnings = [*faults, *_unsteady(loops), *_unexplained(loops, result), *_level(loops), *_soft(tests)]
-        return warnings, {
+        faults = [text for check in checked.values() for text in check.faults]
+        level = [
+            f"{path}: the force of {_size(loop)} is level at an end of its stroke: the device yields there, the load cell cut "
+            "a little off, or one channel lags behind the other"
+            for path, loop in loops
+            if is_level(loop)
+        ]
+        stiffness = {path: max(loop.secant_stiffness for loop in tested) for path, tested in tests.items()}
+        soft = [
+            f"{path}: its secant stiffness of at most {size:.3g} N/m is that of a very soft device; "
+            "are the forces in kN where N is said?"
+            for path, size in stiffness.items()
+            if size < _SOFT
+        ]
+        return [*faults, *_unsteady(loops), *_unexplained(loops, result), *level, *soft], {
             path: "; a lag between its channels, of whatever size, cannot be told: that takes a time, no play and three "
             "reversals in turn between like strokes, as two and a half cycles of an amplitude have"
-            if math.isnan(one.least_lag)
-            else f"; a lag between its channels is named from {100.0 * one.least_lag:.2g} % of a cycle on"
-            for path, one in checked.items()
+            if math.isnan(check.least_lag)
+            else f"; a lag between its channels is named from {100.0 * check.least_lag:.2g} % of a cycle on"
+            for path, check in checked.items()
         }
     inside = [pair for pair in loops if not closes(prepare([pair[1]], stop=True)[0])]
     closed = [pair for pair in loops if not any(pair[1] is loop for _, loop in inside)]
@@ -82,7 +94,7 @@ def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict
 
 
 def _unsteady(loops: _Loops) -> list[str]:
-    """Return a warning for each loop that counts as steady and still changes from cycle to cycle, by more than its noise."""
+    """Warn of each loop that counts as steady and still changes from cycle to cycle, by more than its noise."""
     return [
         f"{path}: {_size(loop)} is not steady, its last cycle ends {100.0 * loop.closure:.2g} % of its force range from where "
         "it began, and is fitted as if it were: parameters may be off by more than their errors. Record the way from the "
@@ -94,7 +106,7 @@ def _unsteady(loops: _Loops) -> list[str]:
 
 
 def _unexplained(loops: _Loops, result: Identification) -> list[str]:
-    """Return a warning for each loop that changes from cycle to cycle otherwise than the law on its way from unloaded."""
+    """Warn of each loop that changes from cycle to cycle otherwise than the law on its way from unloaded."""
     warnings = []
     for path, loop in loops:
         if not (isinstance(loop, RecordedLoop) and loop.averaged > 1):
@@ -110,34 +122,12 @@ def _unexplained(loops: _Loops, result: Identification) -> list[str]:
     return warnings
 
 
-def _level(loops: _Loops) -> list[str]:
-    """Return a warning for each loop whose force stays level at an end."""
-    return [
-        f"{path}: the force of {_size(loop)} is level at an end of its stroke: the device yields there, the load cell cut a "
-        "little off, or one channel lags behind the other"
-        for path, loop in loops
-        if is_level(loop)
-    ]
-
-
-def _soft(tests: Tests) -> list[str]:
-    """Return a warning for each file of a device so soft that its forces may be kilonewtons taken for newtons."""
-    stiffness = {path: max(loop.secant_stiffness for loop in loops) for path, loops in tests.items()}
-    return [
-        f"{path}: its secant stiffness of at most {size:.3g} N/m is that of a very soft device; "
-        "are the forces in kN where N is said?"
-        for path, size in stiffness.items()
-        if size < _SOFT
-    ]
-
-
 def contents(loops: Sequence[Loop]) -> str:
-    """Return the loops of a file as text."""
     return ", ".join(f"{_size(loop)} ({loop.cycles} cycles)" for loop in loops)
 
 
 def millimetres(deflection: float) -> str:
-    """Return a deflection [m] in mm to 1 um: less is noise, and must not look like an operating point."""
+    """Write a deflection [m] in mm to 1 um: less is noise, and must not look like an operating point."""
     return f"{round(1e3 * deflection, 3) + 0.0:.6g}"
 
 
@@ -149,7 +139,7 @@ def identified_isolator(
     result: Identification, *, name: str, axis: str, files: Sequence[Path], given: Sequence[str],
     known: Isolator | None = None, whole: Isolator | None = None,
 ) -> Isolator:  # fmt: skip
-    """Return an isolator called `name` with the law of an identification on the axis that was tested.
+    """Make an isolator called `name` with the law of an identification on the axis that was tested.
 
     `files` are the records that were fitted, `given` is what was given to the fit, one text each. `known` is an isolator
     whose law on the axis was known: its limits, geometry and other axes stay; `whole` is one to which the axis is added, or
@@ -191,7 +181,7 @@ def identified_isolator(
 
 
 def falling_in_rating(result: Identification, axis: str, rated: Isolator | None) -> str:
-    """Return from which deflections on the tangent stiffness is negative within the rated travel alone, as text.
+    """Say from which deflections on the tangent stiffness is negative within the rated travel alone.
 
     "" where it is not, where no isolator says a rating, and where it already is within twice what was tested, as the fit says.
     """
@@ -202,18 +192,18 @@ def falling_in_rating(result: Identification, axis: str, rated: Isolator | None)
 
 
 def turned_round(result: Identification, axis: str) -> str:
-    """Return a question where the axial force grows faster in compression than in tension, as no wire rope's does; else ""."""
-    one = result.parameters.get("c_ln_b")
-    if axis != "axial" or one is None or one.fixed or one.value + 2.0 * one.standard_error >= 0.0:
+    """Ask where the axial force grows faster in compression than in tension, as no wire rope's does; else ""."""
+    p = result.parameters.get("c_ln_b")
+    if axis != "axial" or p is None or p.fixed or p.value + 2.0 * p.standard_error >= 0.0:
         return ""
     return (
-        f"the law stiffens in compression (c ln b = {one.value:.3g} 1/m), where wire rope stiffens in tension: does the record "
+        f"the law stiffens in compression (c ln b = {p.value:.3g} 1/m), where wire rope stiffens in tension: does the record "
         "count compression as positive? Then change the signs of deflection and force"
     )
 
 
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:
-    """Return the assumptions of a fit, one text each."""
+    """List the assumptions of a fit."""
     texts = [f"{text}: given, not fitted" for text in given]
     if "c_ln_b" in result.parameters:
         texts.append("b = e: of b and c only the product c ln b acts on the force")

@@ -23,7 +23,7 @@ _WINDOW = 0.1  # of a cycle, over which a rate is taken: a sine's is 1.6 % less 
 
 
 def measured_range(loops: Sequence[MeasuredLoop]) -> MeasuredRange:
-    """Return the amplitudes, deflections, frequencies and largest rates of loops."""
+    """Find the amplitudes, deflections, frequencies and largest rates of loops."""
     periods = [loop.period for loop in loops if loop.period is not None]
     rates = [rate for loop in loops if (rate := largest_rate(loop)) is not None]
     return MeasuredRange(
@@ -35,7 +35,7 @@ def measured_range(loops: Sequence[MeasuredLoop]) -> MeasuredRange:
 
 
 def largest_rate(loop: MeasuredLoop) -> float | None:
-    """Return the largest deflection rate of a loop over a tenth of its cycle [m/s]; None where its time is not known."""
+    """Find the largest deflection rate of a loop over a tenth of its cycle [m/s]; None where its time is not known."""
     if loop.period is None or not loop.elapsed.size:
         return None
     phase = np.linspace(0.0, 1.0, 201)[:-1]
@@ -45,7 +45,7 @@ def largest_rate(loop: MeasuredLoop) -> float | None:
 
 
 def validity_of(law: Law, loops: Sequence[MeasuredLoop]) -> str:
-    """Return the range of validity of a law fitted to loops, smallest first: tested cycles, and whether small ones show.
+    """State the range of validity of a law fitted to loops, smallest first: tested cycles, and whether small ones show.
 
     Half of a Bouc-Wen law's slope at z = 0, alpha, is lost at the deflection x_y (1/2)^(1/n). Where that is within 2 % of the
     least amplitude no sample shows the slope, and alpha and n follow from the bend further on alone.
@@ -70,7 +70,7 @@ def validity_of(law: Law, loops: Sequence[MeasuredLoop]) -> str:
 
 
 def _half_slope(form: Normalised) -> float:
-    """Return the deflection over which half of the slope at z = 0 is lost [m]."""
+    """Deflection over which half of the slope at z = 0 is lost [m]."""
     return form.x_y * 0.5 ** (1.0 / form.n)
 
 
@@ -165,7 +165,7 @@ class Identification(Summarised):
     def yields(self) -> str:
         """The yield deflection of every scale of friction, as text; empty for one scale."""
         pairs = zip(self.scales, self.law.components, strict=False)
-        return ", ".join(f"{name} scale {1e3 * yield_deflection(one):.3g} mm" for name, one in pairs)
+        return ", ".join(f"{name} scale {1e3 * yield_deflection(law):.3g} mm" for name, law in pairs)
 
     @property
     def falling(self) -> str:
@@ -213,17 +213,17 @@ class FittedLoop:
 
 
 def neighbours_correlation(fits: Sequence[FittedLoop]) -> float:
-    """Return the correlation of neighbouring residuals [-]: about 0 for noise, towards 1 where the law cannot follow."""
+    """Correlate neighbouring residuals [-]: about 0 for noise, towards 1 where the law cannot follow."""
     products = sum(float(fit.residual[1:] @ fit.residual[:-1]) for fit in fits)
     return products / max(sum(float(fit.residual[1:] @ fit.residual[1:]) for fit in fits), 1e-300)
 
 
 def fitted_loops(result: Identification) -> list[FittedLoop]:
-    """Return every loop of an identification beside the law's, smallest first."""
+    """Put every loop of an identification beside the law's, smallest first."""
     fits = []
     for loop in result.loops:
         force = loop.model_force(result.law)
         zero = float(np.mean(loop.force - force))
-        measured, fitted = (Loop.from_samples(loop.deflection, one) for one in (loop.force - zero, force))
+        measured, fitted = (Loop.from_samples(loop.deflection, values) for values in (loop.force - zero, force))
         fits.append(FittedLoop(measured=measured, fitted=fitted, zero=zero))
     return fits

@@ -33,7 +33,7 @@ def require_scales(kind: type[Law], scales: object, *, start: Law | None, beside
     if scales != AUTO and (isinstance(scales, bool) or scales not in SCALES):
         raise ValueError(f"`scales` must be 1, 2, 3 or 'auto', got {scales!r}.")
     if scales != 1 and kind not in KINDS:
-        known = ", ".join(one.name for one in KINDS)
+        known = ", ".join(law.name for law in KINDS)
         raise ValueError(f"`scales` of more than 1 are for the laws {known}, got {getattr(kind, 'name', kind)!r}.")
     if scales != 1 and beside is not None:
         raise ValueError("`scales` of more than 1 and a law `beside` do not go together.")
@@ -46,15 +46,15 @@ def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
 
     The scales are named, the largest first; coordinates end with their names, as "n_small".
     """
-    one, pairs = FAMILIES[kind], [(f"x_y_{a}/{b}", b) for a, b in pairwise(names)]
+    single_scale, pairs = FAMILIES[kind], [(f"x_y_{a}/{b}", b) for a, b in pairwise(names)]
 
     def coordinates(s: Scales) -> list[Coordinate]:
-        single = {c.name: c for c in one.coordinates(s)}
+        single = {c.name: c for c in single_scale.coordinates(s)}
         rows = [replace(single["z_max"], name=f"z_max_{name}") for name in names]
         rows.append(replace(single["x_y"], name=f"x_y_{names[0]}", lower=SEEN * s.least))
         rows += [Coordinate(ratio, "-", APART, FARTHEST) for ratio, _ in pairs]
         rows += [replace(single["n"], name=f"n_{name}", lower=LEAST_EXPONENT) for name in names]
-        return [*rows, single["sigma"], *(c for c in one.coordinates(s) if c.stiffness)]
+        return [*rows, single["sigma"], *(c for c in single_scale.coordinates(s) if c.stiffness)]
 
     def make(values: dict[str, float]) -> Law:
         spring = {name: value for name, value in values.items() if name in _SPRING}
@@ -62,16 +62,18 @@ def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
         x_y = {names[0]: values[f"x_y_{names[0]}"]}
         for (ratio, name), above in zip(pairs, names, strict=False):
             x_y[name] = x_y[above] / values[ratio]
-        own = {name: {"z_max": values[f"z_max_{name}"], "x_y": x_y[name], "n": values[f"n_{name}"]} for name in names}
+        forms = {name: {"z_max": values[f"z_max_{name}"], "x_y": x_y[name], "n": values[f"n_{name}"]} for name in names}
         springs = [spring if name == names[0] else bare for name in names]
-        laws = (one.make(own[a] | {"sigma": values["sigma"]} | b) for a, b in zip(names, springs, strict=True))
-        return Parallel(laws=tuple(laws))
+        return Parallel(laws=tuple(
+            single_scale.make(forms[name] | {"sigma": values["sigma"]} | elastic)
+            for name, elastic in zip(names, springs, strict=True)
+        ))  # fmt: skip
 
     def read(law: Law) -> dict[str, float]:
         parts = law.components
         if [type(part) for part in parts] != [kind] * len(names):
             raise ValueError(f"`start` must be {len(names)} {kind.name} laws in parallel, got {law!r}.")
-        each = [one.read(part) for part in sorted(parts, key=yield_deflection, reverse=True)]
+        each = [single_scale.read(part) for part in sorted(parts, key=yield_deflection, reverse=True)]
         values = {f"{key}_{name}": part[key] for key in ("z_max", "n") for name, part in zip(names, each, strict=True)}
         values |= {f"x_y_{names[0]}": each[0]["x_y"], "sigma": each[0]["sigma"]}
         values |= {ratio: a["x_y"] / b["x_y"] for (ratio, _), (a, b) in zip(pairs, pairwise(each), strict=True)}
@@ -85,6 +87,6 @@ _SPRING = ("k", "k1", "k2", "k3", "c_ln_b")
 
 
 def yield_deflection(law: Law) -> float:
-    """Return the yield deflection of one scale [m]."""
+    """Yield deflection of one scale [m]."""
     assert law.normal_form is not None
     return law.normal_form.x_y

@@ -19,7 +19,7 @@ THIN = 0.01
 
 
 def _of_each(loops: Sequence[MeasuredLoop], part: Callable[[MeasuredLoop, Array], Array | float]) -> Residual:
-    """Return the residual that has a part for each loop, made of the law's force minus the measured one."""
+    """Join a part for each loop, made of the law's force minus the measured one, to a residual."""
     return lambda law: np.concatenate([np.ravel(part(loop, loop.model_force(law) - loop.force)) for loop in loops])
 
 
@@ -28,7 +28,7 @@ def _centred(values: Array) -> Array:
 
 
 def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residual:
-    """Return the residual of all loops: force of the law minus measured, each loop without its mean, over its weight.
+    """Compare the force of a law with that of all loops, each without its mean, over its weight.
 
     The mean is what a drifting zero of the load cell adds; the law's own is lost with it. Data are "loops", all samples, or
     "skeleton", the forces at the turning points alone.
@@ -42,7 +42,7 @@ def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residu
 
 
 def harmonic_residual(loops: Sequence[MeasuredLoop]) -> Residual:
-    """Return the residual in the frequency domain: the first seven Fourier coefficients of the force over the cycle's phase.
+    """Compare the first seven Fourier coefficients of the force over the cycle's phase.
 
     Samples count as uniform over the phase, as those of a sine sampled in time are.
     """
@@ -55,12 +55,12 @@ def harmonic_residual(loops: Sequence[MeasuredLoop]) -> Residual:
 
 
 def mid_line_residual(loops: Sequence[MeasuredLoop]) -> Residual:
-    """Return the residual of the loops' mid-lines (F_up + F_down) / 2, which show the elastic part: the first stage's."""
+    """Compare the loops' mid-lines (F_up + F_down) / 2, which show the elastic part: the first stage's residual."""
     return _of_each(loops, lambda loop, misfit: _centred(loop.mid_line(misfit, 41) / loop.weight))
 
 
 def area_residual(loops: Sequence[MeasuredLoop]) -> Residual:
-    """Return the residual of the loops' areas, relative to the measured ones: the second stage's.
+    """Compare the loops' areas, relative to the measured ones: the second stage's residual.
 
     A loop thinner than `THIN` of the rectangle about it counts relative to that fraction of the rectangle: noise of the force
     makes such an area small, zero or negative.
@@ -74,14 +74,12 @@ def area_residual(loops: Sequence[MeasuredLoop]) -> Residual:
 
 
 def joined(loops: Residual, extra: Sequence[Residual]) -> Residual:
-    """Return the residual of the loops and of everything that joins them."""
     if not extra:
         return loops
-    return lambda law: np.concatenate([loops(law), *(np.ravel(other(law)) for other in extra)])
+    return lambda law: np.concatenate([loops(law), *(np.ravel(residual(law)) for residual in extra)])
 
 
 def rms(residual: Array) -> float:
-    """Return the root mean square."""
     return float(np.sqrt(np.mean(residual**2)))
 
 
@@ -113,18 +111,16 @@ class Unknowns:
         return [c for c in self.coordinates if c.name not in self.fixed]
 
     def numbers(self, values: Mapping[str, float]) -> Array:
-        """Return the numbers of the free coordinates, a little inside their bounds."""
+        """Numbers of the free coordinates, a little inside their bounds."""
         low, high = self.bounds
         inside = np.array([c.inside(values[c.name]) for c in self.free])
         return np.clip(inside, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
 
     def values(self, numbers: Array) -> dict[str, float]:
-        """Return the values of all coordinates."""
         free = {c.name: float(c.value(number)) for c, number in zip(self.free, numbers, strict=True)}
         return {c.name: free.get(c.name, self.fixed.get(c.name, 0.0)) for c in self.coordinates}
 
     def law(self, numbers: Array) -> Law:
-        """Return the law of the numbers."""
         return self.family.make(self.values(numbers))
 
     @property
@@ -167,12 +163,12 @@ class _Residuals:
         self._latest = (begin, self._value(begin))
 
     def residual(self, numbers: Array) -> Array:
-        """Return the residual and remember it for the Jacobian there."""
+        """Evaluate the residual and remember it for the Jacobian there."""
         self._latest = (numbers.copy(), self._value(numbers))
         return self._latest[1]
 
     def jacobian(self, numbers: Array) -> Array:
-        """Return the Jacobian by differences; raises _StalledError where ten steps have changed nothing that counts."""
+        """Differentiate the residual by differences; raises _StalledError where ten steps have changed nothing that counts."""
         before = self._latest[1] if np.array_equal(self._latest[0], numbers) else self._value(numbers)
         # SciPy's own step is relative to the number: for one near zero it is so small that the differences are rounding.
         high, columns = self._unknowns.bounds[1], []
@@ -181,7 +177,16 @@ class _Residuals:
             moved[index] += STEP if number + STEP <= high[index] else -STEP
             columns.append((self._value(moved) - before) / (moved[index] - number))
         matrix = np.stack(columns, axis=1)
-        self._note(numbers, before, matrix)
+        self.steps.append(
+            Minimum(
+                numbers=numbers.copy(), residual=before, jacobian=matrix, iterations=len(self.steps) + 1,
+                evaluations=self.evaluations, converged=True, message=CREPT,
+            )
+        )  # fmt: skip
+        cost = self.steps[-1].cost
+        earlier = self.steps[-1 - STEPS_RUNNING].cost if len(self.steps) > STEPS_RUNNING else np.inf
+        if earlier - cost < STALLED / self.freedom * cost:
+            raise _StalledError
         return matrix
 
     def _value(self, numbers: Array) -> Array:
@@ -192,22 +197,9 @@ class _Residuals:
             return np.full(self._size, REFUSED)
         return np.where(np.isfinite(value), value, REFUSED)
 
-    def _note(self, numbers: Array, residual: Array, jacobian: Array) -> None:
-        """Note a step; raise _StalledError if it and the ones before it lead nowhere."""
-        self.steps.append(
-            Minimum(
-                numbers=numbers.copy(), residual=residual, jacobian=jacobian, iterations=len(self.steps) + 1,
-                evaluations=self.evaluations, converged=True, message=CREPT,
-            )
-        )  # fmt: skip
-        cost = self.steps[-1].cost
-        earlier = self.steps[-1 - STEPS_RUNNING].cost if len(self.steps) > STEPS_RUNNING else np.inf
-        if earlier - cost < STALLED / self.freedom * cost:
-            raise _StalledError
-
 
 def run_search(unknowns: Unknowns, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS) -> Minimum:
-    """Return the end of a trust-region Levenberg-Marquardt search with bounds (SciPy's `least_squares`, "trf").
+    """Run a trust-region Levenberg-Marquardt search with bounds (SciPy's `least_squares`, "trf") to its end.
 
     What counts as an end is measured by the noise, the variance of a residual as it is left: a relative change of the cost
     would ask for more where there are many samples, and never end in a valley that the data leave open.
@@ -245,7 +237,7 @@ class Stage:
 def run_stages(
     unknowns: Unknowns, loops: Sequence[MeasuredLoop], full: Residual, values: Mapping[str, float], method: Method
 ) -> tuple[Minimum, tuple[Stage, ...]]:
-    """Return the end of a search from `values` in the residual `full`, which counts, and its stages.
+    """Search from `values` in the residual `full`, which counts, in stages.
 
     By the method "three-stage": stiffness from mid-lines, hysteresis from areas, everything from forces; "time": the last of
     these at once; "frequency": everything from the Fourier coefficients of the forces.
@@ -262,8 +254,8 @@ def run_stages(
     if method == "frequency":
         end, ended = stage("frequency", unknowns, harmonic_residual(loops), values)
         # The error, and what the data identify, are still those of the forces.
-        there = run_search(unknowns, full, ended, most=1)
-        return replace(there, converged=end.converged, message=end.message), tuple(stages)
+        by_force = run_search(unknowns, full, ended, most=1)
+        return replace(by_force, converged=end.converged, message=end.message), tuple(stages)
     if method == "three-stage":
         begin = {**{c.name: values[c.name] for c in unknowns.coordinates}, **unknowns.fixed}
         parts = (("stiffness", True, mid_line_residual(loops)), ("areas", False, area_residual(loops)))

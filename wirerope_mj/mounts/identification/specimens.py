@@ -8,7 +8,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
-from wirerope_mj.mounts.identification.families import Family, family_of
+from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import Identification, identify
 from wirerope_mj.mounts.identification.measured import require_loops
 from wirerope_mj.mounts.identification.scales import scales_family
@@ -54,7 +54,7 @@ class SpecimenFits(Brief):
         return self.covariance / np.outer(deviations, deviations)
 
     def spread(self, axis: str) -> Spread:
-        """Return the scatter as an isolator file keeps it, its parameters named "axial.alpha" and so on by the tested axis."""
+        """Write the scatter as an isolator file keeps it, its parameters named "axial.alpha" and so on by the tested axis."""
         one_of("axis", axis, ("roll", "shear", "axial"))
         names = tuple(f"{axis}.{row.parameter}" for row in self.rows)
         return Spread(parameters=names, covariance=tuple(map(tuple, self.covariance.tolist())))
@@ -73,7 +73,7 @@ def identify_specimens(
     specimens: Sequence[Sequence[Loop]], *, law: type[Law] = AsymmetricBoucWen, scales: int = 1,
     shared: Sequence[str] = (), elements: int = 5, weights: str = "range",
 ) -> SpecimenFits:  # fmt: skip
-    """Return the nominal law of several specimens and the covariance of its parameters over them.
+    """Find the nominal law of several specimens and the covariance of its parameters over them.
 
     The covariance is that of the law's own parameters, about their mean; noise of the tests is in it, and is stated beside it.
     Parameters of a Bouc-Wen law hang on its n: with z in newtons, a tenth more of it halves beta. Where the specimens are of
@@ -112,21 +112,46 @@ def identify_specimens(
     for number, loops in enumerate(specimens, start=1):
         try:
             # Specimens are alike: each begins at what fits all of them.
-            one = identify(
+            fit = identify(
                 loops, law=law, scales=scales, start=nominal.law, fixed=fixed, elements=elements, weights=weights,
                 method="time", grid=False,
             )  # fmt: skip
         except ValueError as failure:
             raise ValueError(f"specimen {number}: {failure}") from failure
-        each.append(one)
-    if len({tuple(own_parameters(fit.law).values()) for fit in each}) == 1:
+        each.append(fit)
+    centre, tables = own_parameters(nominal.law), [own_parameters(fit.law) for fit in each]
+    if len({tuple(table.values()) for table in tables}) == 1:
         raise ValueError("`specimens` do not differ: all give the same law to the last digit. Is one given several times?")
     family = scales_family(law, nominal.scales) if nominal.scales else family_of(law, elements)
-    return _scatter(nominal, each, family)
+    errors = []  # of the law's own parameters, those of the search carried over by their slopes
+    for fit in each:
+        values = family.read(fit.law)
+        before = own_parameters(family.make(values))
+        slopes: dict[str, list[float]] = {name: [] for name in before}
+        for name in fit.uncertainty.free:
+            step = STEP * max(abs(values[name]), fit.parameters[name].standard_error, 1e-12)
+            after = own_parameters(family.make(values | {name: values[name] + step}))
+            for parameter, value in after.items():
+                slopes[parameter].append((value - before[parameter]) / step)
+        variances = {name: np.array(row) @ fit.uncertainty.covariance @ np.array(row) for name, row in slopes.items()}
+        errors.append({name: float(np.sqrt(max(variance, 0.0))) for name, variance in variances.items()})
+    names = [name for name in centre if len({table[name] for table in tables}) > 1]
+    scatter = np.array([[table[name] for name in names] for table in tables])
+    covariance = np.atleast_2d(np.cov(scatter, rowvar=False))
+    rows = tuple(
+        SpecimenRow(
+            parameter=name, nominal=centre[name], mean=float(scatter[:, index].mean()),
+            deviation=float(np.sqrt(covariance[index, index])),
+            fit_error=float(np.sqrt(np.mean([error[name] ** 2 for error in errors]))),
+            values=tuple(scatter[:, index].tolist()),
+        )
+        for index, name in enumerate(names)
+    )  # fmt: skip
+    return SpecimenFits(nominal=nominal, each=tuple(each), rows=rows, covariance=covariance)
 
 
 def joint_spread(axes: Mapping[str, SpecimenFits]) -> Spread:
-    """Return the scatter of the same specimens tested along several axes, their correlation included.
+    """Join the scatter of the same specimens tested along several axes, their correlation included.
 
     Args:
         axes: specimens by "roll", "shear" or "axial", in the same order on every axis.
@@ -140,52 +165,18 @@ def joint_spread(axes: Mapping[str, SpecimenFits]) -> Spread:
     names = [name for axis, fits in axes.items() for name in fits.spread(axis).parameters]
     values = np.array([row.values for fits in axes.values() for row in fits.rows])
     covariance = np.atleast_2d(np.cov(values))
-    return Spread(parameters=tuple(names), covariance=tuple(tuple(float(one) for one in row) for row in covariance))
-
-
-def _scatter(nominal: Identification, each: Sequence[Identification], family: Family) -> SpecimenFits:
-    """Return the specimens from their fits."""
-    tables = [own_parameters(fit.law) for fit in each]
-    errors = [_own_errors(fit, family) for fit in each]
-    centre = own_parameters(nominal.law)
-    names = [name for name in centre if len({table[name] for table in tables}) > 1]
-    values = np.array([[table[name] for name in names] for table in tables])
-    covariance = np.atleast_2d(np.cov(values, rowvar=False))
-    rows = tuple(
-        SpecimenRow(
-            parameter=name, nominal=centre[name], mean=float(values[:, index].mean()),
-            deviation=float(np.sqrt(covariance[index, index])),
-            fit_error=float(np.sqrt(np.mean([error[name] ** 2 for error in errors]))),
-            values=tuple(float(value) for value in values[:, index]),
-        )
-        for index, name in enumerate(names)
-    )  # fmt: skip
-    return SpecimenFits(nominal=nominal, each=tuple(each), rows=rows, covariance=covariance)
+    return Spread(parameters=tuple(names), covariance=tuple(map(tuple, covariance.tolist())))
 
 
 def own_parameters(law: Law) -> dict[str, float]:
-    """Return a law's own parameters by the names of its file: "stiffness[0]" of a list, "laws[0].alpha" in parallel."""
+    """List a law's own parameters by the names of its file: "stiffness[0]" of a list, "laws[0].alpha" in parallel."""
     values: dict[str, float] = {}
     if len(law.components) > 1:
-        each = [own_parameters(one) for one in law.components]
-        return {f"laws[{index}].{name}": value for index, own in enumerate(each) for name, value in own.items()}
+        each = [own_parameters(part) for part in law.components]
+        return {f"laws[{index}].{name}": value for index, part in enumerate(each) for name, value in part.items()}
     for name, value in law.to_dict().items():
         if isinstance(value, list | tuple):
-            values |= {f"{name}[{index}]": float(one) for index, one in enumerate(value)}
+            values |= {f"{name}[{index}]": float(number) for index, number in enumerate(value)}
         elif not isinstance(value, str):
             values[name] = float(value)
     return values
-
-
-def _own_errors(fit: Identification, family: Family) -> dict[str, float]:
-    """Return the standard errors of a law's own parameters, those of the search carried over by their slopes."""
-    values = family.read(fit.law)
-    before = own_parameters(family.make(values))
-    slopes: dict[str, list[float]] = {name: [] for name in before}
-    for name in fit.uncertainty.free:
-        step = STEP * max(abs(values[name]), fit.parameters[name].standard_error, 1e-12)
-        after = own_parameters(family.make(values | {name: values[name] + step}))
-        for parameter, value in after.items():
-            slopes[parameter].append((value - before[parameter]) / step)
-    covariance, rows = fit.uncertainty.covariance, {name: np.array(slope) for name, slope in slopes.items()}
-    return {name: float(np.sqrt(max(row @ covariance @ row, 0.0))) for name, row in rows.items()}

@@ -21,7 +21,7 @@ SAMPLES = 60  # Samples of each loop that the grid looks at: its shape, not its 
 
 
 def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int) -> list[dict[str, float]]:
-    """Return the values of the best points of the grid, and of the best for each pattern of signs that the grid has.
+    """Choose the values of the best points of the grid, and of the best for each pattern of signs that the grid has.
 
     Laws with coordinates of either sign can have a valley for each pattern, of depths that the noise does not tell apart: a
     spring that hardens to one side, and one that softens to the other beside a stiffer straight one. `count` is the number of
@@ -50,7 +50,7 @@ def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int
 
 
 def _stretched(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]) -> tuple[dict[str, float], float]:
-    """Return all values with the best linear ones, and the mean square that is left."""
+    """Complete a shape by the best linear values, and compute the mean square that is left."""
     linear = [c for c in unknowns.free if c.linear]
     multiplied, fixed = [c for c in unknowns.coordinates if c.linear], unknowns.fixed
     base = {c.name: fixed.get(c.name, max(c.lower, 0.0)) for c in multiplied} | dict(shape)
@@ -74,7 +74,7 @@ def _stretched(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping
 
 
 def _forces(family: Family, values: Mapping[str, float], loops: Sequence[MeasuredLoop]) -> Array:
-    """Return the law's forces on all loops without their means, over the loops' weights."""
+    """Evaluate the law's forces on all loops without their means, over the loops' weights."""
     law = family.make(dict(values))
     parts = [loop.model_force(law) for loop in loops]
     return np.concatenate([(part - part.mean()) / loop.weight for part, loop in zip(parts, loops, strict=True)])
@@ -88,7 +88,7 @@ _Point = tuple[float, dict[str, float]]  # of the grid: mean squares left, its v
 
 
 def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Sequence[str]) -> list[dict[str, float]]:
-    """Return the values of the best point of the grid for each n and sigma, best first: searches from two may end in others.
+    """Choose the values of the best point of the grid for each n and sigma, best first: searches from two may end in others.
 
     The scales are named, the largest first.
     """
@@ -102,7 +102,7 @@ def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Seque
 
 
 def _with_bend(unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[str], n: float, sigma: float) -> list[_Point]:
-    """Return the points of one n and one sigma: every choice of yield deflections apart, every asymmetry."""
+    """Evaluate the points of one n and one sigma: every choice of yield deflections apart, every asymmetry."""
     amplitudes = [loop.amplitude for loop in loops]
     yields = np.geomspace(2.0 * SEEN * min(amplitudes), max(amplitudes), _YIELD)
     shapes = [[loop.shape(float(x_y), sigma, n) for loop in loops] for x_y in yields]
@@ -113,16 +113,23 @@ def _with_bend(unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[s
     points = []
     asymmetries = [0.0]
     if any(c.name == "c_ln_b" for c in unknowns.coordinates):
-        tried = [one / max(amplitudes) for one in _ASYMMETRIES]
+        tried = [asymmetry / max(amplitudes) for asymmetry in _ASYMMETRIES]
         asymmetries = [unknowns.fixed["c_ln_b"]] if "c_ln_b" in unknowns.fixed else tried
     for asymmetry in asymmetries:
         scale_columns = [_column(loops, shape, asymmetry) for shape in shapes]
-        units = [[_spring(loop, _POWERS[c.name]) for loop in loops] for c in springs]
-        spring_columns = [_column(loops, forces, asymmetry) for forces in units]
+        spring_columns = []  # of unit springs, in every averaged cycle
+        for power in (_POWERS[c.name] for c in springs):
+            units = [np.sign(loop.deflection) * np.abs(loop.deflection) ** power for loop in loops]
+            forces = [np.tile(unit, (max(loop.averaged, 1), 1)) for loop, unit in zip(loops, units, strict=True)]
+            spring_columns.append(_column(loops, forces, asymmetry))
         least = np.array([0.0] * len(names) + [c.lower for c in springs])
         for pick in choices:
             matrix = np.stack([*(scale_columns[index] for index in pick[::-1]), *spring_columns], axis=1)
-            linear, cost = _best_linear(matrix, measured, least)
+            norms = np.linalg.norm(matrix, axis=0)
+            best = np.linalg.lstsq(matrix / norms, measured, rcond=None)[0]
+            if (best < least * norms).any():
+                best = scipy.optimize.lsq_linear(matrix / norms, measured, (least * norms, np.inf)).x
+            linear, cost = best / norms, float(np.sum((matrix / norms @ best - measured) ** 2))
             x_y = yields[list(pick[::-1])]
             values = {f"z_max_{name}": float(linear[index]) for index, name in enumerate(names)}
             values |= {f"x_y_{names[0]}": float(x_y[0]), "sigma": sigma, "c_ln_b": asymmetry}
@@ -136,25 +143,10 @@ def _with_bend(unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[s
 _POWERS: Mapping[str, int] = {"k": 1, "k1": 1, "k2": 2, "k3": 3}
 
 
-def _spring(loop: ScaleLoop, power: int) -> Array:
-    """Return the force of a unit spring in every averaged cycle, (n_cycles, n_t)."""
-    force = np.sign(loop.deflection) * np.abs(loop.deflection) ** power
-    return np.tile(force, (max(loop.averaged, 1), 1))
-
-
 def _column(loops: Sequence[ScaleLoop], forces: Sequence[Array], asymmetry: float) -> Array:
-    """Return unit forces on all loops with the asymmetry, without their means, over the loops' weights."""
+    """Stack unit forces on all loops with the asymmetry, without their means, over the loops' weights."""
     parts = []
     for loop, force in zip(loops, forces, strict=True):
         part = loop.as_measured(np.exp(asymmetry * loop.deflection) * force)
         parts.append((part - part.mean()) / loop.weight)
     return np.concatenate(parts)
-
-
-def _best_linear(matrix: Array, measured: Array, least: Array) -> tuple[Array, float]:
-    """Return the best linear values not below `least`, and the sum of squares that is left."""
-    norms = np.linalg.norm(matrix, axis=0)
-    best = np.linalg.lstsq(matrix / norms, measured, rcond=None)[0]
-    if (best < least * norms).any():
-        best = scipy.optimize.lsq_linear(matrix / norms, measured, (least * norms, np.inf)).x
-    return best / norms, float(np.sum((matrix / norms @ best - measured) ** 2))

@@ -39,7 +39,7 @@ def require_options(
         raise ValueError(f"`fixed` must be a mapping of names to values, got {fixed!r}.")
     for name, value in fixed.items():
         finite(f"fixed[{name!r}]", value)
-    if not isinstance(extra_residuals, Sequence) or not all(callable(one) for one in extra_residuals):
+    if not isinstance(extra_residuals, Sequence) or not all(map(callable, extra_residuals)):
         raise ValueError(f"`extra_residuals` must be a sequence of functions of a law, got {extra_residuals!r}.")
 
 
@@ -47,7 +47,7 @@ def unknowns_of(
     law: type[Law], family: Family, coordinates: list[Coordinate], fixed: dict[str, float], free: Sequence[str],
     constraint: Constraint | None, start: Law | None,
 ) -> Unknowns:  # fmt: skip
-    """Return the coordinates that are searched for and those that are fixed; ValueError where the options contradict."""
+    """Choose the coordinates that are searched for and those that are fixed; ValueError where the options contradict."""
     if start is not None and type(start) is not law:
         raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")
     if fixed.get("loss") == 0.0:  # an elastic stop has none
@@ -140,7 +140,7 @@ LEAST = 0.02
 
 
 def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[MeasuredLoop], dict[str, float]]:
-    """Return the loops that count for a stop, and how far beyond zero the sides that close were pressed [m], 0 of others.
+    """Choose the loops that count for a stop, and find how far beyond zero the sides that close were pressed [m], 0 of others.
 
     Loops within the gap of a bare stop hold noise alone and do not count. ValueError: none closes.
     """
@@ -157,40 +157,35 @@ def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[Meas
 
 
 def closes(loop: MeasuredLoop) -> bool:
-    """Return True if a loop of a bare stop closes it."""
     return any(_closed([loop], None))
 
 
 def _closed(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[bool, bool]:
-    """Return two booleans: a stop pushes at the lower end, and at the upper one.
+    """Tell whether a stop pushes at the lower end, and at the upper one.
 
     Any elastic force that only grows with the depth is a sum of springs behind gaps, and a lossy one has another sum on the way
     back. They are fitted with stiffnesses >= 0; a side is closed if the fit without it is worse for sure.
     """
     left = [loop.force - (0.0 if known is None else loop.model_force(known)) for loop in loops]
     force = np.concatenate([(f - f.mean()) / loop.weight for f, loop in zip(left, loops, strict=True)])
-    below, above = (_springs(loops, side) for side in (-1.0, 1.0))
+    sides = []  # forces (n_t, n) of unit springs behind gaps, those of pressing and letting go apart, without means
+    for side in (-1.0, 1.0):
+        reach = max(0.0, *(float((side * loop.deflection).max()) for loop in loops))
+        gaps, rows = np.linspace(0.0, reach, HINGES, endpoint=False), []
+        for loop in loops:
+            pressed = (side * np.gradient(loop.deflection) > 0.0)[:, None]
+            springs = side * np.maximum(side * loop.deflection[:, None] - gaps, 0.0) / loop.weight
+            columns = np.hstack([springs * pressed, springs * ~pressed])
+            rows.append(columns - columns.mean(axis=0))
+        sides.append(np.concatenate(rows))
 
-    def cost(*sides: Array) -> tuple[float, Array]:
-        matrix = np.hstack(sides)
-        springs = scipy.optimize.lsq_linear(matrix, force, (0.0, np.inf)).x
-        return float(np.sum((matrix @ springs - force) ** 2)), springs
+    def cost(*parts: Array) -> tuple[float, Array]:
+        matrix = np.hstack(parts)
+        stiffness = scipy.optimize.lsq_linear(matrix, force, (0.0, np.inf)).x
+        return float(np.sum((matrix @ stiffness - force) ** 2)), stiffness
 
-    both, stiffness = cost(below, above)
-    halves = np.split(stiffness, 2)
-    gains = [(cost(other)[0] - both) / max(both / force.size, 1e-12) for other in (above, below)]
-    pushes = [float(np.ptp(part @ half)) for part, half in zip((below, above), halves, strict=True)]
+    both, stiffness = cost(*sides)
+    gains = [(cost(without)[0] - both) / max(both / force.size, 1e-12) for without in sides[::-1]]
+    pushes = [float(np.ptp(part @ half)) for part, half in zip(sides, np.split(stiffness, 2), strict=True)]
     first, second = (gain > SURE and push > LEAST * np.ptp(force) for gain, push in zip(gains, pushes, strict=True))
     return bool(first), bool(second)
-
-
-def _springs(loops: Sequence[MeasuredLoop], side: float) -> Array:
-    """Return forces (n_t, n) of unit springs behind gaps on one side, those of pressing and letting go apart, without means."""
-    reach = max(0.0, *(float((side * loop.deflection).max()) for loop in loops))
-    gaps, rows = np.linspace(0.0, reach, HINGES, endpoint=False), []
-    for loop in loops:
-        pressed = (side * np.gradient(loop.deflection) > 0.0)[:, None]
-        springs = side * np.maximum(side * loop.deflection[:, None] - gaps, 0.0) / loop.weight
-        columns = np.hstack([springs * pressed, springs * ~pressed])
-        rows.append(columns - columns.mean(axis=0))
-    return np.concatenate(rows)

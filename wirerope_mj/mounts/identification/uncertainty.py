@@ -54,7 +54,7 @@ class Uncertainty:
 
 
 def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = None) -> Uncertainty:
-    """Return standard errors, correlations and non-identifiable combinations at a minimum.
+    """Compute standard errors, correlations and non-identifiable combinations at a minimum.
 
     The Jacobian J in the coordinates' numbers gives the covariance s^2 (J^T J)^-1; its singular value decomposition
     says along which combinations it is large. `noise` is the standard deviation of the residuals; None: as they are left.
@@ -75,34 +75,30 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
         covariance = numbers * np.outer(slopes, slopes)
     names = tuple(c.name for c in free)
     loose = [(row, float(error)) for row, error in zip(combinations, errors, strict=True) if error > OPEN]
-    return Uncertainty(
-        parameters=_parameters(unknowns, minimum, np.sqrt(np.diag(covariance))), covariance=covariance, free=names,
-        singular_values=singular / spread if spread > 0.0 else np.full(len(free), np.inf),
-        non_identifiable=tuple(_message(names, row, error) for row, error in loose),
-    )  # fmt: skip
-
-
-def noise_of(unknowns: Unknowns, minimum: Minimum, noise: float | None) -> float:
-    """Return the standard deviation of the residuals: the one given, else as they are left."""
-    freedom = minimum.residual.size - len(unknowns.free)
-    if noise is not None:
-        return noise
-    return float(np.sqrt(minimum.cost / freedom)) if freedom > 0 else np.inf
-
-
-def _parameters(unknowns: Unknowns, minimum: Minimum, deviations: Array) -> dict[str, Parameter]:
     values, (low, high) = unknowns.values(minimum.numbers), unknowns.bounds
-    room = np.minimum(minimum.numbers - low, high - minimum.numbers)
-    errors = np.where(deviations < 1e100, deviations, np.inf)
-    bounded = room <= AT_BOUND * (high - low)
-    fitted = {c.name: (float(errors[i]), bool(bounded[i])) for i, c in enumerate(unknowns.free)}
+    bounded = np.minimum(minimum.numbers - low, high - minimum.numbers) <= AT_BOUND * (high - low)
+    deviations = np.sqrt(np.diag(covariance))
+    deviations = np.where(deviations < 1e100, deviations, np.inf)
+    fitted = {name: (float(deviations[i]), bool(bounded[i])) for i, name in enumerate(names)}
     parameters = {}
     for c in unknowns.coordinates:
         error, at_bound = fitted.get(c.name, (0.0, False))
         parameters[c.name] = Parameter(
             name=c.name, unit=c.unit, value=values[c.name], standard_error=error, fixed=c.name not in fitted, at_bound=at_bound
         )
-    return parameters
+    return Uncertainty(
+        parameters=parameters, covariance=covariance, free=names,
+        singular_values=singular / spread if spread > 0.0 else np.full(len(free), np.inf),
+        non_identifiable=tuple(_message(names, row, error) for row, error in loose),
+    )  # fmt: skip
+
+
+def noise_of(unknowns: Unknowns, minimum: Minimum, noise: float | None) -> float:
+    """Standard deviation of the residuals: the one given, else as they are left."""
+    freedom = minimum.residual.size - len(unknowns.free)
+    if noise is not None:
+        return noise
+    return float(np.sqrt(minimum.cost / freedom)) if freedom > 0 else np.inf
 
 
 def _message(names: Sequence[str], combination: Array, error: float) -> str:
@@ -122,7 +118,7 @@ BANDS = (1, 4, 9, 19, 41)
 
 
 def with_noise_of_each(uncertainty: Uncertainty, unknowns: Unknowns, minimum: Minimum, sizes: Sequence[int]) -> Uncertainty:
-    """Return the uncertainty where every loop has a noise of its own, as left by the fit, and its samples are correlated.
+    """Widen the uncertainty where every loop has a noise of its own, as left by the fit, and its samples are correlated.
 
     With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is H (sum
     of J_i^T V_i J_i) H (Huber 1967; White 1980; Newey and West 1987). V_i is the loop's mean square times a spectrum of noise
@@ -153,7 +149,7 @@ def with_noise_of_each(uncertainty: Uncertainty, unknowns: Unknowns, minimum: Mi
 
 
 def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], freedom: int) -> Array:
-    """Return the covariance of the values: noise of each loop's mean square and of the spectrum that they have in common.
+    """Compute the covariance of the values: noise of each loop's mean square and of the spectrum that they have in common.
 
     The residual, (n,), is what is left; `bread`, (n, n_free), what each residual moves the values by; the columns of `basis`,
     (n, n_free), are orthonormal and span what the parameters move.
@@ -172,11 +168,17 @@ def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], fre
         room += np.bincount(band, np.maximum(2.0 - np.sum(np.abs(moved) ** 2, axis=1), 0.0), len(BANDS))
     known = np.maximum(room, 4.0)
     spectrum = power / room * known / (known - 2.0)  # Student's distribution is wider than the normal one by this
-    along = _between_bands(spectrum, max(sizes) // 2)
+    # At the harmonics it is straight in logarithms through the middles of its bands. Below the middle of the first it goes on
+    # as it bends there: correlated noise is largest at the lowest harmonic.
+    middles = np.log([*np.sqrt(np.multiply(BANDS[:-1], np.subtract(BANDS[1:], 1))), 1.4 * BANDS[-1]])
+    at, values = np.log(np.arange(1, max(sizes) // 2 + 1)), np.log(spectrum)
+    slope = (values[1] - values[0]) / (middles[1] - middles[0])
+    below = values[0] + slope * (at - middles[0])
+    along = np.exp(np.where(at < middles[0], below, np.interp(at, middles, values)))
     covariance = np.zeros((bread.shape[1], bread.shape[1]))
     for loop, square in zip(loops, squares, strict=True):
-        own = _harmonics(bread[loop])
-        covariance += square * np.real(own.conj().T @ (own * along[: own.shape[0], np.newaxis]))
+        moved = _harmonics(bread[loop])
+        covariance += square * np.real(moved.conj().T @ (moved * along[: moved.shape[0], np.newaxis]))
     beside = bread[ends[-1] :]
     if beside.size:
         covariance += np.mean(residual[ends[-1] :] ** 2) * residual.size / freedom * (beside.T @ beside)
@@ -184,17 +186,5 @@ def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], fre
 
 
 def _harmonics(values: Array) -> ComplexArray:
-    """Return the harmonics of a loop's columns from the first on, (n_harmonics, n), their squares' sum that of the values."""
+    """Harmonics of a loop's columns from the first on, (n_harmonics, n), their squares' sum that of the values."""
     return np.asarray(np.fft.rfft(values, axis=0)[1 : (values.shape[0] + 1) // 2] * np.sqrt(2.0 / values.shape[0]))
-
-
-def _between_bands(spectrum: Array, count: int) -> Array:
-    """Return a spectrum at the first harmonics, (count,), straight in logarithms through the middles of its bands.
-
-    Below the middle of the first band it goes on as it bends there: correlated noise is largest at the lowest harmonic.
-    """
-    middles = np.log([*np.sqrt(np.multiply(BANDS[:-1], np.subtract(BANDS[1:], 1))), 1.4 * BANDS[-1]])
-    at, values = np.log(np.arange(1, count + 1)), np.log(spectrum)
-    slope = (values[1] - values[0]) / (middles[1] - middles[0])
-    below = values[0] + slope * (at - middles[0])
-    return np.asarray(np.exp(np.where(at < middles[0], below, np.interp(at, middles, values))))

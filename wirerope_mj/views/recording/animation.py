@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import rerun as rr
 
-from wirerope_mj.dynamics.frequency_response.curve import along_branch
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, along_branch
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MemorySamples

@@ -25,8 +25,7 @@ from wirerope_mj.content.orbits import motion_blocks
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.curve import busiest_loops
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, busiest_loops
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
