@@ -6,7 +6,7 @@ from foreign_devices import dead_zone, few_sliders, iwan, lugre
 from laws_for_tests import PARAMETERS, example
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.test_rig.play import play_in
+from wirerope_mj.mounts.test_rig.faults import play_in
 
 TIME = np.linspace(0.0, 8.0, 4001)
 NOISE = (0.0, 0.03)

@@ -185,6 +185,7 @@ class FrequencySweep(Summarised):
 
     @property
     def direction(self) -> str | tuple[float, float, float]:
+        """Direction of the excitation."""
         direction = self.excitation["direction"]
         return direction if isinstance(direction, str) else tuple(direction)
 

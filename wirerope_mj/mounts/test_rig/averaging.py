@@ -5,26 +5,61 @@ cover, and its energy with it. Here either side goes to the turning point by a p
 triangle and a hold alike.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.passive import require_area, require_passive
-from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace
+
+
+@dataclass(frozen=True, repr=False)
+class RecordedLoop(Loop):
+    """The mean of a run's last cycles, without drift, and the turning points of the deflection that led there.
+
+    A hysteretic force remembers how its cycle was reached, the longer the smaller the cycle. Rate-independent laws need no more
+    than the turning points to be led the same way.
+    """
+
+    # turning points from the unloaded device to the first of the averaged cycles [m], (n,)
+    history: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    # time since the cycle began over its period, from 0 to 1, (n_t,)
+    elapsed: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    averaged: int = 0  # cycles in the mean; 0 if it is not known how they were reached, and the loop counts as steady
+    # standard deviation of what the averaged cycles differ by, as it is left in their mean [N]; 0 of a single one
+    scatter: float = 0.0
+    period: float | None = None  # of its cycles [s]; None where the record has no time
+
+
+def mean_of_cycles(forces: Array, elapsed: Array) -> Array:
+    """Average successive cycles' forces [N], (n_t,), from (n_cycles, n_t), without a zero that drifts linearly.
+
+    The drift is that of the cycles' mean forces, or of a single one's ends, and is none at the end of the last cycle. The
+    ends of what comes back are one sample; `elapsed` is the time since a cycle's begin over its period, from 0 to 1, (n_t,).
+    """
+    if forces.shape[0] == 1:
+        return forces[0] - (forces[0, -1] - forces[0, 0]) * (elapsed - 1.0)
+    means = np.asarray(np.trapezoid(forces, elapsed, axis=1))
+    drift = (means[-1] - means[0]) / (forces.shape[0] - 1)
+    # Cycle k has drifted by k + elapsed, and their mean k is (n - 1) / 2.
+    mean = np.asarray(forces.mean(axis=0) - drift * (elapsed - 0.5 * (forces.shape[0] + 1)))
+    mean[[0, -1]] = 0.5 * (mean[0] + mean[-1])
+    return mean
+
 
 REACH = 0.03  # Fraction of a cycle on either side: a sine is a parabola there to 1e-4 of its amplitude
 BINS = 3.0  # Bins on either side at least, so that three samples of it give a parabola
 
 
 def reach_of(bins: int) -> float:
-    """Return the fraction of a cycle beside a turning point that shows what happens there, for a number of bins in a cycle."""
+    """Fraction of a cycle beside a turning point that shows what happens there, for a number of bins in a cycle."""
     return max(REACH, BINS / bins)
 
 
 def tip_of(distance: Array, deflection: Array, force: Array) -> tuple[float, float]:
-    """Return deflection [m] and force [N] at a turning point from samples, (n,) each; before it distances are negative.
+    """Fit deflection [m] and force [N] at a turning point to samples, (n,) each; before it distances are negative.
 
     The deflection takes the same parabola over the phase to both sides; the force one parabola over the deflection before the
     turning point and another behind it, which meet there.
@@ -35,7 +70,7 @@ def tip_of(distance: Array, deflection: Array, force: Array) -> tuple[float, flo
 
 
 def _value(terms: list[Array], values: Array) -> float:
-    """Return the constant beside terms that vanish at the turning point, by least squares."""
+    """Fit the constant beside terms that vanish at the turning point, by least squares."""
     mean = float(values.mean())
     matrix = np.stack([np.ones(values.size), *terms], axis=1)
     sizes = np.maximum(np.abs(matrix).max(axis=0), 1e-300)
@@ -58,20 +93,20 @@ class PhasedCycle:
     middle: float = 0.5  # time of phase 0.5 over the period
 
     def of(self, values: Array) -> Array:
-        """Return a series at `POINTS` even phases."""
+        """Interpolate a series at `POINTS` even phases."""
         return np.interp(np.arange(POINTS) / POINTS, self.phase, values[self.samples])
 
     def elapsed(self, phase: Array) -> Array:
-        """Return the time since the cycle began over its period, for phases."""
+        """Time since the cycle began over its period, for phases."""
         return np.interp(phase, [0.0, 0.5, 1.0], [0.0, self.middle, 1.0])
 
     def mean(self, values: Array) -> float:
-        """Return the mean of a series over time."""
+        """Average a series over time."""
         return float(np.interp(np.arange(POINTS) / POINTS, self.elapsed(self.phase), values[self.samples]).mean())
 
 
 def cycle_to(trace: Trace, end: int) -> PhasedCycle:
-    """Return the cycle of a run that ends at a turning point."""
+    """Cut the cycle of a run that ends at a turning point."""
     bounds = trace.times[end - 2 : end + 1]
     inside = np.flatnonzero((trace.time >= bounds[0]) & (trace.time <= bounds[2]))
     middle = float((bounds[1] - bounds[0]) / (bounds[2] - bounds[0]))
@@ -79,7 +114,7 @@ def cycle_to(trace: Trace, end: int) -> PhasedCycle:
 
 
 def whole_record(trace: Trace) -> PhasedCycle:
-    """Return a record that is one cycle; its last sample repeats the first or stands one step before it."""
+    """Take a record for one cycle; its last sample repeats the first or stands one step before it."""
     x, samples = trace.deflection, trace.time.size
     steps = np.abs(np.diff(x))
     repeated = abs(float(x[-1] - x[0])) <= 0.5 * min(steps[0], steps[-1])
@@ -96,7 +131,7 @@ def whole_record(trace: Trace) -> PhasedCycle:
 def mean_loop(
     cycles: list[PhasedCycle], x: Array, f: Array, count: int, gap: float, location: str, *, stop: bool = False
 ) -> RecordedLoop:
-    """Return the mean of cycles over bins of phase, whose first and last bin are one; `count` cycles were run.
+    """Average cycles over bins of phase, whose first and last bin are one; `count` cycles were run.
 
     Deflections x [m] and forces f [N] without drift are those of the record, (n_t,); `gap` is that between the forces at the
     ends of the last cycle [N]. `location` says where the cycles stand; a bump stop need not have force or area.
@@ -128,7 +163,11 @@ def mean_loop(
     mean_f += np.mean(levels)
     loop = RecordedLoop.from_samples(np.append(mean_x, mean_x[0]), np.append(mean_f, mean_f[0]), cycles=count)
     assert isinstance(loop, RecordedLoop)
-    loop = replace(loop, scatter=_scatter(cycles, force, bins))
+    if len(cycles) > 1:  # the standard deviation of what cycles differ by, as it is left in their mean
+        shown = [np.bincount(_bin(cycle.phase, bins), minlength=bins) > 0 for cycle in cycles]
+        each = [_mean_over_bins([cycle], [values], bins) for cycle, values in zip(cycles, force, strict=True)]
+        variance = np.stack(each)[:, np.all(shown, axis=0)].var(axis=0, ddof=1)
+        loop = replace(loop, scatter=float(np.sqrt(variance.mean() / len(cycles))) if variance.size else 0.0)
     require_passive(loop, location, stop=stop)
     if not stop:
         require_area(loop, location)
@@ -137,26 +176,16 @@ def mean_loop(
 
 
 def _bin(phase: Array, bins: int) -> Integers:
-    """Return the bins of phases, whose first and last are one."""
+    """Number the bins of phases, whose first and last are one."""
     return np.floor(phase * bins + 0.5).astype(np.int64) % bins
 
 
 def _mean_over_bins(cycles: list[PhasedCycle], values: list[Array], bins: int) -> Array:
-    """Return the mean over cycles, which count alike, of their means over bins, (bins,); 0 where no cycle has a sample."""
+    """Average over cycles, which count alike, their means over bins, (bins,); 0 where no cycle has a sample."""
     sums, counts = np.zeros(bins), np.zeros(bins)
-    for cycle, own in zip(cycles, values, strict=True):
+    for cycle, series in zip(cycles, values, strict=True):
         numbers = _bin(cycle.phase, bins)
         filled = np.bincount(numbers, minlength=bins)
-        sums += np.bincount(numbers, own, bins) / np.maximum(filled, 1)
+        sums += np.bincount(numbers, series, bins) / np.maximum(filled, 1)
         counts += filled > 0
     return sums / np.maximum(counts, 1.0)
-
-
-def _scatter(cycles: list[PhasedCycle], forces: list[Array], bins: int) -> float:
-    """Return the standard deviation of what cycles differ by, as it is left in their mean; 0 of a single cycle."""
-    if len(cycles) < 2:
-        return 0.0
-    filled = [np.bincount(_bin(cycle.phase, bins), minlength=bins) > 0 for cycle in cycles]
-    each = [_mean_over_bins([cycle], [force], bins) for cycle, force in zip(cycles, forces, strict=True)]
-    variance = np.stack(each)[:, np.all(filled, axis=0)].var(axis=0, ddof=1)
-    return float(np.sqrt(variance.mean() / len(cycles))) if variance.size else 0.0

@@ -10,11 +10,10 @@ from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.table_files import LARGEST
 from wirerope_mj.mounts.laws import Loop
-from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
+from wirerope_mj.mounts.test_rig.averaging import RecordedLoop, cycle_to, mean_loop, whole_record
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
-from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 
 Locate = Callable[[int, int], str]  # Text of where the samples from one index to another stand
@@ -29,7 +28,7 @@ _UNLOADED = 0.05  # of its range, within which a record begins at the unloaded d
 
 
 def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
-    """Return the steady loops of a measured cyclic test of any length, in the order of the file.
+    """Read the steady loops of a measured cyclic test of any length, in the order of the file.
 
     The file is that of `load_cyclic_test`, but its rows, or those with one value of `loop` or `amplitude`, may hold any
     number of cycles, amplitudes and operating points one after the other. See `steady_loops` for what is made of them. Hum of
@@ -67,7 +66,7 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
 
 
 def steady_loops(deflection: ArrayLike, force: ArrayLike, *, time: ArrayLike | None = None, stop: bool = False) -> list[Loop]:
-    """Return one loop for every run of like cycles in a record.
+    """Cut a record into one loop for every run of like cycles.
 
     Turning points are reversals of the smoothed deflection by more than its noise and by more than 1 % of its range. Strokes
     of one length that follow each other are a run. Of its last three cycles the mean is taken at equal phases, as far
@@ -102,7 +101,7 @@ def steady_loops(deflection: ArrayLike, force: ArrayLike, *, time: ArrayLike | N
 
 
 def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) -> list[Loop]:
-    """Return the loops of a record; `locate` says where samples stand."""
+    """Cut the loops of a record; `locate` says where samples stand."""
     whole = locate(0, x.size - 1) if x.size else "the record"
     if x.size < _FEWEST:
         raise ValueError(f"{whole}: {x.size} samples; one cycle needs at least {_FEWEST}.")
@@ -116,11 +115,24 @@ def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) 
         require_unclipped(x, f, whole, stop=stop)
         loop = mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole, stop=stop)
         return [loop if time is None else replace(loop, period=float(np.ptp(time)))]
-    runs = _runs(trace)
+    # Runs of like strokes that hold a cycle, by their first and last turning points.
+    strokes, first, end = trace.strokes, 0, trace.strokes.size
+    slack = 4.0 * trace.smooth_noise
+    if end >= 2 and abs(strokes[0] - strokes[1]) > _AT_ENDS * strokes[1] + slack:
+        first = 1
+    if end >= 2 and abs(strokes[-1] - strokes[-2]) > _AT_ENDS * strokes[-2] + slack:
+        end -= 1
+    runs = []
+    for last in range(first + 1, end + 1):
+        size = strokes[first:last].mean()
+        if last == end or abs(strokes[last] - size) > _ALIKE * size + slack:
+            if last - first >= 2:
+                runs.append((first, last))
+            first = last
     if not runs:
-        strokes = ", ".join(f"{1e3 * s:.4g}" for s in trace.strokes[:6]) + (", ..." if trace.strokes.size > 6 else "")
+        listed = ", ".join(f"{1e3 * s:.4g}" for s in strokes[:6]) + (", ..." if strokes.size > 6 else "")
         raise ValueError(
-            f"{whole}: there is no full cycle. The deflection goes to and fro by {strokes} mm; a cycle is two strokes of "
+            f"{whole}: there is no full cycle. The deflection goes to and fro by {listed} mm; a cycle is two strokes of "
             "one length, or ends where it began."
         )
     loops = [_loop_of_run(trace, f, first, last, locate, stop) for first, last in runs]
@@ -128,30 +140,7 @@ def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) 
         loops = [replace(loop, period=None) for loop in loops]
     if abs(float(trace.smooth[0])) > _UNLOADED * np.ptp(x):  # how the device came there is not in the record
         return [replace(loop, averaged=0) for loop in loops]
-    return _led_there(trace, runs, loops)
-
-
-def _runs(trace: Trace) -> list[tuple[int, int]]:
-    """Return the first and the last turning point of every run of like strokes that holds a cycle."""
-    strokes, first, stop = trace.strokes, 0, trace.strokes.size
-    slack = 4.0 * trace.smooth_noise
-    if stop >= 2 and abs(strokes[0] - strokes[1]) > _AT_ENDS * strokes[1] + slack:
-        first = 1
-    if stop >= 2 and abs(strokes[-1] - strokes[-2]) > _AT_ENDS * strokes[-2] + slack:
-        stop -= 1
-    runs = []
-    for end in range(first + 1, stop + 1):
-        size = strokes[first:end].mean()
-        if end == stop or abs(strokes[end] - size) > _ALIKE * size + slack:
-            if end - first >= 2:
-                runs.append((first, end))
-            first = end
-    return runs
-
-
-def _led_there(trace: Trace, runs: list[tuple[int, int]], loops: list[RecordedLoop]) -> list[Loop]:
-    """Return loops with the turning points before them; those of a run are its loop's, free of noise."""
-    turning = trace.raw_turning
+    turning = trace.raw_turning  # those of a run are its loop's, free of noise
     for (first, last), loop in zip(runs, loops, strict=True):
         ends = (loop.deflection.min(), loop.deflection.max())
         for index in range(first, last + 1):
@@ -161,7 +150,7 @@ def _led_there(trace: Trace, runs: list[tuple[int, int]], loops: list[RecordedLo
 
 
 def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Locate, stop: bool) -> RecordedLoop:
-    """Return the mean of the last cycles of a run, without drift."""
+    """Average the last cycles of a run, without drift."""
     cycles = [cycle_to(trace, end) for end in range(last, first + 1, -2)]
     fewest = min(cycle.samples.size for cycle in cycles[:KEPT])
     if fewest < _FEWEST:
@@ -184,23 +173,18 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Loca
             f"{location}: {hole:.3g} s of a cycle of {period:.3g} s hold no samples: are rows missing there? Both strokes "
             "must be recorded."
         )
-    slope = _drift(trace, kept, force, last) if len(kept) > 1 else rise / period
+    slope = rise / period
+    if len(kept) > 1:
+        # How fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last. These
+        # are of whole cycles, whose ends lie between samples, and surer than forces at turning points, which would close the
+        # loop exactly and their noise with it.
+        since = force - force[0]  # so that a force that stands still has no drift by rounding
+        work = np.concatenate([[0.0], np.cumsum(0.5 * (since[1:] + since[:-1]) * np.diff(trace.time))])
+        ends = trace.times[last - 2 * len(kept) : last + 1 : 2]
+        means, middles = np.diff(np.interp(ends, trace.time, work)) / np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
+        slope = float((means[-1] - means[0]) / (middles[-1] - middles[0]))
     gap = abs(float(rise - slope * period))
     without_drift = force - slope * (trace.time - times[1])
     loop = mean_loop(kept, trace.deflection, without_drift, len(cycles), gap, location, stop=stop)
     require_falling(loop, location, stop=stop)
     return replace(loop, averaged=len(kept), period=float(period))
-
-
-def _drift(trace: Trace, kept: list[PhasedCycle], force: Array, last: int) -> float:
-    """Return how fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last.
-
-    These are of whole cycles, whose ends lie between samples, and surer than forces at turning points, which would close the
-    loop exactly and their noise with it.
-    """
-    since = force - force[0]  # so that a force that stands still has no drift by rounding
-    work = np.concatenate([[0.0], np.cumsum(0.5 * (since[1:] + since[:-1]) * np.diff(trace.time))])
-    ends = trace.times[last - 2 * len(kept) : last + 1 : 2]
-    means = np.diff(np.interp(ends, trace.time, work)) / np.diff(ends)
-    middles = 0.5 * (ends[1:] + ends[:-1])
-    return float((means[-1] - means[0]) / (middles[-1] - middles[0]))

@@ -10,9 +10,66 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import duration_text
 from wirerope_mj.mounts.test_rig.lag import lag_in
-from wirerope_mj.mounts.test_rig.play import play_in
 from wirerope_mj.mounts.test_rig.reading import read_rows
-from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points, rms_noise
+from wirerope_mj.mounts.test_rig.turning import find_turning_points, rms_noise
+
+# forces over half of their range at which a stroke is cut; a load cell's zero may stand aside by a third of it
+_LEVELS = np.linspace(0.6, -0.6, 13)
+_MIDDLE = slice(2, 10)  # cuts among which the flat way is looked for; steep ones are left on either side
+_FLAT = 0.6  # of the stiffness on either side, up to which a way is flat; a hysteretic law has less behind than before
+_ALIKE = 0.2  # of half of the force range, within which both senses have their flat way at one force
+_SHARPER = 4  # times that the force is smoothed over fewer samples than the deflection: play may be short
+_STROKE = 0.3  # of the longest, from which a stroke is looked at
+_FEWEST = 3  # strokes that show it
+_MOST_OF_THEM = 0.8
+
+
+@dataclass(frozen=True, kw_only=True)
+class Play:
+    """Way on which the force stands near zero behind a reversal [m], and how many strokes show it."""
+
+    width: float
+    strokes: int
+
+
+def play_in(time: Array, deflection: Array, force: Array) -> Play | None:
+    """Find the play that deflection [m] and force [N] at instants [s], (n,) each, show, None if they show none."""
+    if np.ptp(deflection) == 0.0 or np.ptp(force) == 0.0:
+        return None
+    trace = find_turning_points(deflection, time)
+    smooth = scipy.ndimage.uniform_filter1d(force, max(1, trace.window // _SHARPER))
+    smooth -= 0.5 * (smooth.max() + smooth.min())
+    half = 0.5 * float(np.ptp(smooth))
+    seen: dict[bool, list[tuple[float, float, float]]] = {True: [], False: []}
+    looked_at = 0
+    for first, last in zip(trace.turns[:-1], trace.turns[1:], strict=True):
+        way = trace.smooth[first : last + 1]
+        if abs(way[-1] - way[0]) < _STROKE * trace.strokes.max():
+            continue
+        upwards = bool(way[-1] > way[0])
+        falling = (-1.0 if upwards else 1.0) * smooth[first : last + 1] / half
+        start = falling[: max(1, falling.size // 20)]
+        if start.max() < _LEVELS[0] or falling.min() > _LEVELS[-1]:
+            continue
+        looked_at += 1
+        begin = int(np.argmax(start))  # from there on the deflections at which the force first falls below each level
+        at = np.array([way[begin + int(np.argmax(falling[begin:] < level))] for level in _LEVELS])
+        stiffness = -np.diff(_LEVELS) / np.maximum(np.abs(np.diff(at)), 1e-300)
+        flat = _MIDDLE.start + int(np.argmin(stiffness[_MIDDLE]))
+        beside = min(float(np.median(stiffness[:flat])), float(np.median(stiffness[flat + 1 :])))
+        if stiffness[flat] < _FLAT * beside:
+            slack = np.maximum(np.abs(np.diff(at)) * (1.0 - stiffness / beside), 0.0)
+            level = 0.5 * float(_LEVELS[flat] + _LEVELS[flat + 1]) * (-1.0 if upwards else 1.0)
+            seen[upwards].append((float(slack[_MIDDLE].sum()), 0.5 * float(at[flat] + at[flat + 1]), level))
+    widths = np.array([width for each in seen.values() for width, _, _ in each])
+    if widths.size < max(_FEWEST, _MOST_OF_THEM * looked_at) or not (seen[True] and seen[False]):
+        return None
+    apart = np.abs(np.diff([np.median(seen[side], axis=0) for side in (True, False)], axis=0))[0]
+    # A spring that hardens is flat at one deflection, and with friction at two forces.
+    if apart[1] < np.median(widths) or apart[2] > _ALIKE:
+        return None
+    return Play(width=float(np.median(widths)), strokes=int(widths.size))
+
 
 MAINS = (50.0, 60.0)  # Frequencies at which hum is looked for [Hz]
 _NEAR, _ASIDE = 0.6, 8.0  # Hz from a mains frequency: where its line is looked for, and where its neighbours are
@@ -36,7 +93,7 @@ class Hum:
 
 
 def hum_in(time: Array, force: Array) -> Hum | None:
-    """Return the largest line of the mains in a force [N], (n,), at even instants [s] that stands out, None if none does."""
+    """Find the largest line of the mains in a force [N], (n,), at even instants [s] that stands out, None if none does."""
     if time.size < 3:
         return None
     step = float(time[-1] - time[0]) / (time.size - 1)
@@ -44,7 +101,7 @@ def hum_in(time: Array, force: Array) -> Hum | None:
         return None
     values = (force - force.mean()) * np.hanning(force.size)
     frequency, size = np.fft.rfftfreq(force.size, step), np.abs(np.fft.rfft(values)) * 4.0 / force.size
-    found = []
+    lines, spacing = [], 1.0 / (step * force.size)
     for mains in MAINS:
         near = np.abs(frequency - mains) <= _NEAR
         aside = (np.abs(frequency - mains) <= _ASIDE) & (np.abs(frequency - mains) > 2.0 * _NEAR)
@@ -52,20 +109,16 @@ def hum_in(time: Array, force: Array) -> Hum | None:
             continue
         line = float(size[near].max())
         if line > _STANDS_OUT * float(size[aside].max()) and line > _LEAST * 0.5 * float(np.ptp(force)):
-            found.append(_refined(time, force, float(frequency[near][size[near].argmax()]), 1.0 / (step * force.size)))
-    return max(found, key=lambda one: one.amplitude, default=None)
-
-
-def _refined(time: Array, force: Array, frequency: float, spacing: float) -> Hum:
-    """Return the line near a frequency that takes most out of the force."""
-    best = scipy.optimize.minimize_scalar(
-        lambda at: -_line(time, force, at)[1], bounds=(frequency - spacing, frequency + spacing), method="bounded"
-    )
-    return Hum(frequency=float(best.x), amplitude=-float(best.fun))
+            centre = float(frequency[near][size[near].argmax()])
+            best = scipy.optimize.minimize_scalar(
+                lambda at: -_line(time, force, at)[1], bounds=(centre - spacing, centre + spacing), method="bounded"
+            )
+            lines.append(Hum(frequency=float(best.x), amplitude=-float(best.fun)))
+    return max(lines, key=lambda line: line.amplitude, default=None)
 
 
 def _line(time: Array, force: Array, frequency: float) -> tuple[Array, float]:
-    """Return the oscillation of a frequency in a force, beside what is slow, and its amplitude [N]."""
+    """Fit the oscillation of a frequency in a force, beside what is slow, and its amplitude [N]."""
     angle = 2.0 * np.pi * frequency * (time - time[0])
     window = np.hanning(force.size)
     period = max(1, round(1.0 / (frequency * (time[1] - time[0]))))
@@ -78,7 +131,7 @@ def _line(time: Array, force: Array, frequency: float) -> tuple[Array, float]:
 
 
 def without_hum(time: Array, force: Array, hum: Hum) -> Array:
-    """Return a force without a line of the mains: a notch at its frequency alone, which bends nothing else."""
+    """Take a line of the mains out of a force: a notch at its frequency alone, which bends nothing else."""
     return force - _line(time, force, hum.frequency)[0]
 
 
@@ -135,7 +188,7 @@ def checked_record(time: Array, deflection: Array, force: Array) -> Checked:
 
 
 def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
-    """Return how far the zero of the force goes over the whole record, and its standard error [N].
+    """Estimate how far the zero of the force goes over the whole record, and its standard error [N].
 
     Cycles are whole, from turning point to turning point between the samples. Their mean force fades, too, where a device
     forgets how it was loaded before, fastest in large cycles: so the largest ones count, others as far as they agree with them,
@@ -145,57 +198,50 @@ def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
         return 0.0, np.inf
     trace = find_turning_points(deflection, time)
     work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
-    noise, length = rms_noise(force), float(np.ptp(time))
+    noise, length, strokes = rms_noise(force), float(np.ptp(time)), trace.strokes
+    runs: list[tuple[int, int]] = []  # of like strokes, by turning points; the first and the last stroke are in none
+    for index in range(1, strokes.size - 1):
+        if runs and abs(strokes[index] - strokes[index - 1]) <= _LIKE * strokes[index]:
+            runs[-1] = (runs[-1][0], index + 1)
+        else:
+            runs.append((index, index + 1))
+
+    def line_through(times: Array, values: Array) -> tuple[float, float]:
+        """Fit the slope of a straight line through values, and what they scatter about it by."""
+        since = times - times.mean()
+        slope = float(since @ values / (since @ since))
+        left = values - values.mean() - slope * since
+        return slope, float(np.sqrt(left @ left / max(values.size - 2, 1)))
+
     slopes = []
-    for run in _runs(trace):
-        begins = trace.times[run[0] : run[1] + 1 : 2]
+    for first, last in runs:
+        begins = trace.times[first : last + 1 : 2]
         if begins.size < _FEWEST_CYCLES + 1:
             continue
         means = np.diff(np.interp(begins, time, work)) / np.diff(begins)
         middles = 0.5 * (begins[1:] + begins[:-1])
         count = np.searchsorted(time, begins[-1]) - np.searchsorted(time, begins[0])
-        whole, late = (_line_through(middles[first:], means[first:]) for first in (1, max(1, means.size // 2)))
+        whole, late = (line_through(middles[part:], means[part:]) for part in (1, max(1, means.size // 2)))
         # Samples err by noise, and where they are few by what lies between them, which shows in the means alone.
         each = max(noise / np.sqrt(count / means.size), whole[1])
         error = each / np.linalg.norm(middles[1:] - middles[1:].mean())
         slope = whole[0]
         if abs(late[0]) < abs(slope) - _SURE * error:
             slope = late[0] if late[0] * slope > 0.0 else 0.0
-        slopes.append((float(np.mean(trace.strokes[run[0] : run[1]])), float(slope), float(error)))
+        slopes.append((float(np.mean(strokes[first:last])), float(slope), float(error)))
     if not slopes:
         return 0.0, np.inf
-    _, first, error = max(slopes)
-    agreeing = [(s, e) for _, s, e in slopes if abs(s - first) <= _SURE * np.hypot(e, error)]
+    _, largest, error = max(slopes)
+    agreeing = [(s, e) for _, s, e in slopes if abs(s - largest) <= _SURE * np.hypot(e, error)]
     weights = np.array([max(e, 1e-100) ** -2.0 for _, e in agreeing])
     mean = float(weights @ [s for s, _ in agreeing] / weights.sum())
     return length * mean, length / float(np.sqrt(weights.sum()))
 
 
-def _runs(trace: Trace) -> list[tuple[int, int]]:
-    """Return the first and the last turning point of every run of like strokes; the first and the last stroke are in none."""
-    runs: list[tuple[int, int]] = []
-    strokes = trace.strokes
-    for index in range(1, strokes.size - 1):
-        if runs and abs(strokes[index] - strokes[index - 1]) <= _LIKE * strokes[index]:
-            runs[-1] = (runs[-1][0], index + 1)
-        else:
-            runs.append((index, index + 1))
-    return runs
-
-
-def _line_through(time: Array, values: Array) -> tuple[float, float]:
-    """Return the slope of the straight line through values, and what they scatter about it by."""
-    since = time - time.mean()
-    slope = float(since @ values / (since @ since))
-    left = values - values.mean() - slope * since
-    return slope, float(np.sqrt(left @ left / max(values.size - 2, 1)))
-
-
 def checked_file(path: Path) -> Checked:
     """Look for faults in every record of a file, each named with it; none are told where it says no time."""
-    records = [one for one in read_rows(path) if one.time]
-    each = [checked_record(np.array(one.time), np.array(one.deflection), np.array(one.force)) for one in records]
-    faults = [f"{path}: {text}" for one in each for text in one.faults]
-    return Checked(
-        faults=faults, least_lag=max((one.least_lag for one in each if not math.isnan(one.least_lag)), default=math.nan)
-    )
+    records = [rows for rows in read_rows(path) if rows.time]
+    checks = [checked_record(np.array(rows.time), np.array(rows.deflection), np.array(rows.force)) for rows in records]
+    lags = [check.least_lag for check in checks if not math.isnan(check.least_lag)]
+    faults = [f"{path}: {text}" for check in checks for text in check.faults]
+    return Checked(faults=faults, least_lag=max(lags, default=math.nan))

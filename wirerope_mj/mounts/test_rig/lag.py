@@ -48,7 +48,7 @@ class _Reversals:
 
 
 def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
-    """Return the lag between deflection [m] and force [N] at instants [s], (n,) each; None where few reversals are alike."""
+    """Find the lag between deflection [m] and force [N] at instants [s], (n,) each; None where few reversals are alike."""
     if np.ptp(deflection) == 0.0 or time.size < 12:
         return None
     trace = find_turning_points(deflection, time)
@@ -58,34 +58,47 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
     if samples > 2.0 * _MOST:
         count = int(samples // _MOST)
         whole = time.size - time.size % count
-        time, deflection, force = (one[:whole].reshape(-1, count).mean(axis=1) for one in (time, deflection, force))
+        time, deflection, force = (values[:whole].reshape(-1, count).mean(axis=1) for values in (time, deflection, force))
         trace = find_turning_points(deflection, time)
-    runs = [alike for run in _runs(trace) if (alike := _alike(trace, run)) is not None]
-    found = [lag for run in runs if (lag := _of_run(run, time, force)) is not None]
-    if not found:
-        return None
-    weights = np.array([one.error**-2.0 for one in found])
-    delays = np.array([one.delay for one in found])
-    mean = float(weights @ delays / weights.sum())
-    apart = float(weights @ (delays - mean) ** 2) / max(len(found) - 1, 1)  # runs that differ by more than their errors
-    error = float(np.sqrt(max(apart, 1.0) / weights.sum()))
-    return Lag(delay=mean, error=error, period=found[int(np.argmax(weights))].period)
-
-
-def _runs(trace: Trace) -> list[list[int]]:
-    """Return the reversals between like strokes, run by run, those left out whose force came another way."""
-    runs: list[list[int]] = [[]]
+    runs: list[list[int]] = [[]]  # of reversals between like strokes, those left out whose force came another way
     for index in range(2, trace.turns.size - 1):
         strokes = trace.strokes[index - 2 : index + 1]
         if np.ptp(strokes) > _ALIKE * strokes.mean() + 4.0 * trace.smooth_noise:
             runs.append([])
         else:
             runs[-1].append(index)
-    return [run for run in runs if len(run) >= _TURNS]
+    lags = []
+    for alike in (_alike(trace, run) for run in runs if len(run) >= _TURNS):
+        samples = alike.period * (time.size - 1) / float(np.ptp(time))
+        widths = [width for width in _WIDTHS if width * samples >= _FEWEST] or [_FEWEST / samples]
+        fits: list[tuple[float, int, float, float]] = []
+        begin = 0.0
+        for width in reversed(widths):  # a narrow window has to begin near the turn that it looks for
+            for degrees in reversed(_DEGREES):
+                if (fit := _fitted(alike, time, force, width * alike.period, degrees, begin)) is not None:
+                    fits.append((width, sum(degrees), *fit))
+                    begin = fit[0]
+        best: Lag | None = None  # by the window and the degrees that noise and bend together disturb least
+        for width, degree, delay, error in fits:
+            # What fits that bend more freely differ by, over a window no wider, may be this one's bias, beyond what noise
+            # makes: the variance of such a fit less that of this one, which is efficient if it has no bias (Hausman 1978).
+            freer = [(delay_of, its) for w, n, delay_of, its in fits if w <= width and n >= degree]
+            bias = max(abs(delay - delay_of) - np.sqrt(max(its**2 - error**2, 0.0)) for delay_of, its in freer)
+            total = float(np.hypot(error, bias))
+            if best is None or total < best.error:
+                best = Lag(delay=delay, error=total, period=alike.period)
+        lags += [best] if best is not None else []
+    if not lags:
+        return None
+    weights, delays = np.array([lag.error**-2.0 for lag in lags]), np.array([lag.delay for lag in lags])
+    mean = float(weights @ delays / weights.sum())
+    apart = float(weights @ (delays - mean) ** 2) / max(len(lags) - 1, 1)  # runs that differ by more than their errors
+    error = float(np.sqrt(max(apart, 1.0) / weights.sum()))
+    return Lag(delay=mean, error=error, period=lags[int(np.argmax(weights))].period)
 
 
-def _alike(trace: Trace, run: Sequence[int]) -> _Reversals | None:
-    """Return the reversals of a run; None where a window of them has too few samples."""
+def _alike(trace: Trace, run: Sequence[int]) -> _Reversals:
+    """Locate the reversals of a run: where the deflection is least or largest, and how it rises on both sides alike."""
     period = 2.0 * float(np.median(np.diff(trace.times[run[0] - 1 : run[-1] + 2])))
     width = _SHAPE * period
     instants, senses = [], []
@@ -97,70 +110,45 @@ def _alike(trace: Trace, run: Sequence[int]) -> _Reversals | None:
             samples = period * (trace.time.size - 1) / float(np.ptp(trace.time))
             near = np.flatnonzero(np.abs(trace.time - about) <= _FEWEST * period / max(samples, 1.0))
         sense = 1.0 if trace.smooth[trace.turns[index]] > trace.smooth[trace.turns[index - 1]] else -1.0
-        late, shape = _corner((trace.time[near] - about) / width, -sense * trace.deflection[near])
-        instants.append(about + late * width)
+        since, values = (trace.time[near] - about) / width, -sense * trace.deflection[near]
+
+        def corner(at: float, since: Array = since, values: Array = values) -> tuple[float, Array]:
+            """Fit the factors of s, s^2 and s^4, and the sum of squares that is left."""
+            s = np.abs(since - at)
+            matrix = np.stack([np.ones(s.size), s, s**2, s**4], axis=1)
+            shape = np.linalg.lstsq(matrix, values, rcond=None)[0]
+            return float(np.sum((matrix @ shape - values) ** 2)), shape[1:]
+
+        grid = np.linspace(-0.3, 0.3, 13)
+        best = int(np.clip(np.argmin([corner(at)[0] for at in grid]), 1, grid.size - 2))
+        late = scipy.optimize.minimize_scalar(
+            lambda at, corner=corner: corner(at)[0], bounds=(grid[best - 1], grid[best + 1]), method="bounded",
+            options={"xatol": 1e-7},
+        ).x  # fmt: skip
+        instants.append(about + float(late) * width)
         senses.append(sense)
-        shapes.setdefault(sense, []).append(shape)
+        shapes.setdefault(sense, []).append(corner(late)[1])
     return _Reversals(
         instants=np.array(instants), senses=np.array(senses), period=period,
         shapes={sense: np.mean(each, axis=0) for sense, each in shapes.items()},
     )  # fmt: skip
 
 
-def _corner(since: Array, values: Array) -> tuple[float, Array]:
-    """Return where values are least, and how they rise on both sides alike: the factors of s, s^2 and s^4."""
-
-    def fitted(at: float) -> tuple[float, Array]:
-        s = np.abs(since - at)
-        matrix = np.stack([np.ones(s.size), s, s**2, s**4], axis=1)
-        shape = np.linalg.lstsq(matrix, values, rcond=None)[0]
-        return float(np.sum((matrix @ shape - values) ** 2)), shape
-
-    grid = np.linspace(-0.3, 0.3, 13)
-    best = int(np.clip(np.argmin([fitted(at)[0] for at in grid]), 1, grid.size - 2))
-    ends = (grid[best - 1], grid[best + 1])
-    found = scipy.optimize.minimize_scalar(lambda at: fitted(at)[0], bounds=ends, method="bounded", options={"xatol": 1e-7})
-    return float(found.x), fitted(found.x)[1][1:]
-
-
-def _of_run(alike: _Reversals, time: Array, force: Array) -> Lag | None:
-    """Return the lag at like reversals, by the window and the degrees that noise and bend together disturb least."""
-    samples = alike.period * (time.size - 1) / float(np.ptp(time))
-    widths = [width for width in _WIDTHS if width * samples >= _FEWEST] or [_FEWEST / samples]
-    fits, begin = [], 0.0
-    for width in reversed(widths):  # a narrow window has to begin near the turn that it looks for
-        for degrees in reversed(_DEGREES):
-            if (one := _fitted(alike, time, force, width * alike.period, degrees, begin)) is not None:
-                fits.append((width, sum(degrees), *one))
-                begin = one[0]
-    best: Lag | None = None
-    for width, degree, delay, error in fits:
-        # What fits that bend more freely differ by, over a window no wider, may be this one's bias, beyond what noise makes:
-        # the variance of such a fit less that of this one, which is efficient if it has no bias (Hausman 1978).
-        bias = max(
-            abs(delay - freer) - np.sqrt(max(its**2 - error**2, 0.0)) for w, n, freer, its in fits if w <= width and n >= degree
-        )
-        total = float(np.hypot(error, bias))
-        if best is None or total < best.error:
-            best = Lag(delay=delay, error=total, period=alike.period)
-    return best
-
-
 def _fitted(
     alike: _Reversals, time: Array, force: Array, width: float, degrees: tuple[int, int], begin: float
 ) -> tuple[float, float] | None:
-    """Return the lag of one window and its standard error, looked for from `begin` on; None where none fits better."""
+    """Fit the lag of one window and its standard error, looked for from `begin` on; None where none fits better."""
     delay = begin
     for _ in range(_MOVES):
         window = _Window(alike, time, force, width, delay, degrees)
         grid = delay + _GRID * width
         costs = np.array([window.misfit(at) for at in grid])
         best = int(np.clip(costs.argmin(), 1, grid.size - 2))
-        found = scipy.optimize.minimize_scalar(
+        least = scipy.optimize.minimize_scalar(
             lambda at, window=window: window.misfit(at), bounds=(grid[best - 1], grid[best + 1]), method="bounded",
             options={"xatol": 1e-6 * alike.period},
         )  # fmt: skip
-        moved, delay = abs(found.x - delay), float(found.x)
+        moved, delay = abs(least.x - delay), float(least.x)
         if moved < 0.05 * width:
             break
         if abs(delay) > 0.25 * alike.period:
@@ -169,7 +157,7 @@ def _fitted(
     if freedom < 1:
         return None
     error = window.error(delay)
-    as_well = grid[costs <= found.fun * (1.0 + _RISE / freedom)]
+    as_well = grid[costs <= least.fun * (1.0 + _RISE / freedom)]
     if as_well.size and (as_well[0] == grid[0] or as_well[-1] == grid[-1]):
         return None
     reach = np.abs(as_well - delay).max(initial=0.0) / np.sqrt(_RISE)
@@ -199,12 +187,12 @@ class _Window:
         self.freedom = self._measured.size - 2 * sum(degrees) - self._counts.size - 1  # samples left over for the noise
 
     def _centred(self, values: Array) -> Array:
-        """Return values without their mean over each reversal's window."""
+        """Take off the mean of values over each reversal's window."""
         means = (np.add.reduceat(values, self._starts, axis=0).T / self._counts).T
         return np.asarray(values - np.repeat(means, self._counts, axis=0))
 
     def _matrix(self, delay: float) -> Array:
-        """Return the powers of u before and behind the reversals, at tops and at bottoms, (n, n_factors)."""
+        """Stack the powers of u before and behind the reversals, at tops and at bottoms, (n, n_factors)."""
         since = self._since - delay
         s = np.abs(since) / self._scale
         u = np.sum(np.stack([s, s**2, s**4], axis=1) * self._shape, axis=1)
@@ -218,22 +206,22 @@ class _Window:
         return self._centred(np.stack(powers, axis=1))
 
     def misfit(self, delay: float) -> float:
-        """Return the sum of squares that a lag leaves."""
+        """Sum of squares that a lag leaves."""
         left = self._fit(delay)[1]
         return float(left @ left)
 
     def _fit(self, delay: float) -> tuple[Array, Array, Array]:
-        """Return the matrix, what is left, and the fitted factors."""
+        """Fit the factors: the matrix, what is left, and they."""
         matrix = self._matrix(delay)
         factors = np.linalg.lstsq(matrix.T @ matrix, matrix.T @ self._measured, rcond=None)[0].astype(np.float64, copy=False)
         return matrix, matrix @ factors - self._measured, factors
 
     def error(self, delay: float) -> float:
-        """Return the standard error of a lag [s]: from what is left, or from turn to turn, where noise is not white."""
+        """Standard error of a lag [s]: from what is left, or from turn to turn, where noise is not white."""
         matrix, left, factors = self._fit(delay)
         step = 1e-4 * self._period
         slope = (self._matrix(delay + step) - self._matrix(delay - step)) @ factors / (2.0 * step)
         slope = slope - matrix @ np.linalg.lstsq(matrix, slope, rcond=None)[0]
         white = np.sqrt(float(left @ left) / self.freedom / float(slope @ slope))
-        each, weights = (np.add.reduceat(slope * one, self._starts) for one in (left, slope))
+        each, weights = (np.add.reduceat(slope * values, self._starts) for values in (left, slope))
         return float(max(white, np.std(each / weights, ddof=1) / np.sqrt(each.size)))

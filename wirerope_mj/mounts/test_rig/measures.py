@@ -16,7 +16,7 @@ _ROUNDING = 1e-12  # of force range times amplitude: below it an area is roundin
 
 
 def hardening_overlap(loops: Sequence[Loop]) -> float:
-    """Return how far the loading paths of smaller loops lie from that of the largest [-]: 0 if all share one path.
+    """Measure how far the loading paths of smaller loops lie from that of the largest [-]: 0 if all share one path.
 
         gap       = sum over i of  integral |F_i,up - F_L,up| dx
         thickness = sum over i of  integral (F_L,up - F_L,down) dx        overlap = gap / thickness
@@ -59,7 +59,7 @@ def hardening_overlap(loops: Sequence[Loop]) -> float:
 
 
 def _force_on(loop: Loop, deflection: np.ndarray, *, rising: bool) -> np.ndarray:
-    """Return the force of a branch at given deflections [N]; samples that noise has put out of order are sorted."""
+    """Interpolate the force of a branch at given deflections [N]; samples that noise has put out of order are sorted."""
     x, force = loop.branch(rising=rising)
     order = np.argsort(x)
     return np.interp(deflection, x[order], force[order])
@@ -76,7 +76,7 @@ class Transition:
 
 
 def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Transition:
-    """Return the amplitude at which the secant stiffness K(A) has its minimum: softening ends, hardening begins.
+    """Find the amplitude at which the secant stiffness K(A) has its minimum: softening ends, hardening begins.
 
     K(A) = [F(x_max) - F(x_min)] / 2A of each loop is joined by a cubic spline over log A, and its least value looked for on
     both sides of the smallest tested K, which K must exceed by the fraction `rise` at some smaller and some larger amplitude:

@@ -4,7 +4,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
-from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
+from wirerope_mj.mounts.test_rig.averaging import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import rms_noise
 
 _SURE = 4.0  # standard errors: noise alone goes beyond once in 16 000
@@ -117,20 +117,20 @@ def require_falling(loop: Loop, location: str, *, stop: bool = False) -> None:
 
 
 def is_level(loop: Loop) -> bool:
-    """Return whether the force of a cycle is level before a turning point: yielding, or cut off a little."""
+    """Tell whether the force of a cycle is level before a turning point: yielding, or cut off a little."""
     branches = [loop.branch(rising=rising) for rising in (True, False)]
     return any(_level(loop, x[::-1], f[::-1]) for x, f in branches)
 
 
 def _is_open(deflection: Array, force: Array, level: float) -> bool:
-    """Return whether a force is the one of the unloaded device, that at the deflection nearest to zero."""
+    """Tell whether a force is the one of the unloaded device, that at the deflection nearest to zero."""
     distance = np.abs(deflection)
     near = distance <= distance.min() + _END * float(np.ptp(deflection))
     return bool(abs(level - np.median(force[near])) <= _END * float(np.ptp(force)))
 
 
 def _level(loop: Loop, x: Array, f: Array) -> bool:
-    """Return whether a branch is level beside the turning point that it begins at, for sure beside its noise."""
+    """Tell whether a branch is level beside the turning point that it begins at, for sure beside its noise."""
     near = np.abs(x - x[0]) <= _END * float(np.ptp(loop.deflection))
     if near.sum() < 3 or np.ptp(x[near]) == 0.0:
         return False
@@ -151,9 +151,15 @@ def require_passive(loop: Loop, location: str, *, stop: bool = False) -> None:
 
     A bump stop has no force within its gap.
     """
-    if not stop:
-        _require_force(loop, location)
-    elif np.ptp(loop.force) <= _ROUNDING * np.abs(loop.force).max():
+    if not stop and np.ptp(loop.force) == 0.0:
+        raise ValueError(f"{location}: the force never changes, it stands at {loop.force[0]:.6g} N.")
+    if not stop and (is_noise(loop.force[:-1], force_noise(loop)) or not has_cycle(loop.force[:-1])):
+        raise ValueError(
+            f"{location}: the force is {noise_text(loop)}: it does not follow the deflection of "
+            f"+-{1e3 * loop.amplitude:.4g} mm. Was this channel connected, and is its range right? Leave the loop out, or "
+            "measure more cycles of it."
+        )
+    if stop and np.ptp(loop.force) <= _ROUNDING * np.abs(loop.force).max():
         return
     tips = abs(loop.secant_stiffness) * 2.0 * loop.amplitude  # by which the forces at the turning points differ
     if loop.secant_stiffness < 0.0 and tips > _SURE * np.sqrt(2.0) * force_noise(loop):
@@ -165,18 +171,6 @@ def require_passive(loop: Loop, location: str, *, stop: bool = False) -> None:
         raise ValueError(
             f"{location}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the "
             f"samples that of time, and do both channels have the same filter? The force has {noise_text(loop)}."
-        )
-
-
-def _require_force(loop: Loop, location: str) -> None:
-    """Raise ValueError if a loop holds no force but noise."""
-    if np.ptp(loop.force) == 0.0:
-        raise ValueError(f"{location}: the force never changes, it stands at {loop.force[0]:.6g} N.")
-    if is_noise(loop.force[:-1], force_noise(loop)) or not has_cycle(loop.force[:-1]):
-        raise ValueError(
-            f"{location}: the force is {noise_text(loop)}: it does not follow the deflection of "
-            f"+-{1e3 * loop.amplitude:.4g} mm. Was this channel connected, and is its range right? Leave the loop out, or "
-            "measure more cycles of it."
         )
 
 

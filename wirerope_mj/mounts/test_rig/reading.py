@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.foundation.arguments import one_of, positive
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.clock_times import is_clock_time
 from wirerope_mj.foundation.errors import RecordError
@@ -100,7 +99,7 @@ class Samples:
 
 
 def load_cyclic_test(path: str | Path) -> list[Loop]:
-    """Return the loops of a measured cyclic test, in the order of the file.
+    """Read the loops of a measured cyclic test, in the order of the file.
 
     The file is CSV (separated by comma, semicolon or tab) with a header such as "loop, time [s], deflection [mm],
     force [kN]"; lines that are empty or begin with # are skipped. Deflection (or displacement) in m, mm, cm or in and force (or
@@ -116,21 +115,51 @@ def load_cyclic_test(path: str | Path) -> list[Loop]:
     Raises:
         RecordError: names file and line, what stands there and what is expected.
     """
-    return [_loop(Path(path), samples) for samples in read_rows(Path(path))]
+    loops = []
+    for samples in read_rows(Path(path)):
+        location = f"{path}, lines {samples.lines[0]} to {samples.lines[-1]}"
+        x, force = np.array(samples.deflection), np.array(samples.force)
+        if x.size < _FEWEST:
+            raise RecordError(f"{location}: loop {samples.label} has {x.size} samples; a cycle needs at least {_FEWEST}.")
+        extent = float(np.ptp(x))
+        if extent == 0.0:
+            raise RecordError(f"{location}: the deflection of loop {samples.label} never changes.")
+        require_nominal(samples, extent / 2.0, location)
+        # How often the deflection runs up or down: two or three times in one cycle.
+        legs, direction, turn = 0, 0, x[0]
+        for value in x:
+            if direction != 0 and (value - turn) * direction > 0.0:
+                turn = value
+            elif abs(value - turn) > _LEG * extent:
+                direction = 1 if value > turn else -1
+                legs, turn = legs + 1, value
+        gap, steps = abs(float(x[-1] - x[0])), np.abs(np.diff(x))
+        try:
+            require_likely(extent / 2.0, 0.5 * float(np.ptp(force)), location)
+            if is_noise(x, rms_noise(x)):
+                raise ValueError(f"{location}: {no_cycle_text(x)}")
+            if legs > 3 or (gap > _LEG * extent and gap > 1.5 * steps.max()):
+                fault = f"its deflection runs to and fro {legs} times" if legs > 3 else "its last sample is far from its first"
+                raise ValueError(
+                    f"{location}: loop {samples.label} is not one cycle: {fault}. `load_cycles` reads records of several "
+                    'cycles, amplitudes and operating points; or number the cycles in a column "loop"; each ends where it '
+                    "began."
+                )
+            loop = Loop.from_samples(x, force)
+            require_passive(loop, location)
+        except ValueError as error:
+            raise RecordError(str(error)) from None
+        if gap > 0.5 * min(steps[0], steps[-1]):
+            closed = Loop.from_samples(np.append(x, x[0]), np.append(force, force[0]))
+            loop = replace(closed, closure=loop.closure)
+        loops.append(loop)
+    return loops
 
 
 def read_rows(path: Path) -> list[Samples]:
-    """Return the rows of a cyclic test, those of one loop together, or raise RecordError with file and line."""
+    """Read the rows of a cyclic test, those of one loop together; RecordError with file and line."""
     header = read_header(path, kind="cyclic test", example=_EXAMPLE)
-    groups = _group(header, _columns(header))
-    if not groups:
-        raise RecordError(f"{path}: there are no rows behind the header in line {header.line}.")
-    return groups
-
-
-def _columns(header: Header) -> dict[str, int]:
-    """Return the index of the column that holds each quantity."""
-    columns: dict[str, int] = {}
+    columns: dict[str, int] = {}  # of each quantity
     for quantity, names in _NAMES.items():
         indices = [index for index, name in enumerate(header.names) if name.lower() in names]
         if len(indices) > 1:
@@ -147,16 +176,14 @@ def _columns(header: Header) -> dict[str, int]:
         of_unit = [i for i in left if header.units[i] is not None and find_unit(header.units[i] or "", known)]
         called = [i for i in of_unit if words.search(header.names[i])]
         without = [i for i in left if header.units[i] is None and words.search(header.names[i])]
-        found = called or ([] if quantity == "time" else of_unit or without)
-        if len(found) == 1:
-            columns[quantity] = found[0]
+        likely = called or ([] if quantity == "time" else of_unit or without)
+        if len(likely) == 1:
+            columns[quantity] = likely[0]
         elif quantity != "time":
             fault = f'there is no column "{quantity}"'
-            if found:
-                listed = " and ".join(f'"{header.names[i]}"' for i in found)
-                fault = (
-                    f'{listed} may all be the {quantity}: call the one that is meant "{quantity} [{header.units[found[0]]}]"'
-                )
+            if likely:
+                listed, unit = " and ".join(f'"{header.names[i]}"' for i in likely), header.units[likely[0]]
+                fault = f'{listed} may all be the {quantity}: call the one that is meant "{quantity} [{unit}]"'
             raise RecordError(
                 f"{header.location}: {fault}. The columns are {header.listed()}; expected a header such as {_EXAMPLE}."
             )
@@ -164,11 +191,14 @@ def _columns(header: Header) -> dict[str, int]:
         _, first = next(iter(numbered_rows(header)), (0, header.names))
         if columns["time"] < len(first) and is_clock_time(first[columns["time"]]):
             del columns["time"]  # of the day: nothing that loops need
-    return columns
+    groups = _group(header, columns)
+    if not groups:
+        raise RecordError(f"{path}: there are no rows behind the header in line {header.line}.")
+    return groups
 
 
 def _group(header: Header, columns: dict[str, int]) -> list[Samples]:
-    """Return the rows loop by loop, in SI units."""
+    """Group the rows loop by loop, in SI units."""
     known = {"time": TIME_UNITS, "amplitude": LENGTH_UNITS, "deflection": LENGTH_UNITS, "force": FORCE_UNITS}
     factors = {name: header.factor(columns[name], units) for name, units in known.items() if name in columns}
     key = next((name for name in ("loop", "amplitude") if name in columns), None)
@@ -195,41 +225,6 @@ def _group(header: Header, columns: dict[str, int]) -> list[Samples]:
     return list(groups.values())
 
 
-def _loop(path: Path, samples: Samples) -> Loop:
-    """Return the loop of one cycle's samples."""
-    location = f"{path}, lines {samples.lines[0]} to {samples.lines[-1]}"
-    x, force = np.array(samples.deflection), np.array(samples.force)
-    if x.size < _FEWEST:
-        raise RecordError(f"{location}: loop {samples.label} has {x.size} samples; a cycle needs at least {_FEWEST}.")
-    extent = float(np.ptp(x))
-    if extent == 0.0:
-        raise RecordError(f"{location}: the deflection of loop {samples.label} never changes.")
-    require_nominal(samples, extent / 2.0, location)
-    try:
-        require_likely(extent / 2.0, 0.5 * float(np.ptp(force)), location)
-    except ValueError as error:
-        raise RecordError(str(error)) from None
-    if is_noise(x, rms_noise(x)):
-        raise RecordError(f"{location}: {no_cycle_text(x)}")
-    gap, steps = abs(float(x[-1] - x[0])), np.abs(np.diff(x))
-    legs = _legs(x, _LEG * extent)
-    if legs > 3 or (gap > _LEG * extent and gap > 1.5 * steps.max()):
-        fault = f"its deflection runs to and fro {legs} times" if legs > 3 else "its last sample is far from its first"
-        raise RecordError(
-            f"{location}: loop {samples.label} is not one cycle: {fault}. "
-            "`load_cycles` reads records of several cycles, amplitudes and operating points; or number the cycles in a column "
-            '"loop"; each ends where it began.'
-        )
-    loop = Loop.from_samples(x, force)
-    try:
-        require_passive(loop, location)
-    except ValueError as error:
-        raise RecordError(str(error)) from None
-    if gap <= 0.5 * min(steps[0], steps[-1]):
-        return loop
-    return replace(Loop.from_samples(np.append(x, x[0]), np.append(force, force[0])), closure=loop.closure)
-
-
 def require_likely(amplitude: float, force: float, location: str, *, stop: bool = False) -> None:
     """Raise ValueError if half ranges of deflection [m] and force [N] are of no isolator: other units, most likely.
 
@@ -242,10 +237,10 @@ def require_likely(amplitude: float, force: float, location: str, *, stop: bool 
         )
     stiffness = force / amplitude
     if (0.0 < stiffness < _SOFTEST and not stop) or stiffness > _STIFFEST:
-        word, said = ("softer", "kN where N is") if stiffness < _SOFTEST else ("stiffer", "N where kN is")
+        word, units = ("softer", "kN where N is") if stiffness < _SOFTEST else ("stiffer", "N where kN is")
         raise ValueError(
             f"{location}: +-{force:.4g} N at +-{1e3 * amplitude:.4g} mm are {1e-3 * stiffness:.4g} N/mm, "
-            f"{word} than any isolator; are the forces in {said} said or expected, or the deflections in another unit?"
+            f"{word} than any isolator; are the forces in {units} said or expected, or the deflections in another unit?"
         )
 
 
@@ -256,16 +251,3 @@ def require_nominal(samples: Samples, amplitude: float, location: str) -> None:
             f"{location}: the amplitude is {1e3 * samples.amplitude:.6g} mm but the deflections run over "
             f"+-{1e3 * amplitude:.5g} mm; do the two columns have the units that the header says?"
         )
-
-
-def _legs(deflection: Array, threshold: float) -> int:
-    """Return how often the deflection runs up or down by more than `threshold`: 2 or 3 in one cycle."""
-    legs, direction = 0, 0
-    turn = deflection[0]
-    for value in deflection:
-        if direction != 0 and (value - turn) * direction > 0.0:
-            turn = value
-        elif abs(value - turn) > threshold:
-            direction = 1 if value > turn else -1
-            legs, turn = legs + 1, value
-    return legs

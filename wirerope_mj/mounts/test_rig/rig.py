@@ -27,7 +27,7 @@ def cyclic_test(
     law: Law, amplitudes: ArrayLike, *, operating_point: float = 0.0, frequency: float = 1.0,
     cycles: int | None = None, points_per_cycle: int = 400,
 ) -> list[Loop]:  # fmt: skip
-    """Return one loop for each amplitude: the last cycle of a sinusoidal test about the operating point.
+    """Test a law in one loop for each amplitude: the last cycle of a sine about the operating point.
 
     Each test starts unloaded, ramps to the operating point within one period and goes on from there as
     operating_point + amplitude sin(2 pi f t).
@@ -54,21 +54,24 @@ def cyclic_test(
         integer("cycles", cycles, least=1)
     if integer("points_per_cycle", points_per_cycle, least=4) % 4:
         raise ValueError(f"`points_per_cycle` must be a multiple of 4 and >= 4, got {points_per_cycle}.")
-    size, remedy = (
+    room, remedy = (
         OF_A_POINT * float(points_per_cycle) * (len(sizes) + 1),
         "Use fewer `points_per_cycle`, or fewer `amplitudes`.",
     )
-    require_memory(f"{len(sizes)} loops of {points_per_cycle} points", size, remedy)
+    require_memory(f"{len(sizes)} loops of {points_per_cycle} points", room, remedy)
     steps = len(sizes) * float(cycles or 1) * points_per_cycle
     require_time(f"{len(sizes)} loops of {cycles or 1} cycles", steps, "Run fewer `cycles`.")
-    return [_test_one(law, float(size), operating_point, frequency, cycles, points_per_cycle) for size in sizes]
+    return [_loop(law, float(size), operating_point, frequency, cycles, points_per_cycle) for size in sizes]
 
 
-def _test_one(law: Law, amplitude: float, operating_point: float, frequency: float, cycles: int | None, points: int) -> Loop:
-    """Return the loop of one amplitude."""
-    sine, cosine = _quarters(points)
+def _loop(law: Law, amplitude: float, operating_point: float, frequency: float, cycles: int | None, points: int) -> Loop:
+    """Test one amplitude."""
+    quarter = points // 4  # each a mirror of the first, so that closure is the law's
+    first = np.sin(2.0 * np.pi * np.arange(quarter + 1) / points)
+    half = np.concatenate([first, first[-2::-1]])
+    sine = np.concatenate([half, -half[1:]])
     path = operating_point + amplitude * sine
-    rate = 2.0 * np.pi * frequency * amplitude * cosine
+    rate = 2.0 * np.pi * frequency * amplitude * np.concatenate([sine[quarter:], sine[1 : quarter + 1]])
     time = np.arange(points + 1) / (frequency * points)
     states = np.zeros(law.n_states)
     if operating_point != 0.0:  # a ramp from rest to rest
@@ -80,33 +83,20 @@ def _test_one(law: Law, amplitude: float, operating_point: float, frequency: flo
         if count == cycles or (cycles is None and closure <= CLOSURE):
             return replace(loop, cycles=count, closure=closure)
         if count == _FOLLOWED and cycles is None:
-            states = _led_on(law, path, states, CLOSURE * 0.01 * float(np.ptp(loop.force)))
+            # States of rate-independent laws that have one each are led to where their cycle closes.
+            turning, led, index = path[[0, quarter, 3 * quarter, -1]], states.copy(), 0
+            for part in law.components:
+                if part.n_states == 1 and part.rate_independent:
+                    tolerance = CLOSURE * 0.01 * float(np.ptp(loop.force))
+                    led[index] = settle(part.kernel, part.kernel_parameters(), turning, 1, tolerance)[0]
+                index += part.n_states
+            states = led if np.isfinite(led).all() else states
     raise ConvergenceError(
         f"the loop of {law.name} at an amplitude of {amplitude:.6g} m about {operating_point:.6g} m has not "
         f"closed after {_MOST_CYCLES} cycles: its ends still differ by {closure:.2g} of its force range, "
         f"where {CLOSURE:.0e} counts as closed. The memory of the start fades slowly at small amplitudes: try a larger one. "
         "A law that wears never closes: say how many `cycles` to run."
     )
-
-
-def _led_on(law: Law, path: Array, states: Array, tolerance: float) -> Array:
-    """Lead the states of rate-independent laws that have one each to where their cycle closes within `tolerance` [N]."""
-    ends = sorted((int(np.argmax(path)), int(np.argmin(path))))
-    turning, led, first = path[[0, *ends, -1]], states.copy(), 0
-    for one in law.components:
-        if one.n_states == 1 and one.rate_independent:
-            led[first] = settle(one.kernel, one.kernel_parameters(), turning, 1, tolerance)[0]
-        first += one.n_states
-    return led if np.isfinite(led).all() else states
-
-
-def _quarters(points: int) -> tuple[Array, Array]:
-    """Return sine and cosine over one period, (points + 1,) each, every quarter a mirror of the first: closure is the law's."""
-    first = np.sin(2.0 * np.pi * np.arange(points // 4 + 1) / points)
-    half = np.concatenate([first, first[-2::-1]])
-    sine = np.concatenate([half, -half[1:]])
-    quarter = points // 4
-    return sine, np.concatenate([sine[quarter:], sine[1 : quarter + 1]])
 
 
 _FEWEST_POINTS = 8
@@ -116,7 +106,7 @@ def measured(
     loops: Sequence[Loop], *, seed: int, points_per_cycle: int = 200, force_noise: float = 0.0,
     deflection_noise: float = 0.0, force_resolution: float = 0.0, deflection_resolution: float = 0.0,
 ) -> list[Loop]:  # fmt: skip
-    """Return the loops as a test rig would have recorded them: fewer samples, Gaussian noise, steps of the converter.
+    """Record the loops as a test rig would: fewer samples, Gaussian noise, steps of the converter.
 
     A loop's samples count as uniform in time, as those of `cyclic_test` are, and are interpolated linearly: samples that
     coincide with the loop's own are exact, others are off by at most (pi^2 / 2) / N^2 of the amplitude, 3e-5 of it if the
@@ -144,7 +134,7 @@ def measured(
 
 
 def _acquired(signal: Array, points: int, noise: float, resolution: float, rng: np.random.Generator) -> Array:
-    """Return one channel of a cycle as it is recorded, (points + 1,)."""
+    """Record one channel of a cycle, (points + 1,)."""
     intervals = signal.size - 1
     # Products of integers first: an instant that is the loop's own is then hit exactly.
     samples = np.interp(np.arange(points + 1) * intervals / points, np.arange(signal.size), signal)

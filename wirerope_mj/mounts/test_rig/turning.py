@@ -44,27 +44,45 @@ class Trace:
         return np.where(rising, around[self.turns].max(axis=1), around[self.turns].min(axis=1))
 
     def smoothed(self, values: Array) -> Array:
-        """Return another series as smoothed as the deflection."""
+        """Smooth another series as the deflection."""
         return _smoothed(values, self.window)
 
 
 def find_turning_points(deflection: Array, time: Array) -> Trace:
-    """Return a deflection [m], (n_t,), with its turning points: reversals by more than the noise and 1 % of the range.
+    """Find where a deflection [m], (n_t,), turns round: reversals by more than the noise and 1 % of the range.
 
     A first pass over the raw samples finds the shortest stroke, a second over the deflection smoothed over an eighth of it
-    finds the small ones beside the noise. The deflection is not constant, and time increases, (n_t,).
+    finds the small ones beside the noise. The time of each is in the middle between the crossings of one depth on both sides,
+    which noise hardly shifts. The deflection is not constant, and time increases, (n_t,).
     """
     noise, least = rms_noise(deflection), _SMALLEST * float(np.ptp(deflection))
     turns = _reversals(deflection, max(_SURE * noise, least))
     window = max(int(np.diff(turns).min()) // _SMOOTHED, 1) if turns.size > 1 else 1
     smooth = _smoothed(deflection, window)
     turns = _reversals(smooth, max(_SURE * noise / np.sqrt(window), least))
-    times = _times(smooth, time, turns)
+
+    def crossing(sample: int, level: float) -> float:
+        """Time at which the deflection crosses a level between a sample and the next."""
+        fraction = (level - smooth[sample]) / (smooth[sample + 1] - smooth[sample])
+        return float(time[sample] + fraction * (time[sample + 1] - time[sample]))
+
+    times = time[turns].astype(np.float64)
+    for index in range(1, turns.size - 1):
+        before, turn, after = (int(sample) for sample in turns[index - 1 : index + 2])
+        sign = 1.0 if smooth[turn] > smooth[before] else -1.0
+        # At one depth in all cycles of a run, also where its last stroke is cut short: else a wave that rises faster than
+        # it falls would shift.
+        stroke, rest = np.abs(smooth[turn] - smooth[[before, after]])
+        level = sign * smooth[turn] - min(_DEPTH * stroke, 0.9 * rest)
+        rise, fall = sign * smooth[before : turn + 1], sign * smooth[turn : after + 1]
+        left = before + int(np.flatnonzero(rise <= level)[-1])
+        right = turn + int(np.flatnonzero(fall <= level)[0])
+        times[index] = 0.5 * (crossing(left, sign * level) + crossing(right - 1, sign * level))
     return Trace(time=time, deflection=deflection, smooth=smooth, window=window, noise=noise, turns=turns, times=times)
 
 
 def rms_noise(values: Array) -> float:
-    """Return the standard deviation of a series' noise, from its fourth differences.
+    """Estimate the standard deviation of a series' noise from its fourth differences.
 
     They are white noise times sqrt(70), and next to nothing of a cycle of a dozen samples or more; their median does not see
     turning points.
@@ -75,7 +93,7 @@ def rms_noise(values: Array) -> float:
 
 
 def _smoothed(values: Array, window: int) -> Array:
-    """Return the mean over `window` samples, over fewer at the ends."""
+    """Average over `window` samples, over fewer at the ends."""
     window += 1 - window % 2
     if window == 1:
         return values
@@ -88,7 +106,7 @@ def _smoothed(values: Array, window: int) -> Array:
 
 
 def _reversals(values: Array, threshold: float) -> Integers:
-    """Return the samples at which a series turns back by more than `threshold`, with those it begins and ends at."""
+    """Find the samples at which a series turns back by more than `threshold`, with those it begins and ends at."""
     turns: list[int] = []
     high = low = extreme = 0
     direction = 0
@@ -104,27 +122,3 @@ def _reversals(values: Array, threshold: float) -> Integers:
             turns.append(extreme)
             direction, extreme = -direction, index
     return np.array([*turns, extreme] if turns else [], dtype=np.int64)
-
-
-def _times(smooth: Array, time: Array, turns: Integers) -> Array:
-    """Return the time in the middle between the crossings on both sides of each turning point, which noise hardly shifts."""
-    times = time[turns].astype(np.float64)
-    for index in range(1, turns.size - 1):
-        before, here, after = (int(turn) for turn in turns[index - 1 : index + 2])
-        sign = 1.0 if smooth[here] > smooth[before] else -1.0
-        # At one depth in all cycles of a run, also where its last stroke is cut short: else a wave that rises faster than
-        # it falls would shift.
-        stroke, rest = np.abs(smooth[here] - smooth[[before, after]])
-        level = sign * smooth[here] - min(_DEPTH * stroke, 0.9 * rest)
-        rise, fall = sign * smooth[before : here + 1], sign * smooth[here : after + 1]
-        left = before + int(np.flatnonzero(rise <= level)[-1])
-        right = here + int(np.flatnonzero(fall <= level)[0])
-        crossings = [_crossing(smooth, time, sample, sign * level) for sample in (left, right - 1)]
-        times[index] = 0.5 * sum(crossings)
-    return times
-
-
-def _crossing(values: Array, time: Array, index: int, level: float) -> float:
-    """Return when a series crosses a level between a sample and the next."""
-    fraction = (level - values[index]) / (values[index + 1] - values[index])
-    return float(time[index] + fraction * (time[index + 1] - time[index]))
