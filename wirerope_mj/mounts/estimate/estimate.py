@@ -61,7 +61,7 @@ class LoopEstimate:
 def estimate_loop(
     *, height: float, width: float, rope: float, loops: int, bar: float | None = None, bar_length: float | None = None
 ) -> LoopEstimate:
-    """Return the estimated values of an isolator of full rope loops between two bars.
+    """Estimate the values of an isolator of full rope loops between two bars.
 
     EI of the rope and the ratios between the values are those that 50 parts of Enidine's table have in common; the loop is
     the elastica of its envelope. Each value comes with the error of such estimates of these parts, each left out in turn.
@@ -105,7 +105,7 @@ def estimate_loop(
 
 
 def error_bands(left_out: LeftOut) -> dict[str, Band]:
-    """Return the errors of the estimates of known parts, by the name of the value."""
+    """Find the errors of the estimates of known parts, by the name of the value."""
     others = other_vendor_errors()
 
     def covering(errors: Array) -> float:
@@ -127,7 +127,7 @@ _AXIS_VALUE = {"roll": "shear shock", "shear": "shear shock", "axial": "compress
 
 
 def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isolator:
-    """Return an isolator with the estimated values; its spread is the scatter of the estimates of known parts.
+    """Make an isolator with the estimated values; its spread is the scatter of the estimates of known parts.
 
     ConvergenceError: no law has all the values.
     """
@@ -140,18 +140,34 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
         for mode in MODES
     }
     title = name or f"estimated, {estimate.loops} loops of {1e3 * estimate.rope:g} mm rope"
+    source = (
+        f"geometry alone (height {1e3 * estimate.height:g} mm, width {1e3 * estimate.width:g} mm, bar "
+        f"{1e3 * estimate.bar:.4g} mm, rope {1e3 * estimate.rope:g} mm, {estimate.loops} loops), by what 50 parts of the "
+        "Enidine WR catalogue have in common; no data sheet, no measurement"
+    )
     part = VendorPart(
         name=title,
-        series=Series(file="", source=_source(estimate), damping=ENIDINE.damping, damping_range=ENIDINE.damping_range),
+        series=Series(file="", source=source, damping=ENIDINE.damping, damping_range=ENIDINE.damping_range),
         loops=estimate.loops, rope=estimate.rope, height=estimate.height, width=estimate.width, bar=estimate.bar,
         modes=modes,
     )  # fmt: skip
     fitted = fit_part(part, scales=1)
+    band = estimate.bands["compression shock"]
+    other = f", of VMC's within {1.0 + band.other:.2f}" if band.other is not None else ""
+    assumed = [
+        f"every value is estimated: such estimates of the shock stiffness in compression are within a factor of "
+        f"{1.0 + band.within:.2f} for 80 % of the catalogue's parts, {1.0 + band.worst:.2f} for all{other}",
+        "damping ratio: that of the catalogue's series",
+        "[spread]: scatter of these estimates for the catalogue's own parts, as one factor on all forces of an axis; another "
+        "vendor's parts scatter more",
+    ]
+    assumed += ["the thickness of the bars, from the trend of the catalogue"] if estimate.bar_assumed else []
+    assumed += ["turning: the elastic part of loops spread evenly"] if estimate.bar_length is not None else []
     provenance = Provenance(
         kind="estimated",
-        source=_source(estimate),
+        source=source,
         fitted_to=f"estimated values, none of them measured: {fitted.provenance.fitted_to}",
-        assumed=(*_assumed(estimate), *fitted.provenance.assumed),
+        assumed=(*assumed, *fitted.provenance.assumed),
     )
     rotation = None
     if estimate.bar_length is not None and isinstance(fitted.axial, NiLaw) and isinstance(fitted.roll, NiLaw):
@@ -169,38 +185,12 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
 
 
 def _rounded(value: float) -> float:
-    """Return four digits of an estimate: more would look like knowledge."""
+    """Keep four digits of an estimate: more would look like knowledge."""
     return float(f"{value:.4g}")
 
 
-def _source(estimate: LoopEstimate) -> str:
-    """Return the source of the values."""
-    return (
-        f"geometry alone (height {1e3 * estimate.height:g} mm, width {1e3 * estimate.width:g} mm, bar "
-        f"{1e3 * estimate.bar:.4g} mm, rope {1e3 * estimate.rope:g} mm, {estimate.loops} loops), by what 50 parts of the "
-        "Enidine WR catalogue have in common; no data sheet, no measurement"
-    )
-
-
-def _assumed(estimate: LoopEstimate) -> tuple[str, ...]:
-    """Return the assumptions, with the errors of such estimates."""
-    band = estimate.bands["compression shock"]
-    other = f", of VMC's within {1.0 + band.other:.2f}" if band.other is not None else ""
-    bar = ("the thickness of the bars, from the trend of the catalogue",) if estimate.bar_assumed else ()
-    turning = ("turning: the elastic part of loops spread evenly",) if estimate.bar_length is not None else ()
-    return (
-        f"every value is estimated: such estimates of the shock stiffness in compression are within a factor of "
-        f"{1.0 + band.within:.2f} for 80 % of the catalogue's parts, {1.0 + band.worst:.2f} for all{other}",
-        "damping ratio: that of the catalogue's series",
-        "[spread]: scatter of these estimates for the catalogue's own parts, as one factor on all forces of an axis; another "
-        "vendor's parts scatter more",
-        *bar,
-        *turning,
-    )
-
-
 def _spread(isolator: Isolator, estimate: LoopEstimate) -> Spread:
-    """Return the scatter of all force parameters: each axis scales as its shock stiffness does; what was there stays."""
+    """Scatter all force parameters: each axis scales as its shock stiffness does; what was there stays."""
     errors = left_out_errors(estimate.left_out)
     names, values, rows = [], [], []
     for axis, law in isolator.axes.items():

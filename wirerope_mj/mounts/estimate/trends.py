@@ -17,7 +17,7 @@ QUANTITIES = ("travel", "vibration", "shock")
 
 
 def stated_values(part: VendorPart) -> Values:
-    """Return the values that a vendor states of a part, by name."""
+    """List the values that a vendor states of a part."""
     values = {f"{mode} {name}": getattr(part.modes[mode], name) for name in QUANTITIES for mode in MODES}
     stated = {"static load": part.modes["compression"].static_load} | values
     return {name: value for name, value in stated.items() if value is not None}
@@ -48,23 +48,23 @@ class VendorLoop:
 
 
 def _secant(shape: LoopShape, compression: float) -> float:
-    """Return force over deflection of one loop of EI = 1 N m^2 at a compression [m], in N/m."""
+    """Force over deflection of one loop of EI = 1 N m^2 at a compression [m], in N/m."""
     return -float(RopeLoop(shape).state(0.0, -compression).axial_force) / compression
 
 
 @cache
 def vendor_loops() -> tuple[VendorLoop, ...]:
-    """Return the 50 parts that state geometry and all three modes, in their order.
+    """Choose the 50 parts that state geometry and all three modes, in their order.
 
     ModelError: the table cannot be read.
     """
-    found = []
+    loops = []
     for part in vendor_parts():
         measures = {name: getattr(part, name) for name in ("rope", "loops", "width", "height", "bar")}
         values = stated_values(part)
         if part.series is ENIDINE and None not in measures.values() and len(values) == 1 + len(QUANTITIES) * len(MODES):
-            found.append(VendorLoop(name=part.name, values=values, **measures))
-    return tuple(found)
+            loops.append(VendorLoop(name=part.name, values=values, **measures))
+    return tuple(loops)
 
 
 LeftOut = Literal["part", "rope size"]
@@ -90,7 +90,7 @@ class Trends:
     ratios: dict[str, float]
 
     def predict(self, *, height: float, width: float, rope: float, bar: float, loops: float) -> Values:
-        """Return the values of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel.
+        """Predict the values of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel.
 
         The vibration stiffness in shear is the shock stiffness, as in the table.
         """
@@ -108,7 +108,7 @@ class Trends:
         return values | {"shear vibration": values["shear shock"]}
 
     def bar_of(self, rope: float) -> float:
-        """Return the thickness of a bar [m] for a rope diameter [m], interpolated between the table's own."""
+        """Interpolate the thickness of a bar [m] for a rope diameter [m] between the table's own."""
         return float(np.exp(_interpolated(rope, self.rope, np.log(self.bar))))
 
 
@@ -117,14 +117,13 @@ _IN_RATIO = ("45 travel", "shear travel", "45 shock", "shear shock", "45 vibrati
 
 
 def _of_compression(name: str, values: Values) -> float:
-    """Return the value of compression to which another one has a constant ratio; that of the static load is travel x shock."""
+    """Value of compression to which another one has a constant ratio; that of the static load is travel x shock."""
     if name == "static load":
         return values["compression travel"] * values["compression shock"]
     return values[f"compression {name.partition(' ')[2]}"]
 
 
 def find_trends(rows: Sequence[VendorLoop]) -> Trends:
-    """Return the trends over some parts of a table."""
     sizes = sorted({row.rope for row in rows})
     of_size = [[row for row in rows if row.rope == size] for size in sizes]
     stiffer = [row.values["compression vibration"] / row.values["compression shock"] for row in rows]
@@ -140,35 +139,34 @@ def find_trends(rows: Sequence[VendorLoop]) -> Trends:
 
 
 def _mean(values: Sequence[float]) -> float:
-    """Return the geometric mean."""
+    """Geometric mean."""
     return float(np.exp(np.mean(np.log(values))))
 
 
 @cache
 def all_trends() -> Trends:
-    """Return the trends over all 50 rows."""
     return find_trends(vendor_loops())
 
 
 @cache
 def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
-    """Return log(estimate / catalogue) of every value, (50,), each row estimated without itself.
+    """Compute log(estimate / catalogue) of every value, (50,), each row estimated without itself.
 
     "part": without the row alone, as for a rope size that the table has; "rope size": without all rows with its rope, as for
     one that it has not (the smallest and the largest size are then extrapolated, which no estimate does).
     """
     errors: dict[str, list[float]] = {}
     for row in vendor_loops():
-        others = [one for one in vendor_loops() if (one is not row if left_out == "part" else one.rope != row.rope)]
+        rest = [part for part in vendor_loops() if (part is not row if left_out == "part" else part.rope != row.rope)]
         measures = {name: getattr(row, name) for name in ("height", "width", "rope", "bar", "loops")}
-        for name, value in find_trends(others).predict(**measures).items():
+        for name, value in find_trends(rest).predict(**measures).items():
             errors.setdefault(name, []).append(float(np.log(value / row.values[name])))
     return {name: np.array(values) for name, values in errors.items()}
 
 
 @cache
 def other_vendor_errors() -> dict[str, Array]:
-    """Return log(estimate / data sheet) of the values of VMC's table, which no trend has seen; one for each part stating it.
+    """Compute log(estimate / data sheet) of the values of VMC's table, which no trend has seen; one for each part stating it.
 
     Their bars are not stated and taken from the trend. The table has no values at 45 degrees.
     """
@@ -184,7 +182,7 @@ def other_vendor_errors() -> dict[str, Array]:
 
 
 def _interpolated(rope: float, sizes: Array, values: Array) -> float:
-    """Return a value between rope sizes, linear over log d; outside, along the straight line through all sizes."""
+    """Interpolate between rope sizes, linear over log d; outside, along the straight line through all sizes."""
     known, wanted = np.log(sizes), np.log(rope)
     nearest = float(np.clip(wanted, known[0], known[-1]))
     slope = float(np.polyfit(known, values, 1)[0])

@@ -14,9 +14,9 @@ from wirerope_mj.mounts.identification.families import Scales
 from wirerope_mj.mounts.laws import BoucWen, Law, Loop
 from wirerope_mj.mounts.laws.plane import asymmetry_of, elastic_of
 from wirerope_mj.mounts.laws.steady import follow_force, settle
-from wirerope_mj.mounts.test_rig.averaging import RecordedLoop, mean_of_cycles
 from wirerope_mj.mounts.test_rig.passive import require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import require_likely
+from wirerope_mj.mounts.test_rig.recorded import RecordedLoop, mean_of_cycles
 from wirerope_mj.mounts.test_rig.turning import rms_noise
 
 STEADY = 1e-12  # Change of the hysteretic force over a cycle, relative to the force range, at which it is steady

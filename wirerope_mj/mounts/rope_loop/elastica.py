@@ -31,7 +31,7 @@ class RopeLoop:
         self._half = HalfLoop(shape, elements)
 
     def state(self, roll: ArrayLike, axial: ArrayLike, turn: ArrayLike = 0.0) -> LoopState:
-        """Return energy, force and moment for EI = 1 N m^2 at deflections [m] and turns [rad], of their common shape.
+        """Compute energy, force and moment for EI = 1 N m^2 at deflections [m] and turns [rad], of their common shape.
 
         Deflections are the payload's bar minus the base's, roll across the bars, axial positive in tension. The payload's bar
         turns about the shear axis, through its middle, right-handed: that lowers the end of the bar on the side of positive
@@ -41,13 +41,22 @@ class RopeLoop:
             ValueError: the rope is taut (`LARGEST_REACH`), or an argument is not finite.
             ConvergenceError: no equilibrium on the straight path from the unloaded loop.
         """
-        u, w, t = (np.asarray(one, dtype=float) for one in np.broadcast_arrays(roll, axial, turn))
+        u, w, t = (np.asarray(values, dtype=float) for values in np.broadcast_arrays(roll, axial, turn))
         # The other half is a mirror image: roll and turn change their signs in it.
         side = np.repeat([1.0, -1.0], u.size)
         across, along, turned = side * np.tile(u.ravel(), 2), np.tile(w.ravel(), 2), side * np.tile(t.ravel(), 2)
         arm = self.shape.arm
         moved = np.column_stack([across + arm * (np.cos(turned) - 1.0), along - arm * np.sin(turned)])
-        self._require_slack(moved)
+        if not np.all(np.isfinite(moved)):
+            raise ValueError("`roll`, `axial` and `turn` must be finite.")
+        reach = np.linalg.norm(moved + np.array(self.shape.span), axis=1) / self.shape.length
+        if np.any(reach > LARGEST_REACH):
+            worst = moved[np.argmax(reach)]
+            raise ValueError(
+                f"the rope is taut: a deflection of {1e3 * worst[0]:.6g} mm in roll and {1e3 * worst[1]:.6g} mm in axial "
+                f"direction needs {100.0 * reach.max():.4g} % of the free rope; a loop is solved up to "
+                f"{100.0 * LARGEST_REACH:g} %. It is taut at {1e3 * self.shape.taut():.6g} mm without roll."
+            )
         half = self._half.move(moved, -turned)
         lever = -arm * (half.force[:, 0] * np.sin(turned) + half.force[:, 1] * np.cos(turned))
         moment = side * (lever - half.moment)
@@ -56,7 +65,7 @@ class RopeLoop:
         return LoopState(energy=energy, roll_force=roll_force, axial_force=axial_force, moment=turning)
 
     def stiffness(self) -> Array:
-        """Return the matrix of small deflections about the unloaded loop (roll, axial, turn) for EI = 1 N m^2, (3, 3).
+        """Compute the matrix of small deflections about the unloaded loop (roll, axial, turn) for EI = 1 N m^2, (3, 3).
 
         Units N/m, N and N m/rad; from central differences of the force. Turn is that of `state`, about the payload's bar.
         """
@@ -69,22 +78,9 @@ class RopeLoop:
         matrix = (forces[:3] - forces[3:]).T / (2.0 * steps)
         return 0.5 * (matrix + matrix.T)
 
-    def _require_slack(self, moved: Array) -> None:
-        """Raise ValueError unless every half has more rope than the distance of its ends."""
-        if not np.all(np.isfinite(moved)):
-            raise ValueError("`roll`, `axial` and `turn` must be finite.")
-        reach = np.linalg.norm(moved + np.array(self.shape.span), axis=1) / self.shape.length
-        if np.any(reach > LARGEST_REACH):
-            worst = moved[np.argmax(reach)]
-            raise ValueError(
-                f"the rope is taut: a deflection of {1e3 * worst[0]:.6g} mm in roll and {1e3 * worst[1]:.6g} mm in axial "
-                f"direction needs {100.0 * reach.max():.4g} % of the free rope; a loop is solved up to "
-                f"{100.0 * LARGEST_REACH:g} %. It is taut at {1e3 * self.shape.taut():.6g} mm without roll."
-            )
-
 
 def loop_positions(loops: int, bar_length: float) -> Array:
-    """Return the positions of an isolator's loops along its bars [m], from the middle, evenly spread."""
+    """Spread an isolator's loops evenly along its bars: their positions [m] from the middle."""
     integer("loops", loops, least=1)
     positive("bar_length", bar_length)
     return (np.arange(loops) - 0.5 * (loops - 1)) * bar_length / loops
@@ -93,7 +89,7 @@ def loop_positions(loops: int, bar_length: float) -> Array:
 def rotational_stiffness(
     shape: LoopShape, *, bending_stiffness: float, positions: ArrayLike, axial: float | None = None, roll: float | None = None
 ) -> Array:
-    """Return the rotational stiffness of an isolator about its own axes x (roll), y (shear) and z (axial) [N m/rad], (3,).
+    """Compute the rotational stiffness of an isolator about its own axes x (roll), y (shear) and z (axial) [N m/rad], (3,).
 
     It belongs to a small turn of the payload about the unloaded isolator's middle: half way between the bars, in the middle
     of their length. There turns and deflections do not act on each other, so that the forces of the three axes and these

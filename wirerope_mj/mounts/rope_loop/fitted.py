@@ -29,7 +29,7 @@ def fit_coupling(
     shape: LoopShape, *, bending_stiffness: float, loops: float, roll: float, compression: float, tension: float,
     terms: tuple[int, int] = (ROLL_TERMS, AXIAL_TERMS),
 ) -> LoopCoupling:  # fmt: skip
-    """Return the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as I x J powers.
+    """Fit the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as I x J powers.
 
     The coefficients are a least-squares fit of the two coupling forces at 9 x 9 Chebyshev points of the box. The box ends at
     roll, compression and tension [m], where the rope of a half loop at full roll would be stretched to more than 85 % of its
@@ -42,7 +42,14 @@ def fit_coupling(
     values = {"bending_stiffness": bending_stiffness, "loops": loops, "roll": roll, "compression": compression}
     for name, value in (values | {"tension": tension}).items():
         positive(name, value)
-    tension = min(tension, _slack_tension(shape, roll))
+    across, along = shape.span
+    rest = (SLACK_REACH * shape.length) ** 2 - (abs(across) + roll) ** 2
+    if rest <= along**2:
+        raise ValueError(
+            f"`roll` of {roll:.6g} m stretches the rope of a half loop to more than {100.0 * SLACK_REACH:g} % of its length; "
+            "its coupling is not fitted so far."
+        )
+    tension = min(tension, math.sqrt(rest) - along)
     loop, scale = RopeLoop(shape, ELEMENTS), bending_stiffness * loops
 
     def polynomial(coefficients: npt.NDArray[np.floating]) -> LoopCoupling:
@@ -57,24 +64,12 @@ def fit_coupling(
 
 
 def coupling_forces(loop: RopeLoop, roll: Array, axial: Array) -> tuple[Array, Array]:
-    """Return all pairs (u, w) [m], (n, 2), and for EI = 1 N m^2 the forces there beyond those of (u, 0) and (0, w), (n, 2)."""
+    """List all pairs (u, w) [m], (n, 2), and for EI = 1 N m^2 the forces there beyond those of (u, 0) and (0, w), (n, 2)."""
     u, w = (axis.ravel() for axis in np.meshgrid(roll, axial, indexing="ij"))
     state = loop.state(u, w)
     across = state.roll_force - np.repeat(loop.state(roll, 0.0).roll_force, len(axial))
     along = state.axial_force - np.tile(loop.state(0.0, axial).axial_force, len(roll))
     return np.stack([u, w], axis=-1), np.stack([across, along], axis=-1)
-
-
-def _slack_tension(shape: LoopShape, roll: float) -> float:
-    """Return the largest tension [m] that leaves a half loop slack at full roll; ValueError if there is none."""
-    across, along = shape.span
-    rest = (SLACK_REACH * shape.length) ** 2 - (abs(across) + roll) ** 2
-    if rest <= along**2:
-        raise ValueError(
-            f"`roll` of {roll:.6g} m stretches the rope of a half loop to more than {100.0 * SLACK_REACH:g} % of its length; "
-            "its coupling is not fitted so far."
-        )
-    return math.sqrt(rest) - along
 
 
 # Tension up to which the curves are followed, as a fraction of the rated compression: beyond, some loops come near to taut.
@@ -104,7 +99,7 @@ class AxisCurves:
 
 
 def axis_curves(shape: LoopShape, *, bar: float, compression: float, roll: float | None) -> AxisCurves:
-    """Return the curves of an isolator's loop between bars of a thickness [m] from its rated travels [m].
+    """Fit the curves of an isolator's loop between bars of a thickness [m] from its rated travels [m].
 
     The axial curve is followed to the compression, in tension to `TENSION` of it, that of roll as far if its own is not
     known. ValueError: its rope is taut within the travel.
@@ -114,7 +109,12 @@ def axis_curves(shape: LoopShape, *, bar: float, compression: float, roll: float
     stiffness = loop.stiffness()
     x = np.linspace(0.1, 1.0, 10) * (compression if roll is None else roll)
     growth = loop.state(x, 0.0).roll_force / x / stiffness[0, 0] - 1.0  # of the secants, by least squares
-    clamped = _axial(RopeLoop(_held(shape, 0.5 * bar), ELEMENTS), compression)[0]
+    segments = list(shape.segments)  # level ones at both bars shorter by half a bar
+    for end in (0, -1):
+        whole, bend = segments[end]
+        if bend == 0.0:
+            segments[end] = (max(whole - 0.5 * bar, 0.05 * whole), bend)
+    clamped = _axial(RopeLoop(replace(shape, segments=tuple(segments)), ELEMENTS), compression)[0]
     return AxisCurves(
         asymmetry=asymmetry, axial_cubic=cubic, roll_cubic=float(growth @ x**2 / (x**2 @ x**2)),
         asymmetry_deviation=0.5 * abs(clamped - asymmetry), misfit=misfit, axial_stiffness=float(stiffness[1, 1]),
@@ -123,7 +123,7 @@ def axis_curves(shape: LoopShape, *, bar: float, compression: float, roll: float
 
 
 def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:
-    """Return asymmetry, cubic term and largest relative misfit of the secants."""
+    """Fit asymmetry, cubic term and largest relative misfit of the secants."""
     x = np.concatenate([np.linspace(-1.0, -0.1, 10), np.linspace(0.1, TENSION, 5)])  # over the rated compression
     secant = loop.state(0.0, x * compression).axial_force / (x * compression)
     secant /= loop.stiffness()[1, 1]
@@ -134,13 +134,3 @@ def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:
     fit = scipy.optimize.least_squares(misses, [0.3, 0.1])
     exponent, cubic = fit.x.tolist()
     return exponent / compression, cubic / compression**2, float(np.abs(fit.fun).max())
-
-
-def _held(shape: LoopShape, length: float) -> LoopShape:
-    """Return the shape whose level segments at both bars are shorter by a length [m], as far as there is a level segment."""
-    segments = list(shape.segments)
-    for end in (0, -1):
-        whole, bend = segments[end]
-        if bend == 0.0:
-            segments[end] = (max(whole - length, 0.05 * whole), bend)
-    return replace(shape, segments=tuple(segments))

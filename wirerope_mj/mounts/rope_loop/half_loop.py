@@ -54,14 +54,14 @@ class LoopShape:
         return float(total[0]), float(total[1])
 
     def taut(self, roll: float = 0.0) -> float:
-        """Return the axial deflection [m] at which the inextensible rope of one half is a straight line; NaN if none is."""
+        """Axial deflection [m] at which the inextensible rope of one half is a straight line; NaN if none is."""
         across, along = self.span
         rest = self.length**2 - (abs(across) + abs(roll)) ** 2
         return math.sqrt(rest) - along if rest >= 0.0 else math.nan
 
 
 def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopShape:
-    """Return the half loop of an isolator from its envelope [m]: unloaded height over both bars, width over the ropes.
+    """Draw the half loop of an isolator from its envelope [m]: unloaded height over both bars, width over the ropes.
 
     The rope leaves both bars level and half way up their thickness, so that the centre line rises by `height` - `bar`; it
     reaches (`width` - `rope`) / 2 to the side. The roundest line through these points is a stadium: a half circle between two
@@ -102,7 +102,7 @@ class Mesh:
 
 
 def mesh(shape: LoopShape, elements: int) -> Mesh:
-    """Return the elements of a half loop; no element reaches over a jump of the natural curvature.
+    """Divide a half loop into elements; none reaches over a jump of the natural curvature.
 
     They are shared among the segments in proportion to their lengths, at least one for each.
     """
@@ -166,7 +166,7 @@ class HalfLoop:
         self._bent = weighted.T @ self.mesh.curvature
 
     def move(self, displacement: Array, turn: Array) -> HalfState:
-        """Return the equilibria after the clamped end has moved straight from the unloaded position: roll, axial [m], (m, 2).
+        """Follow the equilibria as the clamped end moves straight from the unloaded position: roll, axial [m], (m, 2).
 
         Its direction turns by `turn` [rad], (m,). ConvergenceError says where on the path there is no equilibrium.
         """
@@ -188,11 +188,22 @@ class HalfLoop:
             step[kept] *= 1.5
             step[active[~good]] *= 0.5
             if np.any(stuck := step < _SMALLEST_STEP * np.minimum(1.0, _FIRST_STEP / size)):
-                raise ConvergenceError(self._lost(displacement[stuck][0], turn[stuck][0], done[stuck][0]))
-        return self._state(direction, force)
+                roll, axial = 1e3 * displacement[stuck][0]
+                raise ConvergenceError(
+                    f"the rope loop finds no equilibrium beyond {100.0 * done[stuck][0]:.3g} % of the path to {roll:.6g} mm in "
+                    f"roll, {axial:.6g} mm in axial direction and a turn of {np.degrees(turn[stuck][0]):.4g} degrees; one half "
+                    f"is taut at {1e3 * self.shape.taut(float(displacement[stuck][0][0])):.6g} mm in axial direction."
+                )
+        length = self.shape.length
+        strain = direction @ self.mesh.slope.T - self.mesh.curvature
+        pulls = self._ends(direction, np.zeros((m, 2)))[2]
+        return HalfState(
+            direction=direction, energy=0.5 * (strain**2 @ self.mesh.weight) / length, force=force / length**2,
+            moment=self._unbalanced(direction, force, pulls)[:, -1] / length,
+        )  # fmt: skip
 
     def equilibrium(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, Booleans]:
-        """Return directions, forces and whether they are an equilibrium, by Newton's method from a guess.
+        """Find directions, forces and whether they are an equilibrium, by Newton's method from a guess.
 
         The guess is the direction at the nodes [rad], (m, n), and the force, (m, 2), with the length of the rope as unit of
         length; the end goes to its displacement in lengths of the rope and change of direction [rad], (m, 3).
@@ -216,7 +227,7 @@ class HalfLoop:
         return direction, force, converged
 
     def _newton_step(self, direction: Array, force: Array, end: Array) -> Array:
-        """Return the change of the inner directions and of the force, (m, n - 2 + 2)."""
+        """Solve for the change of the inner directions and of the force, (m, n - 2 + 2)."""
         cosine, sine, pulls, misses = self._ends(direction, end)
         inner = direction.shape[1] - 2
         bend = np.einsum("mq,qi,qj->mij", (force[:, :1] * cosine + force[:, 1:] * sine) * self.mesh.weight,
@@ -232,7 +243,7 @@ class HalfLoop:
             return np.full_like(rest, np.nan)
 
     def _ends(self, direction: Array, end: Array) -> tuple[Array, Array, Array, Array]:
-        """Return cos, sin of the directions (m, q), the ends' distance by direction (m, n, 2) and its error (m, 2)."""
+        """Evaluate cos, sin of the directions (m, q), the ends' distance by direction (m, n, 2) and its error (m, 2)."""
         angle = direction @ self.mesh.value.T
         cosine, sine = np.cos(angle), np.sin(angle)
         weight = self.mesh.weight
@@ -240,24 +251,5 @@ class HalfLoop:
         return cosine, sine, pulls, np.stack([cosine @ weight, sine @ weight], axis=1) - end
 
     def _unbalanced(self, direction: Array, force: Array, pulls: Array) -> Array:
-        """Return the gradient of energy minus force times distance, (m, n); at the last node it is the end's moment."""
+        """Gradient of energy minus force times distance, (m, n); at the last node it is the end's moment."""
         return direction @ self._stiffness - self._bent - np.einsum("mnk,mk->mn", pulls, force)
-
-    def _state(self, direction: Array, force: Array) -> HalfState:
-        """Return equilibria in units of metres."""
-        length = self.shape.length
-        strain = direction @ self.mesh.slope.T - self.mesh.curvature
-        _, _, pulls, _ = self._ends(direction, np.zeros((len(direction), 2)))
-        return HalfState(
-            direction=direction, energy=0.5 * (strain**2 @ self.mesh.weight) / length, force=force / length**2,
-            moment=self._unbalanced(direction, force, pulls)[:, -1] / length,
-        )  # fmt: skip
-
-    def _lost(self, displacement: Array, turn: float, done: float) -> str:
-        """Return a message on where the path had to end."""
-        roll, axial = 1e3 * displacement
-        return (
-            f"the rope loop finds no equilibrium beyond {100.0 * done:.3g} % of the path to {roll:.6g} mm in roll, "
-            f"{axial:.6g} mm in axial direction and a turn of {np.degrees(turn):.4g} degrees; one half is taut at "
-            f"{1e3 * self.shape.taut(float(displacement[0])):.6g} mm in axial direction."
-        )

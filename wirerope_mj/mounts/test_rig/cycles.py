@@ -10,10 +10,11 @@ from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.table_files import LARGEST
 from wirerope_mj.mounts.laws import Loop
-from wirerope_mj.mounts.test_rig.averaging import RecordedLoop, cycle_to, mean_loop, whole_record
+from wirerope_mj.mounts.test_rig.averaging import cycle_to, mean_loop, whole_record
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
+from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 
 Locate = Callable[[int, int], str]  # Text of where the samples from one index to another stand
