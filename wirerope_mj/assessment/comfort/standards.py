@@ -265,7 +265,6 @@ def velocity_lines(
 
 
 def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
-    """Judge a weighted rms velocity [m/s]."""
     one_of("space", space, RMS_2000)
     return tuple(
         Verdict(

@@ -57,22 +57,18 @@ class ChannelCorrelation:
 
     @cached_property
     def peak_ratio(self) -> float:
-        """Largest magnitude of the model over that of the measurement."""
         return float(np.abs(self.pair.model).max() / np.abs(self.pair.measured).max())
 
     @cached_property
     def rms_ratio(self) -> float:
-        """Root mean square of the model over that of the measurement."""
         return float(np.linalg.norm(self.pair.model) / np.linalg.norm(self.pair.measured))
 
     @cached_property
     def sprague_geers(self) -> MagnitudePhase:
-        """Errors of magnitude and phase."""
         return sprague_geers(self.pair.measured, self.pair.model)
 
     @cached_property
     def russell(self) -> MagnitudePhase:
-        """Errors of magnitude and phase."""
         return russell(self.pair.measured, self.pair.model)
 
     @cached_property

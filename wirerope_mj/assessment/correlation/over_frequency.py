@@ -161,7 +161,6 @@ class Transmissibility:
 
     @property
     def frac(self) -> float:
-        """Frequency response assurance criterion of both, 0 to 1."""
         return assurance(self.measured, self.model)
 
 

@@ -43,7 +43,6 @@ class Pair:
 
     @property
     def rate(self) -> float:
-        """Samples per second [Hz]: those of the coarser of both."""
         return (self.time.size - 1) / float(self.time[-1] - self.time[0])
 
 

@@ -32,7 +32,6 @@ class Rating:
 
     @property
     def grade(self) -> str:
-        """One of excellent, good, fair and poor."""
         return next(grade for above, grade in GRADES if self.overall > above)
 
 

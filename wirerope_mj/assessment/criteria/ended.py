@@ -190,7 +190,6 @@ def _grows(response: Response, row: Verdict, begin: float, *, goes_on: bool = Tr
 
 
 def growth_note(end: float) -> str:
-    """Note what is not judged since something grows until the end of a run [s]."""
     return f"{GROWS} at {duration_text(end, 4)}: run longer"
 
 

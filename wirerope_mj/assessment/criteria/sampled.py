@@ -35,7 +35,6 @@ def read_start(response: Response, first: str, count: int) -> Array:
 
 
 def sampled_text(time: Array) -> str:
-    """Note at what rate something is sampled."""
     return f"{SAMPLED} {sample_rate(time):.4g} Hz"
 
 

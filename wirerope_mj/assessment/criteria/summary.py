@@ -72,7 +72,6 @@ class MountPeak:
 
     @property
     def exceeded(self) -> list[str]:
-        """Ratings that are exceeded."""
         return [rating for rating, row in self.travel.items() if row.verdict == EXCEEDED]
 
     def utilisation_along(self, axis: str) -> float | None:
@@ -163,7 +162,6 @@ def rested_lines(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Say whose rule it is that mounts leave, if they leave one that is not a vendor's."""
     return [OWN_RULE] if any(row.criterion == COMBINED and row.verdict == EXCEEDED for row in verdicts) else []
 
 

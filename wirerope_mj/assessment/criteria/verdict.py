@@ -154,7 +154,6 @@ def most_amplified(verdicts: Iterable[Verdict]) -> tuple[str, Amplification] | N
 
 
 def smallest_margin(verdicts: Iterable[Verdict]) -> float:
-    """Find the smallest margin of what is judged; infinite if nothing is."""
     return min((verdict.margin for verdict in verdicts if verdict.margin is not None), default=math.inf)
 
 

@@ -163,7 +163,6 @@ class MountDamage:
 
     @property
     def total(self) -> float:
-        """Miner's sum over all stages."""
         return sum(self.stages)
 
 

@@ -94,7 +94,6 @@ class ResponseOptions:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Start and stop of checked options [Hz]."""
         assert self.start is not None
         assert self.stop is not None
         return self.start, self.stop
@@ -138,7 +137,6 @@ class Level:
 
     @property
     def sweeps(self) -> dict[str, FrequencySweep]:
-        """The sweeps by their direction, "up" and "down"."""
         return {direction: sweep for direction, sweep in (("up", self.up), ("down", self.down)) if sweep is not None}
 
     def transmissibility(self, amplitude: float) -> float:

@@ -195,7 +195,6 @@ class SweepJump:
 
     @property
     def past_fold(self) -> float:
-        """Distance from the fold relative to its frequency, with sign [-]."""
         return self.frequency / self.fold - 1.0
 
 
@@ -243,17 +242,14 @@ class LevelSummary:
 
     @cached_property
     def curve(self) -> BranchCurve | None:
-        """The branch as a fine line."""
         return None if self.level.branch is None else curve_of(self.level.branch)
 
     @cached_property
     def peaks(self) -> list[ResonancePeak]:
-        """Peaks of the branch, the highest first."""
         return [] if self.level.branch is None else peaks_of(self.level.branch)
 
     @cached_property
     def comparisons(self) -> dict[str, SweepComparison]:
-        """Comparisons of the sweeps with the branch, by their direction."""
         return {name: compare(sweep, self.level.branch, self.curve) for name, sweep in self.level.sweeps.items()}
 
 

@@ -39,7 +39,6 @@ class Point:
 
     @property
     def unstable(self) -> int:
-        """Number of multipliers outside the unit circle."""
         return int((np.abs(self.stability.multipliers) > 1.0 + MARGIN).sum())
 
 

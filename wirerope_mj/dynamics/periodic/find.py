@@ -147,7 +147,6 @@ class OrbitSearch:
         )
 
     def closed(self, start: Shot, tolerance: float) -> Shot:
-        """Close a motion by Newton's method from `start`, as nearly as it gets."""
         return close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS, derivative=self.derivative)
 
     def settled(self, x: Array, drive: Drive, number: int) -> Array:

@@ -150,7 +150,6 @@ class MujocoFlow(Flow):
 
 
 def flow_of(coordinates: Coordinates, system: System) -> Flow:
-    """Choose the kernel's flow if it can compute the system, else MuJoCo's."""
     return MujocoFlow(coordinates, system) if unsupported_system(system) else KernelFlow(coordinates, system)
 
 

@@ -218,7 +218,6 @@ class GrowingBranch:
         return point
 
     def _at(self, x: Array, value: float, steps: int | None = None) -> Point:
-        """Close a motion that has been found before."""
         motion = self.search.closed(shot(self.search.flow, x, self.path.drive(value, steps)), self.options.tolerance)
         return self.path.point(motion, value, before=None, sign=self.options.sign)
 

@@ -87,12 +87,10 @@ class Slopes:
 
     @property
     def begin(self) -> Array:
-        """Scale where the motion starts, (n,)."""
         return np.asarray(self.scale[0, 0] * self.turns[0])
 
     @property
     def end(self) -> Array:
-        """Scale where it ends, (n,)."""
         return np.asarray(self.scale[-1, 2] / self.turns[-1])
 
 

@@ -131,7 +131,6 @@ class FloquetStability:
 
     @property
     def stable(self) -> bool:
-        """True if no multiplier lies outside the unit circle."""
         return bool((np.abs(self.multipliers) <= 1.0 + MARGIN).all())
 
 

@@ -77,7 +77,6 @@ class BranchOptions:
         return row.frequency if self.parameter == "frequency" else row.acceleration
 
     def fraction(self, value: float) -> float:
-        """Fraction of the range that is behind a value, between 0 and 1."""
         return float(np.clip(np.log(value / self.start) / np.log(self.stop / self.start), 0.0, 1.0))
 
 
@@ -139,7 +138,6 @@ def row_of(system: System, point: Point, payload: str, direction: Direction) -> 
 
 
 def fingerprint(system: System) -> str:
-    """Digest the model, its isolators, and what a variant differs by."""
     isolators = {name: isolator.to_dict() for name, isolator in system.isolators.items()}
     content = system.mjcf + json.dumps(isolators, sort_keys=True, default=str)
     content += "".join(json.dumps(changes.to_dict(), sort_keys=True, default=str) for changes in system.changes)
@@ -147,7 +145,6 @@ def fingerprint(system: System) -> str:
 
 
 def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content: Entries) -> None:
-    """Write the points of a branch so far, atomically."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -202,7 +202,6 @@ class EquivalentLinear(Brief):
 
     @property
     def solutions(self) -> Integers:
-        """Number of solutions at each frequency, (n_f,)."""
         return np.isfinite(self.deflection).sum(axis=1)
 
 
@@ -266,7 +265,6 @@ def _oscillators(law: Law, weight: float) -> Callable[[float, float], Equivalent
 def _solutions(
     law: Law, oscillator: Callable[[float, float], EquivalentOscillator], mass: float, frequency: float, acceleration: float
 ) -> list[EquivalentOscillator]:
-    """Find the oscillators consistent with their own amplitude at a frequency, the smallest first."""
     omega = 2.0 * np.pi * frequency
 
     def excess(log_amplitude: float) -> float:

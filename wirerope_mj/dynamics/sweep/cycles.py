@@ -37,8 +37,8 @@ class ByMujoco:
     def remember(self, times: Array, before: Array, last: Array) -> None:
         """Go on behind an instant that was seen as the last of a cycle.
 
-        `times` are those of the last two steps, the later one first [s], `before` and `last` the vectors of all channels in the
-        earlier and in the later, (n_channels, 3).
+        `times` are those of the last two steps, the later one first [s], `before` and `last` the vectors of all channels then,
+        (n_channels, 3).
         """
         user = self.stepper.user
         user[at.TIME_1], user[at.TIME_2] = times
@@ -230,7 +230,6 @@ class Cycles:
         return self._by.finish()
 
     def _stepped(self, by: ByMujoco) -> ByMujoco:
-        """Install MuJoCo's callbacks for as long as it steps."""
         self._engines.enter_context(installed(by.stepper.model, by.stepper.data))
         return by
 

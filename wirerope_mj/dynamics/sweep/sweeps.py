@@ -189,7 +189,6 @@ def frequency_sweep(
 
 
 def check_cycles(sweep: Sweep, timestep: float | None) -> None:
-    """Raise BudgetError if a sweep has more cycles than there is memory or time for."""
     cycles = abs(float(sweep.course.phase(np.array([sweep.duration]))[0])) / (2.0 * math.pi)
     what = f"a sweep of {sweep.duration:.4g} s"
     remedy = "Sweep faster (a larger `rate`), or over a narrower range."
