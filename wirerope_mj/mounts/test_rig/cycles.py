@@ -10,7 +10,7 @@ from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.table_files import LARGEST
 from wirerope_mj.mounts.laws import Loop
-from wirerope_mj.mounts.test_rig.averaging import cycle_to, mean_loop, whole_record
+from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
@@ -174,18 +174,22 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Loca
             f"{location}: {hole:.3g} s of a cycle of {period:.3g} s hold no samples: are rows missing there? Both strokes "
             "must be recorded."
         )
-    slope = rise / period
-    if len(kept) > 1:
-        # How fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last. These
-        # are of whole cycles, whose ends lie between samples, and surer than forces at turning points, which would close the
-        # loop exactly and their noise with it.
-        since = force - force[0]  # so that a force that stands still has no drift by rounding
-        work = np.concatenate([[0.0], np.cumsum(0.5 * (since[1:] + since[:-1]) * np.diff(trace.time))])
-        ends = trace.times[last - 2 * len(kept) : last + 1 : 2]
-        means, middles = np.diff(np.interp(ends, trace.time, work)) / np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
-        slope = float((means[-1] - means[0]) / (middles[-1] - middles[0]))
+    slope = _drift(trace, kept, force, last) if len(kept) > 1 else rise / period
     gap = abs(float(rise - slope * period))
     without_drift = force - slope * (trace.time - times[1])
     loop = mean_loop(kept, trace.deflection, without_drift, len(cycles), gap, location, stop=stop)
     require_falling(loop, location, stop=stop)
     return replace(loop, averaged=len(kept), period=float(period))
+
+
+def _drift(trace: Trace, kept: list[PhasedCycle], force: Array, last: int) -> float:
+    """Estimate how fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last.
+
+    These are of whole cycles, whose ends lie between samples, and surer than forces at turning points, which would close the
+    loop exactly and their noise with it.
+    """
+    since = force - force[0]  # so that a force that stands still has no drift by rounding
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (since[1:] + since[:-1]) * np.diff(trace.time))])
+    ends = trace.times[last - 2 * len(kept) : last + 1 : 2]
+    means, middles = np.diff(np.interp(ends, trace.time, work)) / np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
+    return float((means[-1] - means[0]) / (middles[-1] - middles[0]))
