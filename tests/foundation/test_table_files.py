@@ -357,3 +357,104 @@ def test_a_density_of_numbers_alone_is_refused_in_words(rows, here):
     (here / "p.csv").write_text(rows)
     with pytest.raises(wr.RecordError, match="no header stands above them"):
         wr.motions.spoken.motion_from_phrase("psd", "p.csv 0.4 s z seed 1", folder=here)
+
+
+def test_units_of_labview_stand_in_the_cells_of_their_columns(tmp_path):
+    """A file of several columns of time has a cell for each of these, too: the third channel had the second one's unit."""
+    rows = [f"{t:.5f}\t{v / 2:.5f}\t{t:.5f}\t{v / 3:.5f}\t{t:.5f}\t{v:.5f}\t" for t, v in zip(TIME, WAVE, strict=True)]
+    head = labview("Multi", ".").decode().split("Channels")[0]
+    head += (
+        "Channels\t3\nY_Unit_Label\tN\t\tm/s^2\t\tg\t\n***End_of_Header***\nX_Value\tForce\tX_Value\tx\tX_Value\tz\tComment\n"
+    )
+    (tmp_path / "r.lvm").write_text(head + "\n".join(rows) + "\n")
+    for channel, peak in (("x", PEAK / 3.0), ("z", G * PEAK)):
+        record = wr.load_record(tmp_path / "r.lvm", channels={channel: "z"})
+        assert np.abs(record.samples).max() == pytest.approx(peak, rel=1e-4)
+
+
+def test_two_matrices_beside_one_list_of_names_are_told_apart(tmp_path):
+    from scipy.io import savemat
+
+    raw = np.column_stack([TIME, 0.5 * WAVE, WAVE])
+    names = np.array(["time [s]", "x [g]", "z [g]"], dtype=object)
+    savemat(tmp_path / "r.mat", {"raw": raw, "filtered": 0.25 * raw, "channels": names})
+    with pytest.raises(wr.RecordError, match=r"raw\.time.*raw\.z.*filtered\.time"):
+        wr.load_record(tmp_path / "r.mat", channels={"z": "z"})
+
+
+def test_a_factor_before_a_unit_is_no_range_of_a_sensor(tmp_path):
+    (tmp_path / "r.csv").write_bytes(text("time [s],z [9.81 m/s^2]", [TIME, WAVE]))
+    with pytest.raises(wr.RecordError, match=r"9\.81 m/s\^2"):
+        wr.load_record(tmp_path / "r.csv")
+
+
+def test_responses_beyond_the_range_of_their_sensor_are_refused(tmp_path):
+    (tmp_path / "r.csv").write_bytes(text("time [s],A1 (100g)", [TIME, 25.0 * WAVE]))
+    with pytest.raises(wr.RecordError, match="243.8 g stands in a column of a sensor whose range is 100 g"):
+        wr.load_measured(tmp_path / "r.csv", channels={"A1": "body/block z"})
+
+
+@pytest.mark.parametrize("error", ["#N/A", "#DIV/0!", "#REF!", "#NAME?"])
+@pytest.mark.parametrize("ending", ["csv", "xlsx"])
+def test_errors_of_a_spreadsheet_in_the_first_column_are_no_comments(tmp_path, error, ending):
+    deflection = [error if 90 < i < 110 else f"{5.0 * np.sin(i / 100.0 * np.pi):.5f}" for i in range(201)]
+    rows = ["deflection [mm],force [N]", *(f"{d},{i}" for i, d in enumerate(deflection))]
+    path = tmp_path / f"loop.{ending}"
+    if ending == "csv":
+        path.write_text("\n".join(rows))
+    else:
+        openpyxl = pytest.importorskip("openpyxl")
+        book = openpyxl.Workbook()
+        for row in rows:
+            book.active.append([cell if cell.startswith(("#", "d", "f")) else float(cell) for cell in row.split(",")])
+        book.save(path)
+    with pytest.raises(wr.RecordError, match=rf'"{re.escape(error)}" in column "deflection" is not a number. Its value is mis'):
+        wr.read_cyclic_test(path)
+
+
+def test_an_inch_sign_above_the_header_opens_no_cell(tmp_path):
+    (tmp_path / "r.csv").write_bytes(b'Cable 3/8" diameter\n' + text("time [s],z [g]", [TIME, WAVE]))
+    assert wr.load_record(tmp_path / "r.csv").samples.shape[0] == COUNT
+
+
+@pytest.mark.parametrize(
+    ("spelled", "unit"),
+    [("M/SEC**2", "m/s^2"), ("M/SEC^2", "m/s^2"), ("M/S/S", "m/s^2"), ("G'S", "g"), ("IN/SEC**2", "in/s^2")],
+)
+def test_units_in_capitals_are_known(spelled, unit):
+    accelerations = UNITS["acceleration"]
+    assert accelerations[find_unit(spelled, accelerations)] == accelerations[unit]
+
+
+def test_peer_is_read_in_small_letters_and_no_comment_is_taken_for_it(tmp_path):
+    (tmp_path / "r.at2").write_text(PEER.format("NPTS=  400, DT= .0010000 SEC").lower())
+    assert np.abs(wr.load_record(tmp_path / "r.at2", channels={"acceleration": "z"}).samples).max() == pytest.approx(G * PEAK, rel=1e-4)
+    head = b"# acceleration time history in units of g\n# DT 0.001 s\nSampling Freq(Hz),1000\n"
+    (tmp_path / "r.csv").write_bytes(head + text("time [s],z [g]", [TIME, WAVE]))
+    assert np.abs(wr.load_record(tmp_path / "r.csv").samples).max() == pytest.approx(G * PEAK, rel=1e-4)
+
+
+def test_a_table_that_begins_with_cdf_is_no_netcdf(tmp_path):
+    (tmp_path / "r.csv").write_bytes(text("cdf [g],time [s],z [g]", [WAVE, TIME, WAVE]))
+    assert wr.load_record(tmp_path / "r.csv", channels={"z": "z"}).samples.shape[0] == COUNT
+
+
+def test_a_comment_between_rows_may_hold_separators(tmp_path):
+    lines = text("time [s],z [g]", [TIME, WAVE]).decode().splitlines()
+    (tmp_path / "r.csv").write_text("\n".join([*lines[:200], "# note, restarted", *lines[200:]]))
+    assert wr.load_record(tmp_path / "r.csv").samples.shape[0] == COUNT
+
+
+@pytest.mark.parametrize("dates", ["31/01/2026 01/02/2026", "01/02/2026 02/02/2026", "01/31/2026 02/01/2026"])
+def test_dates_are_read_in_the_order_that_fits_all_of_them(tmp_path, dates):
+    first, second = dates.split()
+    clock = [f"{first} 23:59:59.{700 + i:03d}" if i < 300 else f"{second} 00:00:00.{i - 300:03d}" for i in range(COUNT)]
+    (tmp_path / "r.csv").write_bytes(text("time,z [g]", [clock, WAVE]))
+    assert wr.load_record(tmp_path / "r.csv").duration == pytest.approx((COUNT - 1) * STEP)
+
+
+@pytest.mark.parametrize("date", ["2026-02-30", "31/Xyz/2026"])
+def test_a_date_of_no_calendar_is_named(tmp_path, date):
+    (tmp_path / "r.csv").write_bytes(text("time,z [g]", [[f"{date} 10:00:00.{i:03d}" for i in range(COUNT)], WAVE]))
+    with pytest.raises(wr.RecordError, match=rf'r\.csv, line 1: "{date} 10:00:00.000" below it is no instant'):
+        wr.load_record(tmp_path / "r.csv")

@@ -17,11 +17,10 @@ def is_clock_time(cell: str) -> bool:
     return _CLOCK.fullmatch(cell) is not None
 
 
-def clock_time(cell: str) -> tuple[int, float]:
+def clock_time(cell: str, *, day_first: bool = False) -> tuple[int, float]:
     """Return an instant as a clock shows it: the day, counted from year 1 or 0 without a date, and the second of that day.
 
-    Apart, since a double holds no microseconds of so many seconds. A date with slashes has its month first, unless that is
-    beyond 12.
+    Apart, since a double holds no microseconds of so many seconds. A date with slashes has its month first, or its day.
 
     Raises:
         ValueError: the cell holds no such instant.
@@ -34,10 +33,10 @@ def clock_time(cell: str) -> tuple[int, float]:
         hour = hour % 12 + 12 * (match["half"][0] in "pP")
     if match["sign"]:
         first, third = int(match["first"]), int(match["third"])
-        middle = _MONTHS.index(match["second"].lower()) + 1 if match["second"].isalpha() else int(match["second"])
+        middle = _MONTHS.index(match["second"].lower()) + 1 if match["second"].lower() in _MONTHS else int(match["second"])
         if len(match["first"]) > 2:
             year, month, of_month = first, middle, third
-        elif match["sign"] == "/" and first <= 12 and not match["second"].isalpha():
+        elif match["sign"] == "/" and not day_first and not match["second"].isalpha():
             year, month, of_month = third, first, middle
         else:
             year, month, of_month = third, middle, first

@@ -136,7 +136,8 @@ def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
     """Return the columns of a matrix, called as the one list of names beside it says, with the units of another."""
-    matrices = {name.rpartition("(")[0] for name in columns if name.endswith(")")}
+    matrices = dict.fromkeys(name.rpartition("(")[0] for name in columns if name.endswith(")"))
+    called_alike: dict[str, dict[str, str]] = {}  # by matrix
     for matrix in matrices:
         own = [name for name in columns if name.rpartition("(")[0] == matrix]
         of_width = {name: list(map(str.strip, text)) for name, text in texts.items() if len(text) == len(own)}
@@ -146,9 +147,14 @@ def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[s
             (called,) = names.values()
             (stated,) = units.values() if len(units) == 1 else [[""] * len(own)]
             headings = [f"{name} [{unit}]" if unit else name for name, unit in zip(called, stated, strict=True)]
-            renamed = dict(zip(own, headings, strict=True))
-            columns = {renamed.get(name, name): column for name, column in columns.items()}
-    return dict(columns)
+            called_alike[matrix] = dict(zip(own, headings, strict=True))
+    several = len(called_alike) > 1  # of which none may take the place of another
+    renamed = {
+        name: f"{matrix}.{heading}" if several else heading
+        for matrix, headings in called_alike.items()
+        for name, heading in headings.items()
+    }
+    return {renamed.get(name, name): column for name, column in columns.items()}
 
 
 def columns_of_logger(path: Path) -> Columns | None:
@@ -176,11 +182,11 @@ def columns_of_logger(path: Path) -> Columns | None:
 
 
 _REFUSED = {
-    "a record of K-NET or KiK-net": r"^Sampling Freq\(Hz\)",
+    "a record of K-NET or KiK-net": r"^Sampling Freq\(Hz\)\s+\d+ ?Hz",
     "a record of ITACA or ESM": r"^SAMPLING_INTERVAL_S:",
     "a text of SMC (USGS)": r"^[12] (?:UN)?CORRECTED ACCELEROGRAM",
 }
-_PEER = re.compile(r"TIME (?:SERIES|HISTORY) IN UNITS OF[\s\S]*?^.*\b(?:NPTS|DT)\b", re.IGNORECASE | re.MULTILINE)
+_PEER = re.compile(r"TIME (?:SERIES|HISTORY) IN UNITS OF[\s\S]*?^.*\bNPTS\b", re.IGNORECASE | re.MULTILINE)
 _VOLUME = re.compile(
     rf"^\s*(\d+) (?:points of (\w+) data equally spaced at\s*{_NUMBER}\s*sec, in ([^\s(]+?)\.?\s*"
     rf"|(\w+) pts, approx\s*{_NUMBER} secs, units=\s*([^\s(,]+)[^\n]*?Format=\s*){_LAID}",
@@ -190,10 +196,10 @@ _VOLUME = re.compile(
 
 def _peer(path: Path, lines: list[str]) -> Columns:
     """Read a record of PEER: "NPTS= 400, DT= 0.001 SEC" below "ACCELERATION TIME SERIES IN UNITS OF G", and numbers."""
-    stated = next(i for i, line in enumerate(lines) if re.search(r"\b(?:NPTS|DT)\b", line))
+    stated = next(i for i, line in enumerate(lines) if re.search(r"\bNPTS\b", line, re.IGNORECASE))
     what = re.search(r"(\w+) TIME (?:SERIES|HISTORY) IN UNITS OF\s+(\S+)", "".join(lines[: stated + 1]), re.IGNORECASE)
-    counts = re.search(rf"NPTS\s*=?\s*(\d+)\s*,\s*DT\s*=?\s*{_NUMBER}", lines[stated]) or re.match(
-        rf"\s*(\d+)\s+{_NUMBER}\s+NPTS", lines[stated]
+    counts = re.search(rf"NPTS\s*=?\s*(\d+)\s*,\s*DT\s*=?\s*{_NUMBER}", lines[stated], re.IGNORECASE) or re.match(
+        rf"\s*(\d+)\s+{_NUMBER}\s+NPTS", lines[stated], re.IGNORECASE
     )
     if what is None or counts is None:
         raise RecordError(f'{path}, line {stated + 1}: a record of PEER states "NPTS= 400, DT= 0.001 SEC" here. {_REMEDY}')
@@ -299,7 +305,12 @@ def _labview(path: Path, lines: list[str]) -> Columns:
     numbers = np.array(rows, dtype=np.float64).reshape(-1, len(names))
     places = [i for i, name in enumerate(names) if name != "X_Value"]
     times = [i for i, name in enumerate(names) if name == "X_Value"]
-    units = [unit.strip() or None for unit in segment.get("Y_Unit_Label", [])] + [None] * len(names)
+    labels = [unit.strip() or None for unit in segment.get("Y_Unit_Label", [])]
+    while labels and labels[-1] is None:
+        labels.pop()
+    # A cell stands for each column behind the first, empty for those of time; some programs leave these cells out.
+    cells_of = range(len(places)) if len(times) > 1 and None not in labels else [place - 1 for place in places]
+    units = [labels[cell] if cell < len(labels) else None for cell in cells_of]
 
     def stated(key: str) -> list[float]:
         return [_value(path, heads[0], cell.replace(point, ".")) for cell in segment.get(key, []) if cell.strip()]
@@ -314,4 +325,4 @@ def _labview(path: Path, lines: list[str]) -> Columns:
     else:
         time = numbers[:, times[0]]
     kept = np.column_stack([time, numbers[:, places]])
-    return ("time", *(names[i] for i in places)), ("s", *units[: len(places)]), kept, heads[0] + 1
+    return ("time", *(names[i] for i in places)), ("s", *units), kept, heads[0] + 1

@@ -18,6 +18,7 @@ from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.table_header import (
     DELIMITERS,
+    SHEET_ERROR,
     FoundHeader,
     Header,
     Rows,
@@ -39,6 +40,7 @@ _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:([ ',.\u00a0\u202f])\d{3})+(?:[.,]\d+)?
 _ABOVE = 130  # lines in which a header and the first numbers stand below what a rig or a logger says of itself
 _LOOKED_AT = 300  # rows by which the decimal sign is known
 COMMENTS = ("#", "%", "//")
+_OPENS_CELL = re.compile(r'(?:^|[,;\t|])\s*"')  # a quotation mark elsewhere may be an inch
 
 
 def read_header(path: Path, *, kind: str, example: str, sheet: str = "") -> Header:
@@ -131,7 +133,7 @@ def _first_lines(path: Path, file: TextIO) -> tuple[list[tuple[int, str]], list[
     whole = ""
     for number, text in enumerate(file, start=1):
         whole += text if not whole else f" {text}"
-        if whole.count('"') % 2 and whole.count('"') < 200 and number < _ABOVE:
+        if whole.count('"') % 2 and _OPENS_CELL.search(whole) and whole.count('"') < 200 and number < _ABOVE:
             whole = whole.rstrip("\r\n")
             continue
         line, whole = whole.strip("\r\n"), ""
@@ -232,8 +234,9 @@ def _decimal_sign(header: Header, rows: Iterable[Sequence[str]]) -> str:
 
 
 def is_comment(text: str) -> bool:
-    """Tell whether a line is a comment."""
-    return text.lstrip(' \t"').startswith(COMMENTS)
+    """Tell whether a line is a comment, and no row whose first cell is an error of a spreadsheet."""
+    text = text.lstrip(' \t"')
+    return text.startswith(COMMENTS) and not SHEET_ERROR.match(text)
 
 
 def open_rows(header: Header) -> TextIO:

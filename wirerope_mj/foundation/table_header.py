@@ -38,8 +38,14 @@ MISSING = frozenset(
         "#value!",
         "#num!",
         "#ref!",
+        "#name?",
+        "#null!",
         "missing",
     ]
+)
+# an error of a spreadsheet where a row begins, which is no comment
+SHEET_ERROR = re.compile(
+    rf"(?:{'|'.join(re.escape(text) for text in MISSING if text.startswith('#'))})(?=[\s\",;|]|$)", re.IGNORECASE
 )
 _LONGEST_UNIT = 16  # characters: a cell that is longer says something else than a unit
 

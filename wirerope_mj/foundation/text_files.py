@@ -21,7 +21,7 @@ _FOREIGN: tuple[tuple[bytes, str, str], ...] = (
     (b"|CF,", "a file of imc FAMOS", _EXPORT),
     (b"RIFF", "a WAV or other RIFF file", _EXPORT),
     (b"\x93NUMPY", "an array of NumPy", "Write it with numpy.savetxt and a header, or as a MATLAB file."),
-    (b"CDF", "a NetCDF file", _EXPORT),
+    *((b"CDF" + version, "a NetCDF file", _EXPORT) for version in (b"\x01", b"\x02", b"\x05")),
     (b"SQLite format 3", "a database of SQLite", _EXPORT),
     (b"%PDF", "a PDF document", "Export the table itself as CSV."),
     (b"\x89PNG", "a PNG picture", "Export the table itself as CSV."),
@@ -74,7 +74,8 @@ def foreign_kind(path: Path) -> str:
         head = file.read(400)
     bare = head.removeprefix(codecs.BOM_UTF8).lstrip()
     for begins, kind, remedy in _FOREIGN:
-        if bare[: len(begins)].lower() == begins.lower():
+        marked = bare[: len(begins)].lower() == begins.lower() if begins.startswith(b"<") else bare.startswith(begins)
+        if marked:
             return f"this is {kind}, which is not read. {remedy}"
     if bare.startswith(b"PK\x03\x04") and b"opendocument" in head:
         return f"this is a sheet of OpenDocument, which is not read. {_SHEET}"

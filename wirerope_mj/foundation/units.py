@@ -101,14 +101,21 @@ def find_unit(text: str, known: Mapping[str, float]) -> str | None:
         if alike:
             return min(alike)
     # the range of an accelerometer, as loggers have it in place of a unit: "Z (100g)"
-    return find_unit(match[2], known) if "m/s^2" in known and (match := _RANGE.fullmatch(text)) else None
+    if "m/s^2" in known and range_of(text) is not None and (match := _RANGE.fullmatch(text)):
+        return find_unit(match[2], known)
+    return find_unit(text.lower(), known) if text != text.lower() and text == text.upper() else None
 
 
 def range_of(unit: str | None) -> float | None:
-    """Return the range [m/s^2] of an accelerometer that stands before its unit, as in "100g"; None where none does."""
+    """Return the range [m/s^2] of an accelerometer that stands before its unit, as in "100g"; None where none does.
+
+    A number near that of a g, or below 1, is a factor of the numbers and no range.
+    """
     match = _RANGE.fullmatch(unit or "")
     found = find_unit(match[2], ACCELERATION_UNITS) if match else None
-    return float(match[1]) * ACCELERATION_UNITS[found] if match and found else None
+    if match is None or found is None or float(match[1]) < 1.0 or abs(float(match[1]) / STANDARD_GRAVITY - 1.0) < 0.02:
+        return None
+    return float(match[1]) * ACCELERATION_UNITS[found]
 
 
 def is_unit(text: str) -> bool:

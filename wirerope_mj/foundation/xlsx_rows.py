@@ -9,6 +9,7 @@ from typing import Any
 from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.foundation.errors import BudgetError, RecordError, why_unread
 from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.table_header import SHEET_ERROR
 
 # bytes of memory for one of a sheet's XML: a cell of five bytes becomes a text and its place in a list
 _UNPACKED = 20.0
@@ -31,7 +32,9 @@ def xlsx_rows(path: Path, sheet: str = "") -> tuple[str, list[tuple[int, list[st
         chosen.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
         rows = enumerate(chosen.iter_rows(values_only=True), start=1)
         texts = ((number, [_as_text(value) for value in row]) for number, row in rows if set(row) - {None})
-        return str(chosen.title), [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
+        return str(chosen.title), [
+            (number, row) for number, row in texts if any(row) and (not row[0].startswith("#") or SHEET_ERROR.match(row[0]))
+        ]
 
 
 def is_workbook(path: Path) -> bool:

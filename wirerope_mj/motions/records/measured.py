@@ -13,7 +13,7 @@ from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.summary import Summarised, quantity
-from wirerope_mj.foundation.units import find_unit
+from wirerope_mj.foundation.units import find_unit, range_of
 from wirerope_mj.motions.records.channel_map import SI, UNITS, Axis, ChannelPhrase, Quantity, parse_channel
 from wirerope_mj.motions.records.checks import clipped_text, flat_tops
 from wirerope_mj.motions.records.levels import level_warnings
@@ -21,7 +21,7 @@ from wirerope_mj.motions.records.reading import level_at_rest, offset_of
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.records.resolution import resolution_warnings
 from wirerope_mj.motions.records.sampling import even
-from wirerope_mj.motions.records.table import read_columns
+from wirerope_mj.motions.records.table import read_columns, require_within_range
 from wirerope_mj.motions.records.uff import is_uff, read_uff_columns
 
 BASELINES = ("none", "rest", "mean")
@@ -168,8 +168,11 @@ def load_measured(
     time.flags.writeable = False
     found, messages = [], list(reading.warnings)
     for (column, phrase), unit, samples in zip(phrases.items(), units, reading.samples.T, strict=True):
+        stated = None if phrase.unit else range_of(unit)
         known, unit = _quantity_of(file, column, phrase, unit)
         values = samples * (phrase.sign * UNITS[known][unit])
+        if stated is not None:
+            require_within_range(f'{file}, column "{column}"', values, stated)
         tops = list(flat_tops(values)) if np.ptp(values) else []
         rest = level_at_rest(values)
         where, rate = f'in column "{column}"', 1.0 / float(time[1] - time[0])

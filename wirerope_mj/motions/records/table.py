@@ -7,6 +7,7 @@ import math
 import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.clock_times import clock_time, is_clock_time
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.table_files import (
     LARGEST,
     find_column,
@@ -96,7 +98,7 @@ def _plain_rows(header: Header) -> Iterator[str]:
     blank = f' \t\r\n"{delimiter}'
     with open_rows(header) as lines:
         for line in lines:
-            if line.count(delimiter) == signs and '"' not in line and line.strip(blank):
+            if line.count(delimiter) == signs and '"' not in line and line.strip(blank) and not is_comment(line):
                 yield line
             elif line.strip(blank) and not is_comment(line):
                 cells = header.cells(line)
@@ -177,13 +179,19 @@ def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit
     columns, axes = [time, *directions], axes_of(directions.values())
     instants, samples, messages = _in_si(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
     ranges = [range_of(header.units[column]) for column in directions]
-    limit = max((one for one in ranges if one is not None), default=0.0)
-    if None not in ranges and (largest := float(np.abs(samples).max())) > _BEYOND * limit:
+    if ranges and None not in ranges:
+        require_within_range(header.location, samples, max(one for one in ranges if one is not None))
+    return Reading(instants, samples, tuple(dict.fromkeys(units)), tuple(messages))
+
+
+def require_within_range(location: str, samples: Array, limit: float) -> None:
+    """Raise RecordError unless accelerations are within the range of their sensor, all [m/s^2]."""
+    largest = float(np.nanmax(np.abs(samples), initial=0.0))
+    if largest > _BEYOND * limit:
         raise RecordError(
-            f"{header.location}: {largest / STANDARD_GRAVITY:.4g} g stands in a column of a sensor whose range is "
+            f"{location}: {largest / STANDARD_GRAVITY:.4g} g stands in a column of a sensor whose range is "
             f'{limit / STANDARD_GRAVITY:.4g} g. In which unit are the numbers? Write it in the header, as in "z [m/s^2]".'
         )
-    return Reading(instants, samples, tuple(dict.fromkeys(units)), tuple(messages))
 
 
 def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Reading, tuple[str | None, ...]]:
@@ -256,13 +264,34 @@ def _opened(path: Path, names: Iterable[str] = ()) -> tuple[Header, int, Clock |
     (column,) = found
     if column not in clocks:
         return header, column, None
-    began, _ = clock_time(first[column])
+    return header, column, _seconds_since(header, first[column])
+
+
+def _seconds_since(header: Header, first: str) -> Clock:
+    """Return what reads the seconds since midnight of the first instant, in the order of day and month that fits all dates."""
+    began: dict[bool, int] = {}  # the first day, by whether days stand before months
+    for day_first in (False, True):
+        with suppress(ValueError):
+            began[day_first] = clock_time(first, day_first=day_first)[0]
+    if not began:
+        raise RecordError(f'{header.location}: "{short(plain(first))}" below it is no instant of any clock.')
 
     def seconds(cell: str) -> float:
-        day, second = clock_time(cell.strip())
-        return 86400.0 * (day - began) + second
+        since: dict[bool, tuple[int, float]] = {}
+        for day_first, day in began.items():
+            with suppress(ValueError):
+                today, second = clock_time(cell.strip(), day_first=day_first)
+                since[day_first] = today - day, second
+        if not since:
+            raise ValueError(cell)
+        if len({days for days, _ in since.values()}) > 1:  # a record goes on from day to day, not from month to month
+            since = dict([min(since.items(), key=lambda entry: abs(entry[1][0]))])
+        for day_first in began.keys() - since.keys():
+            del began[day_first]
+        days, second = next(iter(since.values()))
+        return 86400.0 * days + second
 
-    return header, column, seconds
+    return seconds
 
 
 def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> tuple[list[Array], list[str]]:
