@@ -73,7 +73,7 @@ def test_what_an_isolator_lets_go_is_an_axis_without_a_law(tmp_path):
         replace(free, free=("axial",))
     with pytest.raises(ModelError, match=r"`free` must be a list of one of 'roll', 'shear', 'axial', got \['x'\]"):
         wr.Isolator.from_dict(free.to_dict() | {"free": ["x"]})
-    with pytest.raises(ModelError, match="`free` must be a list of axes, got 'roll'"):
+    with pytest.raises(ModelError, match="`free` must be a list of one of 'roll', 'shear', 'axial', got 'roll'"):
         wr.Isolator.from_dict(free.to_dict() | {"free": "roll"})
 
 

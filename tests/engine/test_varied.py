@@ -321,15 +321,15 @@ def test_what_does_not_exist_is_named_with_what_does(system):
 
 @pytest.mark.parametrize("factor", [0.0, -1.0, math.nan, math.inf, "2", True, None])
 def test_a_mass_needs_a_positive_factor(system, factor):
-    with pytest.raises(ValueError, match=r"`masses\['plate'\]` must be (> 0|a finite number), got"):
+    with pytest.raises(ValueError, match=r"`masses\['plate'\]` must be a finite number > 0, got"):
         wr.varied(system, masses={"plate": factor})
 
 
 @pytest.mark.parametrize("shift", [(1.0, 2.0), 3.0, "abc", (0.0, 0.0, math.nan), None])
 def test_a_shift_is_three_numbers(system, shift):
-    with pytest.raises(ValueError, match=r"`positions\['m1'\]` must be three finite numbers \[m\], got"):
+    with pytest.raises(ValueError, match=r"`positions\['m1'\]` must be 3 finite numbers \[m\], got"):
         wr.varied(system, positions={"m1": shift})
-    with pytest.raises(ValueError, match=r"`centres\['plate'\]` must be three finite numbers \[m\], got"):
+    with pytest.raises(ValueError, match=r"`centres\['plate'\]` must be 3 finite numbers \[m\], got"):
         wr.varied(system, centres={"plate": shift})
 
 

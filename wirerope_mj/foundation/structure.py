@@ -174,8 +174,9 @@ def checked(name: str, value: object, hint: Any) -> Any:
         return value
     if how is tuple and isinstance(value, list | tuple) and all(isinstance(one, inner) for one in value):
         return tuple(value)
-    if how is dict and isinstance(value, dict) and all(isinstance(one, inner) for one in value.values()):
-        return value
+    for option, _ in options_of(hint):
+        if get_origin(option) in (dict, Mapping) and isinstance(value, Mapping):
+            return {key: checked(f"{name}[{key!r}]", entry, get_args(option)[1]) for key, entry in value.items()}
     values = _values_in(hint)
     try:
         if values is not NoneType and _is_finite(value):
@@ -223,7 +224,8 @@ def _said_of(option: Any, marks: tuple[Any, ...], plural: bool) -> str:
     elif option in _KINDS:
         text = _KINDS[option][plural]
     else:
-        text = "tables" if plural else f"a {option.__name__}"
+        article = "an" if option.__name__[0] in "AEIOU" else "a"
+        text = "tables" if plural else f"{article} {option.__name__}"
     metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
     limits = [(sign, getattr(meta, name)) for meta in metas for name, sign in signs.items()]
@@ -305,7 +307,7 @@ def keys_of(kind: Any) -> dict[str, _Filled]:
             keys |= {key: _Filled(name, get_args(options_of(hint)[0][0])[1], among=True) for key in among.keys}
         if not among and (units is None or units.bare):
             keys[spelled] = _Filled(name, hint)
-        keys |= {f"{name}_{unit}": _Filled(name, hint, factor) for unit, factor in (units.units if units else {}).items()}
+        keys |= {f"{spelled}_{unit}": _Filled(name, hint, factor) for unit, factor in (units.units if units else {}).items()}
     return keys
 
 
@@ -341,7 +343,7 @@ def _structured(hint: Any, value: Any, place: Place, key: Any, readers: Readers)
         return checked(key, value, hint)
     except ValueError as error:
         said = "the path of a file" if inner is Path else "a table"
-        text = str(error).replace(f"a {inner.__name__}", said) if how is None else str(error)
+        text = str(error).replace(said_of(inner), said) if how is None else str(error)
         raise place.fault(text) from None
 
 
@@ -360,12 +362,12 @@ def _values_in(hint: Any) -> Any:
 
 @cache
 def tables_in(hint: Any) -> tuple[Any, Any]:
-    """Return how tables stand in a type, None if alone, `tuple` or `dict`, and their class; twice `float` if not at all."""
+    """Return how tables stand in a type, None if alone, `tuple` or a mapping, and their class; twice `float` if not at all."""
     for option, _ in options_of(hint):
         origin, args = get_origin(option), get_args(option)
         if _is_class(option):
             return None, option
-        if origin in (tuple, dict) and _is_class(inner := options_of(args[0 if origin is tuple else -1])[0][0]):
+        if origin in (tuple, dict, Mapping) and _is_class(inner := options_of(args[0 if origin is tuple else -1])[0][0]):
             return origin, inner
     return float, float
 

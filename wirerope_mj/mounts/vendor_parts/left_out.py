@@ -65,8 +65,7 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
     for value in stated.stated:
         if not value.fitted:
             continue
-        rest = tuple(replace(one, fitted=one.fitted and one is not value) for one in stated.stated)
-        without = replace(stated, stated=rest)
+        without = replace(stated, compared=(*stated.compared, value.key))
         along = axis == AXES[0]
         fitted = fit_sheet(replace(sheet, compression=without) if along else replace(sheet, shear=without))
         law = fitted.axial if along else fitted.shear

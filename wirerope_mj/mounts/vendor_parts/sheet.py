@@ -3,7 +3,7 @@
 Every value carries its unit in its key, `travel_mm` or `travel_in`, `shock_stiffness_N_per_mm` or `..._lb_per_in`.
 A sheet has the tables [compression] and [shear] (which also stands for roll, as in the catalogues, unless there is [roll]), and
 [diagonal] if the vendor states values at 45 degrees: they are compared, never fitted. What its keys mean stands at the fields
-of `SheetFile` and `AxisTable`. `scales = 2` fits friction on two scales by the rule of
+of `DataSheet` and `AxisValues`. `scales = 2` fits friction on two scales by the rule of
 `wirerope_mj.mounts.vendor_parts.secants`; the damping ratio is then that of the vibration stiffness' amplitude where
 `damping_amplitude` does not say otherwise.
 """
@@ -14,7 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal
 
-from wirerope_mj.foundation.structure import In, Key, Place, bounds, structure
+from wirerope_mj.foundation.structure import NEEDED, In, Key, Place, bounds, structure
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STANDARD_GRAVITY, STIFFNESS_UNITS
 from wirerope_mj.mounts.rope_loop import LoopShape, loop_shape
@@ -30,6 +30,11 @@ class StatedValue(Secant):
     unit: str = "N/mm"  # that it is printed in: N/mm, N (the force at the deflection) or Hz (of the mass of the static load)
     fitted: bool = True  # whether the law is fitted to it
     mass: float = math.nan  # of a resonance [kg]
+
+    @property
+    def key(self) -> str:
+        """Its name in `compared`."""
+        return self.name.replace(" ", "_")
 
     def shown(self, stiffness: float) -> float:
         """Return the value that a secant stiffness [N/m] gives, in its unit."""
@@ -61,61 +66,6 @@ class ComparedValue:
         return None if self.vendor is None else self.fitted / self.vendor - 1.0
 
 
-@dataclass(frozen=True, kw_only=True)
-class AxisValues:
-    """Values that a sheet states of one axis."""
-
-    travel: float  # rated [m]
-    stated: tuple[StatedValue, ...]  # the values
-    damping: float | None = None  # damping ratio that the fit aims at [-]; None where it follows from the rest
-    hardening: float = 1.0  # k3 / k1 in parts of that of the rope loop; 1 unless the sheet says otherwise
-
-    @property
-    def fitted(self) -> tuple[StatedValue, ...]:
-        """The values that the law is fitted to."""
-        return tuple(value for value in self.stated if value.fitted)
-
-
-@dataclass(frozen=True, kw_only=True)
-class DataSheet:
-    """A vendor's data sheet of one isolator, in SI units."""
-
-    name: str
-    source: str  # the document
-    height: float  # unloaded [m]
-    width: float  # across the bars [m]
-    rope: float  # diameter [m]
-    bar: float  # thickness of one bar [m]
-    compression: AxisValues  # values of the axial axis
-    # values of the shear axis, and of roll where it has none of its own; None where there are none
-    shear: AxisValues | None
-    static_load: float | None  # rated load in compression [N]; None where it is not stated
-    damping_amplitude: float  # amplitude of the damping ratios [m]
-    bar_assumed: bool = False  # whether nobody states it: good for the shape of the loop, not for where the bars meet
-    loops: int | None = None  # their number; None where it is not stated
-    # over which the loops are spread [m]; None where it is not stated: then nothing resists turning
-    bar_length: float | None = None
-    roll: AxisValues | None = None  # values of the roll axis; None where they are those of shear, or of the rope loop
-    diagonal: AxisValues | None = None  # values at 45 degrees between compression and roll, None where there are none
-    roll_of_loop: bool = False  # whether roll follows from the rope loop; else it is the same as shear
-    yielding: float | None = None  # yield deflection of friction [m]; None where a damping ratio gives it
-    scales: int = 1  # of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`)
-    # lowest and highest damping ratio that the vendor states [-]; None where it states none
-    damping_range: tuple[float, float] | None = None
-    assumed: tuple[str, ...] = ()  # what no source gives, one text each
-
-    @cached_property
-    def shape(self) -> LoopShape:
-        """The half loop of its envelope; ValueError if there is none."""
-        return loop_shape(height=self.height, width=self.width, bar=self.bar, rope=self.rope)
-
-    @property
-    def across(self) -> dict[str, AxisValues]:
-        """Values across the axis, by the axes that they stand for."""
-        one = {"shear" if self.roll_of_loop or self.roll else "shear and roll": self.shear, "roll": self.roll}
-        return {name: values for name, values in one.items() if values is not None}
-
-
 def two_stiffnesses(travel: float, vibration: float, shock: float, amplitude: float | None = None) -> tuple[StatedValue, ...]:
     """Return a vibration stiffness and a shock stiffness [N/m] as stated values of an axis with a rated travel [m].
 
@@ -136,7 +86,7 @@ Pairs = tuple[tuple[Number, Number], ...]
 
 
 @dataclass(frozen=True, kw_only=True)
-class AxisTable:
+class AxisValues:
     """Values that a data sheet states of one axis, of which at least two are fitted."""
 
     travel: Length  #: rated
@@ -164,14 +114,14 @@ class AxisTable:
         if self.resonance is not None and self.static_load is None:
             raise ValueError("`resonance_Hz` needs the static load whose mass it is of.")
         for name in self.compared:
-            if name not in self._by_key:
+            if name not in [value.key for value in self.stated]:
                 raise ValueError(f"`compared` names {name!r}, which the table does not state.")
-        if len(self.values.fitted) < 2:
+        if len(self.fitted) < 2:
             raise ValueError("it must state at least two stiffnesses or points to fit.")
 
-    @property
-    def _by_key(self) -> dict[str, StatedValue]:
-        """The stated values by the names that `compared` knows."""
+    @cached_property
+    def stated(self) -> tuple[StatedValue, ...]:
+        """The values as secant stiffnesses."""
         vibration, shock = self.vibration_stiffness, self.shock_stiffness
         both = two_stiffnesses(self.travel, vibration or 0.0, shock or 0.0, self.vibration_amplitude)
         stated = [value for value in both if value.stiffness > 0.0]
@@ -192,13 +142,12 @@ class AxisTable:
             StatedValue(name=f"cycles of {x:g} mm", deflection=1e-3 * x, stiffness=1e3 * stiffness, steady=True)
             for x, stiffness in self.cycles
         ]
-        return {value.name.replace(" ", "_"): value for value in stated}
+        return tuple(replace(value, fitted=value.fitted and value.key not in self.compared) for value in stated)
 
     @property
-    def values(self) -> AxisValues:
-        """The values in SI units."""
-        stated = [replace(one, fitted=one.fitted and name not in self.compared) for name, one in self._by_key.items()]
-        return AxisValues(travel=self.travel, stated=tuple(stated), damping=self.damping_target, hardening=self.hardening)
+    def fitted(self) -> tuple[StatedValue, ...]:
+        """The values that the law is fitted to."""
+        return tuple(value for value in self.stated if value.fitted)
 
 
 def _force(name: str, deflection: float, force: float) -> StatedValue:
@@ -207,7 +156,7 @@ def _force(name: str, deflection: float, force: float) -> StatedValue:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SheetFile:
+class DataSheet:
     """A vendor's data sheet of one isolator."""
 
     name: str  #: of the part
@@ -219,50 +168,60 @@ class SheetFile:
     bar_assumed: bool = False  #: no source states the bars: bottoming is then not judged
     bar_length: Length | None = None
     loops: Annotated[int, bounds(gt=0)] | None = None
-    static_load: Force  #: rated, in compression
+    static_load: Annotated[Force, NEEDED] | None = None  #: rated, in compression; None of a part whose table has none
     damping_target: Number | None = None  #: of compression, where its table has none
-    damping_amplitude: Length | None = None
+    stated_amplitude: Annotated[Length, Key("damping_amplitude")] | None = None  #: of the loop of the damping ratios
     damping_range: tuple[float, float] | None = None  #: [lowest, highest] that the vendor states
     yield_deflection: Length | None = None  #: in place of a damping ratio
     scales: Literal[1, 2] = 1  #: of friction
     assumed: tuple[str, ...] = ()  #: sentences on what the sheet does not say
-    compression: AxisTable
-    shear: AxisTable  #: of roll, too, unless it says otherwise
-    roll: AxisTable | Literal["rope loop"] | None = None  #: "rope loop": the table of shear is that of shear alone
-    diagonal: AxisTable | None = None  #: the same at 45 degrees: compared, never fitted
+    compression: AxisValues
+    shear: Annotated[AxisValues | None, NEEDED] = None  #: of roll, too, unless it says otherwise
+    #: "rope loop": the table of shear is that of shear alone, and roll follows from the loop
+    stated_roll: Annotated[AxisValues | Literal["rope loop"] | None, Key("roll")] = None
+    diagonal: AxisValues | None = None  #: the same at 45 degrees: compared, never fitted
 
     def __post_init__(self) -> None:
-        damping = self.compression.damping_target or self.damping_target
-        if (self.yield_deflection is None) == (damping is None):
+        if self.compression.damping_target is None:
+            object.__setattr__(self, "compression", replace(self.compression, damping_target=self.damping_target))
+        if (self.yield_deflection is None) == (self.compression.damping_target is None):
             raise ValueError("give either `damping_target` or `yield_deflection_mm`: stiffnesses do not fix the loop's width.")
-        if self.damping_range is not None:
-            low, high = self.damping_range
-            tables = (self.compression, self.shear, self.roll, self.diagonal)
-            targets = [damping, *(table.damping_target for table in tables if isinstance(table, AxisTable))]
-            for target in targets:
-                if target is not None and not low <= target <= high:
-                    raise ValueError(f"`damping_target` must lie in the range {[low, high]}, got {target}.")
+        low, high = self.damping_range or (0.0, math.inf)
+        for table in (self.compression, self.shear, self.roll, self.diagonal):
+            target = None if table is None else table.damping_target
+            if target is not None and not low <= target <= high:
+                raise ValueError(f"`damping_target` must lie in the range {[low, high]}, got {target}.")
+
+    @property
+    def roll(self) -> AxisValues | None:
+        """Values of the roll axis; None where they are those of shear, or of the rope loop."""
+        return self.stated_roll if isinstance(self.stated_roll, AxisValues) else None
+
+    @property
+    def roll_of_loop(self) -> bool:
+        """Whether roll follows from the rope loop; else it is the same as shear."""
+        return self.stated_roll == "rope loop"
+
+    @property
+    def damping_amplitude(self) -> float:
+        """Amplitude of the damping ratios [m]."""
+        if self.stated_amplitude or self.scales == 1:
+            return self.stated_amplitude or DAMPING_AMPLITUDE
+        small = (value.deflection for value in self.compression.stated if value.name == "vibration stiffness")
+        return next(small, VIBRATION_AMPLITUDE * self.compression.travel)
+
+    @cached_property
+    def shape(self) -> LoopShape:
+        """The half loop of its envelope; ValueError if there is none."""
+        return loop_shape(height=self.height, width=self.width, bar=self.bar, rope=self.rope)
+
+    @property
+    def across(self) -> dict[str, AxisValues]:
+        """Values across the axis, by the axes that they stand for."""
+        one = {"shear" if self.stated_roll else "shear and roll": self.shear, "roll": self.roll}
+        return {name: values for name, values in one.items() if values is not None}
 
 
 def read_datasheet(path: str | Path) -> DataSheet:
     """Return the data sheet in a TOML file; ModelError names file, line, table, key and rule."""
-    file = structure(SheetFile, read_toml(path, "data sheet"), Place(Path(path)))
-    names = ("name", "source", "height", "width", "rope", "bar", "bar_assumed", "bar_length", "loops", "static_load", "scales")
-    compression = file.compression.values
-    if compression.damping is None:
-        compression = replace(compression, damping=file.damping_target)
-    roll, diagonal = (table.values if isinstance(table, AxisTable) else None for table in (file.roll, file.diagonal))
-    return DataSheet(
-        **{name: getattr(file, name) for name in (*names, "damping_range", "assumed")},
-        compression=compression, shear=file.shear.values, roll=roll, diagonal=diagonal, roll_of_loop=file.roll == "rope loop",
-        yielding=file.yield_deflection,
-        damping_amplitude=file.damping_amplitude or _damping_amplitude(compression, file.scales),
-    )  # fmt: skip
-
-
-def _damping_amplitude(compression: AxisValues, scales: int) -> float:
-    """Return the amplitude of damping ratios where the sheet states none [m]."""
-    if scales == 1:
-        return DAMPING_AMPLITUDE
-    small = (value.deflection for value in compression.stated if value.name == "vibration stiffness")
-    return next(small, VIBRATION_AMPLITUDE * compression.travel)
+    return structure(DataSheet, read_toml(path, "data sheet"), Place(Path(path)))

@@ -8,6 +8,7 @@ the rope loop's geometry, its size and the friction from the vendor's values.
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
@@ -19,9 +20,7 @@ from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart
 from wirerope_mj.mounts.vendor_parts.secants import (
-    DAMPING_AMPLITUDE,
     RULES,
-    VIBRATION_AMPLITUDE,
     ElasticShape,
     FitRule,
     NiLaw,
@@ -29,7 +28,7 @@ from wirerope_mj.mounts.vendor_parts.secants import (
     fit_damped,
     fit_secants,
 )
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue, read_datasheet, two_stiffnesses
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue, read_datasheet
 
 
 def fit_datasheet(path: str | Path) -> Isolator:
@@ -67,7 +66,7 @@ def fit_sheet(sheet: DataSheet) -> Isolator:
     rule = RULES[sheet.scales]
     cubic = rule.asymmetry * curves.axial_cubic * compression.hardening
     along = ElasticShape(asymmetry=rule.asymmetry * curves.asymmetry, cubic=cubic)
-    axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude, rule)
+    axial = _fit(compression, along, sheet.yield_deflection, sheet.damping_amplitude, rule)
     across = {} if shear is None else _across(sheet, shear, axial, curves)
     isolator = Isolator(
         name=sheet.name, axial=axial, spread=_spread(axial, curves, rule),
@@ -109,8 +108,8 @@ def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves
 
 def _fit(stated: AxisValues, curve: ElasticShape, yielding: float | None, amplitude: float, rule: FitRule) -> NiLaw | Parallel:
     """Return the law of one axis; a damping ratio that is aimed at comes before a yield deflection."""
-    if stated.damping is not None:
-        return fit_damped(stated.fitted, curve, damping=stated.damping, amplitude=amplitude, rule=rule)
+    if stated.damping_target is not None:
+        return fit_damped(stated.fitted, curve, damping=stated.damping_target, amplitude=amplitude, rule=rule)
     if yielding is None:
         raise ValueError("`yielding` must be given where no damping ratio is.")
     return fit_secants(stated.fitted, curve, yielding, rule)
@@ -149,9 +148,9 @@ def _fitted_to(sheet: DataSheet) -> str:
     axes = []
     for name, axis in {"axial": sheet.compression, **sheet.across}.items():
         fitted = [_stated(value) for value in axis.stated if value.fitted]
-        if axis.damping is not None:
+        if axis.damping_target is not None:
             loop = f"steady loop of {1e3 * sheet.damping_amplitude:.3g} mm"
-            fitted.append(f"damping ratio {axis.damping:g} of the {loop}")
+            fitted.append(f"damping ratio {axis.damping_target:g} of the {loop}")
         axes.append(f"{name}: {', '.join(fitted)}")
     return "; ".join(axes)
 
@@ -190,7 +189,7 @@ def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
         texts.append("turning: the elastic part of loops that are spread evenly over the bars")
     if sheet.roll_of_loop:
         texts.append("roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's")
-    if sheet.shear is not None and sheet.shear.damping is None:
+    if sheet.shear is not None and sheet.shear.damping_target is None:
         part = "" if sheet.scales == 1 else "three quarters of "
         texts.append(f"shear and roll: friction yields at {part}the deflection of the axial law")
     if sheet.damping_range is not None:
@@ -217,7 +216,7 @@ def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
 BAR = 1.7
 
 
-def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
+def fit_part(part: VendorPart, *, scales: Literal[1, 2] = 2) -> Isolator:
     """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
 
     `scales` of friction is the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`).
@@ -240,7 +239,6 @@ def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
             name=part.name, source=part.series.source, height=height, width=width, rope=rope,
             bar=BAR * rope if part.bar is None else part.bar, bar_assumed=part.bar is None, compression=compression,
             shear=axis_of(part, "shear"), static_load=part.modes["compression"].static_load,
-            damping_amplitude=DAMPING_AMPLITUDE if scales == 1 else VIBRATION_AMPLITUDE * compression.travel,
             scales=scales, damping_range=part.series.damping_range, assumed=assumed,
         )
     )  # fmt: skip
@@ -251,5 +249,6 @@ def axis_of(part: VendorPart, mode: str, damping: float | None = None) -> AxisVa
     values = part.modes[mode]
     if values.travel is None or values.vibration is None or values.shock is None:
         return None
-    stated = two_stiffnesses(values.travel, values.vibration, values.shock)
-    return AxisValues(travel=values.travel, stated=stated, damping=damping)
+    return AxisValues(
+        travel=values.travel, vibration_stiffness=values.vibration, shock_stiffness=values.shock, damping_target=damping
+    )  # fmt: skip
