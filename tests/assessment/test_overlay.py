@@ -19,8 +19,7 @@ from wirerope_mj.assessment.comparison import (
     travel_rows,
 )
 from wirerope_mj.cli import main
-from wirerope_mj.content.comparison import comparison_content
-from wirerope_mj.content.comparison_findings import better_run, comparison_lines, difference_text, different_inputs
+from wirerope_mj.content.comparison import better_run, comparison_content, comparison_lines, difference_text, different_inputs
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
 from wirerope_mj.foundation.errors import RecordError

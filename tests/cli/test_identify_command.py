@@ -11,7 +11,7 @@ from rig_records import rig_record, write_record
 import wirerope_mj as wr
 from wirerope_mj.cli import identify as command
 from wirerope_mj.cli import main
-from wirerope_mj.content.fitted_loops import fit_chart, measures_chart, residual_chart
+from wirerope_mj.content.identification import fit_chart, measures_chart, residual_chart
 from wirerope_mj.mounts.identification.result import fitted_loops, neighbours_correlation
 from wirerope_mj.mounts.isolator import Limits, Travel
 from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from wirerope_mj.content.fitted_loops import MOST, fit_chart, measures_chart, residual_chart
+from wirerope_mj.content.identification import DRAWN_LOOPS, fit_chart, measures_chart, residual_chart
 from wirerope_mj.content.panels import WIDTH, Chart, Curve, Panel
 from wirerope_mj.mounts.identification.result import FittedLoop
 from wirerope_mj.mounts.laws import Loop
@@ -71,7 +71,7 @@ def test_residuals_of_all_loops_stand_on_one_scale_with_the_mean_of_each_branch(
 def test_of_many_loops_twelve_are_drawn_from_the_smallest_to_the_largest():
     many = [ellipse(amplitude, 0.0) for amplitude in np.linspace(1e-3, 8.4e-3, 18)]
     panels = panels_of(fit_chart(many))
-    assert len(panels) == MOST == 12
+    assert len(panels) == DRAWN_LOOPS == 12
     assert panels[0].title.startswith("±1 mm")
     assert panels[-1].title.startswith("±8.4 mm")
 

@@ -12,7 +12,7 @@ from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.mounts import mount_blocks
 from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.content.run import run_content
-from wirerope_mj.content.worst import worst_instant
+from wirerope_mj.content.scene_outline import worst_instant
 from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.foundation.units import force_text

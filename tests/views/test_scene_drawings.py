@@ -11,8 +11,7 @@ from finished_runs import finished_of
 
 import wirerope_mj as wr
 from wirerope_mj.content.blocks import SceneView
-from wirerope_mj.content.scene_outline import View, drawn_scene
-from wirerope_mj.content.worst import worst_instant
+from wirerope_mj.content.scene_outline import View, drawn_scene, worst_instant
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.views.plots.scene_svg import scene_svgs
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -18,17 +17,17 @@ from wirerope_mj.content.spectrum_charts import base_spectrum_chart
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
-from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.foundation.tables import Cell, Column, Table, left
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import BaseMotion, RandomVibration, Record
 from wirerope_mj.motions.records.record import records_in
 
-_KEPT = 1e-3  # [m/s] at the end, from which it is said that the base keeps a velocity
+_KEPT = 1e-3  # [m/s] at the end, from which the base keeps a velocity
 _FAINT = 1e-6  # of the largest component of a force, what is not drawn
 _MOST_EVENTS = 12  # in the table of what the base does: a record may have any number
 _MOST_CORNERS = 100  # a record has a corner at every sample: its samples are enough
-_INSTANTS = 4001  # of a motion, beside its corners, of which the largest is its peak: that of a half-sine within 1e-6
-_BETWEEN = 64  # instants between two corners: the peak of a half-sine is then met to 0.03 %
+_INSTANTS = 4001  # of a motion, beside its corners: the peak of a half-sine within 1e-6
+_BETWEEN = 64  # between two corners: the peak of a half-sine within 0.03 %
 _MOST_SAMPLES = 200_000  # of a response whose corners are joined to its samples
 _TEXTS = {
     "none": "no baseline correction", "rest": "baseline: the level at rest taken off", "mean": "baseline: the mean taken off",
@@ -38,72 +37,49 @@ _TEXTS = {
 
 
 def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield the base's motion, or what acts on the payload, and the base's shock response spectrum."""
-    kind = "Excitation" if run.motion.loaded_sites else "Base motion"
-    yield Statement(id="motion", text=f"{kind}: {run.acting}.")
+    """Yield the base's motion and spectrum, and what acts on the payload."""
+    response = run.response
+    yield Statement("motion", f"{'Excitation' if run.motion.loaded_sites else 'Base motion'}: {run.acting}.")
     if run.motion.loaded_sites:
-        yield replace(
-            _loads_chart(run.response, run.motion, run.selection.window),
-            caption="What acts on the payload, along the axes of its site, and what the mounts pass on to the foundation, "
-            "along the world's, without what they carry at the beginning.",
-            alt="Histories of the forces on the payload and on the foundation.",
-        )
-    axes = moving_axes(run.response)
+        yield _loads_chart(response, run.motion, run.selection.window)
+    axes = moving_axes(response)
     if not axes:
         yield Statement(text="The base rests.", tone="quiet")
         yield from record_blocks(run)
         return
-    names = listed(["xyz"[axis] for axis in axes])
-    still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
-    end = float(np.linalg.norm(run.response.base.velocity[-1]))
-    kept = f" The base keeps {end:.3g} m/s after the motion." if end > _KEPT else ""
-    yield replace(
-        _motion_chart(run.response, run.motion, run.selection.window),
-        caption=f"The base's acceleration, velocity and displacement{still}.{kept}",
-        alt=f"Histories of the base along {names}.",
-    )
-    yield _extremes(run, axes)
-    yield _events(run)
+    yield _motion_chart(response, run.motion, run.selection.window, axes)
+    base = response.base
+    peak = response.peaks.bodies[response.scene.base].acceleration  # of every step, as in the table of peaks
+    rows: list[list[Cell]] = []
+    for axis in axes:
+        extremes = [peak.minimum[axis], peak.maximum[axis]]
+        for history in (base.velocity[:, axis], base.displacement[:, axis]):
+            extremes += [history.min(), history.max()]
+        rows.append(["xyz"[axis], *map(float, extremes)])
+    columns = left("axis")
+    for quantity, unit in (("acceleration", "g"), ("velocity", "m/s"), ("displacement", "mm")):
+        columns += [Column(f"{quantity}, minimum", unit), Column("maximum", unit)]
+    yield Table("base-extremes", "Extremes of the base's motion", columns, rows)
+    texts = {(fixed(time, 4), text): time for time, text in response.events}  # each once: pulses along two axes
+    events = [(time, text) for (_, text), time in texts.items() if response.reaches(time)]
+    if events:
+        later = [text for (_, text), time in texts.items() if not response.reaches(time)]
+        end = f"After the end of the run at {response.final_state.time:g} s, and not simulated: {listed(later)}."
+        more = f"And {len(events) - _MOST_EVENTS} more."
+        yield Table(
+            "base-events", "What the base does when", (Column("at", "s", "z.4f"), Column("event", align="text")),
+            events[:_MOST_EVENTS], note=" ".join([more] * (len(events) > _MOST_EVENTS) + [end] * bool(later)),
+        )  # fmt: skip
     yield from record_blocks(run)
     shock = run.spectra.shock
     if isinstance(shock, Absent):
-        yield Statement(id="base-spectrum", text=shock.reason, tone="quiet")
+        yield Statement("base-spectrum", shock.reason, tone="quiet")
     else:
         yield base_spectrum_chart({axis: lines[BASE] for axis, lines in shock.items()})
 
 
-def _extremes(run: JudgedRun, axes: list[int]) -> Table:
-    base = run.response.base
-    peak = run.response.peaks.bodies[run.response.scene.base].acceleration  # of every step, as in the table of peaks
-    rows: list[list[Cell]] = []
-    for axis in axes:
-        extremes = [peak.minimum[axis], peak.maximum[axis]]
-        for values in (base.velocity[:, axis], base.displacement[:, axis]):
-            extremes += [values.min(), values.max()]
-        rows.append(["xyz"[axis], *map(float, extremes)])
-    columns = [Column("axis", align="left")]
-    for quantity, unit in (("acceleration", "g"), ("velocity", "m/s"), ("displacement", "mm")):
-        columns += [Column(f"{quantity}, minimum", unit), Column("maximum", unit)]
-    return Table(id="base-extremes", title="Extremes of the base's motion", columns=columns, rows=rows)
-
-
-def _events(run: JudgedRun) -> Table | None:
-    every = {(fixed(time, 4), text): time for time, text in run.response.events}  # each once: pulses along two axes
-    events = [(time, text) for (_, text), time in every.items() if run.response.reaches(time)]
-    later = [text for (_, text), time in every.items() if not run.response.reaches(time)]
-    if not events:
-        return None
-    left = max(len(events) - _MOST_EVENTS, 0)
-    end = f"{run.response.final_state.time:g}"
-    beyond = f"After the end of the run at {end} s, and not simulated: {listed(later)}." if later else ""
-    return Table(
-        id="base-events", title="What the base does when", columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
-        rows=events[:_MOST_EVENTS], note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
-    )  # fmt: skip
-
-
 def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Array]:
-    """Return instants [s] and acceleration [m/s^2] (n_t, 3) of the base, corners and what lies between them included."""
+    """Sample the base at the response and between its corners: instants [s], acceleration [m/s^2] (n_t, 3)."""
     corners = motion.corners
     if corners.size > _MOST_CORNERS or response.time.size > _MOST_SAMPLES:
         return response.time, response.base.acceleration
@@ -114,90 +90,79 @@ def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Ar
 
 
 def _loads_chart(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Chart:
-    """Return forces and moments on the payload, and what the mounts pass on of them: their sum less that of the beginning."""
-    panels = []
+    def components(values: Array, label: str, unit: str, xlabel: str = "") -> Panel:
+        size = np.abs(values).max(initial=0.0)
+        axes = [axis for axis in range(3) if np.abs(values[:, axis]).max(initial=0.0) > _FAINT * size] or [2]
+        curves = [Curve(response.time, values[:, axis], name="xyz"[axis], kind=axis) for axis in axes]
+        return Panel(curves, label, xlabel=xlabel, xlim=window, unit=unit)
+
+    rows = []
     for site in motion.loaded_sites:
         load = motion.load(site, response.time)
-        panels += [
-            _components(response.time, values, f"{what} at {site} [{unit}]", unit, window)
-            for values, what, unit in ((load[:, :3], "force", "N"), (load[:, 3:], "moment", "N m"))
-            if np.abs(values).max(initial=0.0) > 0.0
-        ]
+        for values, what, unit in ((load[:, :3], "force", "N"), (load[:, 3:], "moment", "N m")):
+            if np.abs(values).max(initial=0.0) > 0.0:
+                rows.append([components(values, f"{what} at {site} [{unit}]", unit)])
     passed = foundation_force(response)
-    panels.append(_components(response.time, passed - passed[0], "on the foundation [N]", "N", window))
-    panels[-1] = replace(panels[-1], xlabel="time [s]")
-    return Chart(rows=[[panel] for panel in panels], height=95.0, id="loads")
-
-
-def _components(time: Array, values: Array, label: str, unit: str, window: tuple[float, float]) -> Panel:
-    """Return a panel with the components that are not zero."""
-    size = np.abs(values).max(initial=0.0)
-    axes = [axis for axis in range(3) if np.abs(values[:, axis]).max(initial=0.0) > _FAINT * size] or [2]
-    curves = [Curve(x=time, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes]
-    return Panel(curves=curves, ylabel=label, xlim=window, unit=unit)
-
-
-def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Chart:
-    """Return acceleration, velocity and displacement of the base over a time window, a line for each axis that moves."""
-    axes = moving_axes(response) or [2]
-    time, acceleration = base_acceleration(response, motion)
-    parts = (
-        ("acceleration [g]", "g", time, in_unit(acceleration, "g")),
-        ("velocity [m/s]", "m/s", response.time, response.base.velocity),
-        ("displ. [mm]", "mm", response.time, in_unit(response.base.displacement, "mm")),
-    )
-    rows = [
-        [
-            Panel(
-                curves=[Curve(x=x, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes], ylabel=label,
-                xlabel="time [s]" if unit == "mm" else "", xlim=window, unit=unit,
-            )
-        ]
-        for label, unit, x, values in parts
-    ]  # fmt: skip
-    return Chart(rows=rows, height=95.0, id="base-motion")
-
-
-def warnings_of(run: JudgedRun) -> Statement | None:
-    """Return the warnings of the records that were played; None if there are none."""
-    if not run.record_warnings:
-        return None
-    text = "Said of the measured record, on which every figure here rests:"
-    return Statement(id="record-warnings", text=text, items=run.record_warnings, tone="unjudged")
-
-
-def record_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield the warnings of the records in the base's motion, and the baseline correction of each."""
-    yield warnings_of(run)
-    for record in records_in(run.motion):
-        yield record_chart(record)
-        if record.baseline != "none":
-            yield _correction(record)
-
-
-def _correction(record: Record) -> Table:
-    """Tabulate the ends of a record without its baseline correction and with it."""
-    measured = record.as_measured
-    axes = [axis for axis in range(3) if measured.samples[:, axis].any()]
-    rows = []
-    for axis in axes:
-        for one, text in ((measured, "as measured"), (record, "as played")):
-            velocity, displacement = ends(one)
-            peak = float(abs(one.samples[:, axis]).max())
-            rows.append(("xyz"[axis], text, peak, float(velocity[axis]), float(displacement[axis])))
-    return Table(
-        id=f"baseline-{record.path.name}",
-        title="What the baseline correction changes",
-        columns=(
-            Column("axis", align="left"), Column("record", align="left"), Column("largest acceleration", "g"),
-            Column("velocity at its end", "m/s"), Column("displacement at its end", "mm"),
-        ),
-        rows=rows,
+    return Chart(
+        rows=[*rows, [components(passed - passed[0], "on the foundation [N]", "N", "time [s]")]], height=95.0, id="loads",
+        caption="What acts on the payload, along the axes of its site, and what the mounts pass on to the foundation, along "
+        "the world's, without what they carry at the beginning.",
+        alt="Histories of the forces on the payload and on the foundation.",
     )  # fmt: skip
 
 
+def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, float], axes: list[int]) -> Chart:
+    time, acceleration = base_acceleration(response, motion)
+    rows = []
+    for label, unit, x, values in (
+        ("acceleration [g]", "g", time, in_unit(acceleration, "g")),
+        ("velocity [m/s]", "m/s", response.time, response.base.velocity),
+        ("displ. [mm]", "mm", response.time, in_unit(response.base.displacement, "mm")),
+    ):
+        curves = [Curve(x, values[:, axis], name="xyz"[axis], kind=axis) for axis in axes]
+        rows.append([Panel(curves, label, xlabel="time [s]" if unit == "mm" else "", xlim=window, unit=unit)])
+    names = listed(["xyz"[axis] for axis in axes])
+    still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
+    end = float(np.linalg.norm(response.base.velocity[-1]))
+    kept = f" The base keeps {end:.3g} m/s after the motion." if end > _KEPT else ""
+    return Chart(
+        rows=rows, height=95.0, id="base-motion", caption=f"The base's acceleration, velocity and displacement{still}.{kept}",
+        alt=f"Histories of the base along {names}.",
+    )  # fmt: skip
+
+
+def warnings_of(run: JudgedRun) -> Statement | None:
+    """State the warnings of the records that were played; None without any."""
+    text = "Said of the measured record, on which every figure here rests:"
+    items = run.record_warnings
+    return Statement("record-warnings", text, items=items, tone="unjudged") if items else None
+
+
+def record_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield the records in the base's motion: warnings, histories, baseline corrections."""
+    yield warnings_of(run)
+    for record in records_in(run.motion):
+        yield record_chart(record)
+        if record.baseline == "none":
+            continue
+        measured, rows = record.as_measured, []
+        for axis in (axis for axis in range(3) if measured.samples[:, axis].any()):
+            for version, text in ((measured, "as measured"), (record, "as played")):
+                velocity, displacement = ends(version)
+                peak = float(abs(version.samples[:, axis]).max())
+                rows.append(("xyz"[axis], text, peak, float(velocity[axis]), float(displacement[axis])))
+        yield Table(
+            f"baseline-{record.path.name}", "What the baseline correction changes",
+            (
+                *left("axis", "record"), Column("largest acceleration", "g"), Column("velocity at its end", "m/s"),
+                Column("displacement at its end", "mm"),
+            ),
+            rows,
+        )  # fmt: skip
+
+
 def record_chart(played: Record) -> Chart:
-    """Draw acceleration, velocity and displacement of a record along its axes, without its correction and with it."""
+    """Draw a record along its axes, without its baseline correction and with it."""
     measured, corrected = played.as_measured, played.baseline != "none"
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()] or [2]
     rows: list[list[Panel]] = []
@@ -209,31 +174,31 @@ def record_chart(played: Record) -> Chart:
                 values = (in_unit(record.samples, "g"), record.velocity, record.displacement)[number]
                 y = values if isinstance(values, np.ndarray) else values(record.time)
                 y = in_unit(y, "mm") if unit == "mm" else y
-                curves.append(Curve(x=record.time, y=y[:, axis], name=name, kind=kind))
+                curves.append(Curve(record.time, y[:, axis], name=name, kind=kind))
             row.append(Panel(
-                curves=curves, ylabel=label if axis == axes[0] else "", xlabel="time [s]" if unit == "mm" else "",
+                curves, label if axis == axes[0] else "", xlabel="time [s]" if unit == "mm" else "",
                 title="xyz"[axis] if number == 0 else "", unit=unit,
             ))  # fmt: skip
         rows.append(row)
     along, text = listed(["xyz"[axis] for axis in axes]), _TEXTS[played.baseline]
     text += "" if played.highpass is None else f", {played.highpass:g} Hz"
     velocity, displacement = ends(played)
-    left = "; ".join(f"{velocity[n]:+.3g} m/s and {displacement[n]:+.3g} m along {'xyz'[n]}" for n in axes)
+    at_end = "; ".join(f"{velocity[n]:+.3g} m/s and {displacement[n]:+.3g} m along {'xyz'[n]}" for n in axes)
     how = "as measured and as it is played" if corrected else "as it is played"
     return Chart(
         id=f"record-{played.path.name}", rows=rows, height=95.0,
-        caption=f"The whole record {played.path.name} along {along}, {how}, {text}. At its end {left}.",
+        caption=f"The whole record {played.path.name} along {along}, {how}, {text}. At its end {at_end}.",
         alt=f"Histories of {played.path.name} along {along}, {how}.",
     )  # fmt: skip
 
 
 def ends(record: Record) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocity [m/s] and displacement [m] at the last sample, (3,) each; what rounding leaves of nothing is zero."""
+    """Find velocity [m/s] and displacement [m] at the last sample, (3,) each; rounding is cut off."""
     return record.velocity(record.end)[0].round(9) + 0.0, record.displacement(record.end)[0].round(9) + 0.0
 
 
 def shock_peak(motion: BaseMotion) -> float:
-    """Compute the largest acceleration of a shock [m/s^2]; NaN of steady and random motions, which have none of their own."""
+    """Compute the largest acceleration of a shock [m/s^2]; NaN of steady and random motions."""
     kinds = {str(part.get("kind")) for part in elements(motion.to_dict())}
     if kinds & {*STEADY, RandomVibration.kind} or not math.isfinite(motion.end):
         return math.nan
@@ -242,7 +207,7 @@ def shock_peak(motion: BaseMotion) -> float:
 
 
 def amplified(value: float, motion: BaseMotion) -> str:
-    """Say that a peak of the payload [m/s^2] is larger than that of a shock of the base, as a clause; "" where it is not."""
+    """Write as a clause that a peak [m/s^2] is larger than that of the base's shock; "" where it is not."""
     peak = shock_peak(motion)
     if not (peak > 0.0 and value > AMPLIFIED * peak):
         return ""

@@ -1,8 +1,8 @@
 """A content: sections of statements, tables, charts and scenes by their ids, the data of its document, its layout on paper."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -11,7 +11,7 @@ from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.structure import DATE, Key
-from wirerope_mj.foundation.tables import TONES, Column, Table
+from wirerope_mj.foundation.tables import TONES, Column, Table, left
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,6 @@ class Document:
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
-        """Name and value of what stands in the title block."""
         named = {
             "Project": self.project, "Document": self.number, "Revision": self.revision, "Date": self.date,
             "Client": self.client, "Classification": self.classification, "Standard": self.standard,
@@ -65,42 +64,38 @@ class Document:
 
     @property
     def reference(self) -> str:
-        """Number and revision, as every page says them."""
         return " ".join(filter(None, (self.number, self.revision and f"revision {self.revision}")))
 
     def signatures(self) -> Table:
-        """Tabulate who signs, with room for date and signature."""
         people = (("Author", self.author), ("Checked", self.checker), ("Approved", self.approver))
-        columns = [Column(one, align="left") for one in ("", "name", "date", "signature")]
         rows = [(role, name, "", "") for role, name in people]
-        return Table(id="signatures", title="Signatures", columns=columns, rows=rows)
+        return Table("signatures", "Signatures", left("", "name", "date", "signature"), rows)
 
     def revisions(self) -> Table | None:
         """Tabulate the history; None without one."""
         if not self.history:
             return None
-        names = [one.name for one in fields(Revision)]
-        columns = [Column(name, align="text" if name == "change" else "left") for name in names]
-        rows = [[getattr(one, name) for name in names] for one in self.history]
-        return Table(id="revisions", title="Revisions", columns=columns, rows=rows)
+        columns = [*left("revision", "date", "author"), Column("change", align="text")]
+        rows = [(entry.revision, entry.date, entry.author, entry.change) for entry in self.history]
+        return Table("revisions", "Revisions", columns, rows)
 
     def paragraphs(self, name: str) -> list[str]:
-        """Return the paragraphs of the `Paragraphs`."""
         return paragraphs(getattr(self.texts, name))
 
 
-# How far down something stands: on every screen, on the screen of the result, or on its pages only.
+# Shown on every screen, on the screen of the result, or on its pages only
 Depth = Literal["headline", "summary", "full"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Statement:
     """A sentence, and short ones below it."""
 
+    id: str = ""  # the same in every output
     text: str = ""  # the sentence; "" where the list says all
+    _: KW_ONLY
     items: tuple[str, ...] = ()  # below it
     tone: str = ""  # one of `foundation.tables.TONES`
-    id: str = ""  # the same in every output
     values: Mapping[str, float | str | None] = field(default_factory=dict)  # what it says in numbers, SI, by name
 
     def __post_init__(self) -> None:
@@ -108,7 +103,6 @@ class Statement:
             raise ValueError(f"`tone` must be one of {', '.join(TONES)}, got {self.tone!r}.")
 
     def to_dict(self) -> Entries:
-        """Return text, items, tone and values as plain values, without those that are empty."""
         parts = {"text": self.text, "items": list(self.items), "tone": self.tone, "values": dict(self.values)}
         return {name: part for name, part in parts.items() if part}
 
@@ -119,11 +113,11 @@ class SceneView:
 
     scene: Scene  # in the modelled geometry
     caption: str  # what it shows
-    # the same at an instant, relative to its base; None for the modelled geometry alone, with labels
+    # at an instant, relative to its base; None for the modelled geometry alone
     moved: Scene | None = None
     ring: tuple[str, Array] | None = None  # name and position (3,) [m] of what is ringed; None for nothing
     exceeded: bool = False  # whether the ring is red
-    # names of mounts that are not fitted, whose places are crossed; the others have no labels then. None: labels.
+    # mounts that are not fitted, whose places are crossed; None to label all
     absent: tuple[str, ...] | None = None
     id: str = ""  # the same in every output
 
@@ -143,7 +137,6 @@ class Section:
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
-        """The blocks; a section without any is left out."""
         return tuple(block for block in self.build() if block is not None)
 
 
@@ -154,26 +147,23 @@ class Content:
     title: str  # what was computed
     verdict: Statement  # the conclusion in one sentence
     sections: tuple[Section, ...]  # everything else, the grounds of the conclusion first
-    facts: tuple[tuple[str, str], ...] = ()  # name and value of what stands below the title: model, base motion, date
+    facts: tuple[tuple[str, str], ...] = ()  # below the title: name and value of model, base motion, date
     question: tuple[str, ...] = ()  # what was asked, a text for each paragraph
-    document: Document | None = None  # data of a document that is filed and signed; None for a plain report
+    document: Document | None = None  # of a document that is filed and signed; None for a plain report
 
     def blocks(self, *depths: Depth) -> Iterator[Block]:
-        """Yield the blocks of the sections of these depths, of all without any."""
         for section in self.sections:
             if not depths or section.depth in depths:
                 yield from section.blocks
 
     def sections_of(self, *depths: Depth) -> tuple[str, ...]:
-        """Return the ids of the sections of these depths."""
         return tuple(section.id for section in self.sections if section.depth in depths)
 
     def table(self, name: str) -> Table | None:
-        """Return the table with an id; None if this result has none."""
+        """Find a table by its id; None without one."""
         return next((block for block in self.blocks() if isinstance(block, Table) and block.id == name), None)
 
     def to_dict(self, *sections: str) -> Entries:
-        """Return statements and tables of some sections by their ids, the headline first: SI values, texts and tones."""
         said: Entries = {"headline": self.verdict.to_dict()}
         for section in self.sections:
             for block in section.blocks if section.id in sections else ():
@@ -186,39 +176,27 @@ _FITS = 30  # rows of a table that stands whole where it belongs
 
 
 def with_appendices(content: Content) -> Content:
-    """Return the content with every table whole: what is folded on a page goes into appendices behind all sections."""
+    """Unfold every table; long ones go into appendices."""
     sections: list[Section] = []
     appendices: list[Section] = []
-    for section in sorted(content.sections, key=lambda one: one.appendix):
-        if section.appendix:
-            whole = [replace(block, shown=None) if isinstance(block, Table) else block for block in section.blocks]
-            appendices.append(_section(section, whole))
-            continue
+    for section in sorted(content.sections, key=lambda section: section.appendix):
         blocks: list[Block] = []
         for block in section.blocks:
-            if isinstance(block, Table) and block.shown is not None and block.shown < len(block.rows) <= _FITS:
-                blocks.append(replace(block, shown=None))
-            elif isinstance(block, Table) and block.shown is not None and block.shown < len(block.rows):
-                letter = letter_of(len(appendices))
-                rest = f"{block.shown} of {len(block.rows)} rows; all of them stand in appendix {letter}."
-                cut = replace(
-                    block, rows=block.rows[: block.shown], shown=None, note=" ".join(filter(None, (block.note, rest)))
-                )
-                blocks.append(cut)
-                title = f"{section.title}: {block.title}" if section.title else block.title
-                appendices.append(_section(
-                    replace(section, title=title, appendix=True), [replace(block, shown=None)], f"{section.id}-{block.id}",
-                ))  # fmt: skip
-            else:
+            shown = block.shown if isinstance(block, Table) else None
+            if not isinstance(block, Table) or shown is None or shown >= len(block.rows):
                 blocks.append(block)
-        sections.append(_section(section, blocks))
+                continue
+            whole = replace(block, shown=None)
+            if section.appendix or len(block.rows) <= _FITS:
+                blocks.append(whole)
+                continue
+            rest = f"{shown} of {len(block.rows)} rows; all of them stand in appendix {letter_of(len(appendices))}."
+            blocks.append(replace(whole, rows=block.rows[:shown], note=" ".join(filter(None, (block.note, rest)))))
+            title = f"{section.title}: {block.title}" if section.title else block.title
+            appendices.append(Section(f"{section.id}-{block.id}", title, partial(list, [whole]), section.depth, appendix=True))
+        (appendices if section.appendix else sections).append(replace(section, build=partial(list, blocks)))
     return replace(content, sections=(*sections, *appendices))
 
 
 def letter_of(number: int) -> str:
-    """Return the letter of an appendix: A, B, .., Z, AA, .."""
     return chr(ord("A") + number) if number < 26 else letter_of(number // 26 - 1) + letter_of(number % 26)
-
-
-def _section(section: Section, blocks: Sequence[Block], name: str = "") -> Section:
-    return replace(section, id=name or section.id, build=lambda: blocks)

@@ -10,7 +10,7 @@ from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.identification import record_warnings
 from wirerope_mj.content.numbers import number, several, with_unit
 from wirerope_mj.content.panels import Chart, Curve, Panel, short
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
 from wirerope_mj.foundation.units import duration_text, in_unit, shown_in
 from wirerope_mj.mounts.laws import LAWS
 from wirerope_mj.studies.calibration.calibrate import DISCREPANT, LEVEL, LITTLE, Calibration
@@ -20,19 +20,19 @@ from wirerope_mj.studies.results.stated_limits import StatedLimit
 _ACROSS = {"time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": ""}
 
 _DRAWN = 8  # channels that are drawn, those that the model follows least first
-_NORMAL = 1.645  # standard deviations about the middle of a normal distribution that hold 90 % of it
+_NORMAL = 1.645  # standard deviations on both sides that hold 90 % of a normal distribution
 _BEYOND = {
     True: "The band holds what laws may do there that follow the tests alike, hardening free",
     False: "The band holds no other hardening than that of the laws: those that follow the tests as well fall there",
 }
-_BEST = 1e-3  # probability below which less is said than "less than 0.1 %": as many draws as there are do not tell
+_BEST = 1e-3  # probability that the number of draws resolves
 
 
 def calibration_content(
     result: Calibration, *, title: str, sources: Sequence[str], warnings: Sequence[str] = (),
     predictions: Sequence[tuple[Prediction, Sequence[StatedLimit]]] = (),
 ) -> Content:  # fmt: skip
-    """Compose what a calibration says: values, how the model follows, and predictions of other motions against their limits."""
+    """Compose values, how the model follows, and predictions against their limits."""
     return Content(
         title=title,
         facts=(("Tests", several(len(result.forward.tests), "test")), ("By", f"wirerope-mj {version('wirerope-mj')}")),
@@ -42,43 +42,39 @@ def calibration_content(
             Section("values", "Values", lambda: (_values_table(result),), "summary"),
             Section("answer", "", lambda: (_findings(result), record_warnings(warnings)), "headline"),
             Section(
-                "prediction", "Prediction", lambda: [block for one in predictions for block in _prediction_blocks(*one)],
+                "prediction", "Prediction", lambda: [block for pair in predictions for block in _prediction_blocks(*pair)],
                 "summary",
             ),
             Section("channels", "How the model follows", lambda: (_channel_table(result),), "summary"),
             Section("histories", "Measured and calculated", lambda: _charts(result)),
-            Section("known-together", "Known together", lambda: (_correlation_table(result),) if len(result.names) > 1 else ()),
-            Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
+            Section("known-together", "Known together", lambda: _correlations(result) if len(result.names) > 1 else ()),
+            Section("read-from", "Read from", lambda: (Statement("sources", items=tuple(sources)),)),
         ),
     )  # fmt: skip
 
 
 def _headline(result: Calibration) -> Statement:
-    """Return the conclusion: the first value, or the worst of convergence, model error and what is not known."""
     error = float(result.discrepancies.max())
     values = {"model_error": error, "emulator_error": result.posterior.emulator_error}
     if not result.fit.converged:
-        return Statement(id="headline", text=f"NOT CONVERGED: {result.message}.", tone="exceeded", values=values)
-    known = ", ".join(_value_text(result, k) for k, name in enumerate(result.names) if not name.startswith("channel/"))
-    doubts = []
+        return Statement("headline", f"NOT CONVERGED: {result.message}.", tone="exceeded", values=values)
+    texts = []
+    for k, (name, (low, high)) in enumerate(zip(result.names, result.intervals(), strict=True)):
+        if not name.startswith("channel/"):
+            value, half = result.values[k], 0.5 * (high - low)
+            digits = int(np.clip(2 + math.ceil(math.log10(abs(value) / half)), 2, 6)) if value and half > 0.0 else 3
+            shown, least, most = (number(value, digits=digits) for value in (value, low, high))
+            texts.append(f"{name} {shown} ({least} to {most}) {_unit(result, k)}".rstrip())
+    warnings = [f"{name} is at the {end} end of its prior" for name, end in result.at_an_end.items()]
     if error > DISCREPANT:
-        doubts.append(f"the model does not follow the tests: its own error is {100.0 * error:.2g} % of the response")
-    doubts += [f"{name} is at the {end} end of its prior" for name, end in result.at_an_end.items()]
-    doubts += ["the tests do not tell everything"] if result.not_identified else []
-    text = f"{known}; {'; '.join(doubts)}." if doubts else f"{known}."
-    return Statement(id="headline", text=text, tone="unjudged" if doubts else "within", values=values)
-
-
-def _value_text(result: Calibration, k: int) -> str:
-    low, high = result.intervals()[k]
-    unit = _unit(result, k)
-    digits = _digits(result.values[k], 0.5 * (high - low))
-    ends = f"{number(low, digits=digits)} to {number(high, digits=digits)}"
-    return f"{result.names[k]} {number(result.values[k], digits=digits)} ({ends}) {unit}".rstrip()
+        warnings.insert(0, f"the model does not follow the tests: its own error is {100.0 * error:.2g} % of the response")
+    warnings += ["the tests do not tell everything"] if result.not_identified else []
+    text = "; ".join(filter(None, [", ".join(texts), *warnings]))
+    return Statement("headline", f"{text}.", tone="unjudged" if warnings else "within", values=values)
 
 
 def _unit(result: Calibration, k: int) -> str:
-    """Return the unit of a value, that of its law's parameter or of its channels where it has no one name; "" of a factor."""
+    """Name the unit of a value; "" of a factor."""
     name, unit = result.names[k], result.units[k]
     if unit != "SI":
         return unit
@@ -86,40 +82,34 @@ def _unit(result: Calibration, k: int) -> str:
         parameter = name.rpartition("/")[2].rpartition(".")[2].partition("[")[0]
         of_laws = {law.units[parameter] for law in LAWS.values() if parameter in law.units}
         return of_laws.pop() if len(of_laws) == 1 else unit  # laws use some names in several senses
-    units = {one.unit for one in result.problem.series}
+    units = {series.unit for series in result.problem.series}
     return units.pop() if len(units) == 1 else unit
 
 
-def _digits(value: float, half: float) -> int:
-    """Return the significant digits that a value has with an error."""
-    return int(np.clip(2 + math.ceil(math.log10(abs(value) / half)), 2, 6)) if value and half > 0.0 else 3
-
-
 def _values_table(result: Calibration) -> Table:
-    """Tabulate medians, intervals, and what was learned of each value."""
     rows: list[list[Cell]] = []
     for k, name in enumerate(result.names):
         low, high = result.intervals()[k]
         decimals = 3 - math.floor(math.log10(high - low)) if high > low else 12
-        value, low, high = (round(float(one), decimals) for one in (result.values[k], low, high))
-        left = float(result.learned[k])
-        note: Cell = ""
+        value, low, high = (round(float(value), decimals) for value in (result.values[k], low, high))
+        of_prior = float(result.learned[k])
+        note = ""
         if end := result.at_an_end.get(name):
-            note = Mark(f"at the {end} end of its prior", "unjudged")
-        elif left > LITTLE:
-            note = Mark("the tests say little of it", "unjudged")
+            note = f"at the {end} end of its prior"
+        elif of_prior > LITTLE:
+            note = "the tests say little of it"
         elif name in result.insignificant:
-            note = Mark("not significant; consider dropping it", "unjudged")
-        rows.append([name, value, low, high, _unit(result, k) or "factor", left, note])
+            note = "not significant; consider dropping it"
+        rows.append([name, value, low, high, _unit(result, k) or "factor", of_prior, Mark(note, "unjudged") if note else ""])
     percent = f"{100.0 * LEVEL:.0f} %"
     return Table(
-        id="values", title=f"Values, and the interval that holds each with a probability of {percent}",
-        columns=(
-            Column("quantity", align="left"), Column("median", form="z.5g"), Column("from", form="z.5g"),
-            Column("to", form="z.5g"), Column("unit", align="left"), Column("left of the prior", "%", ".2g"),
-            Column("note", align="left"),
+        "values", f"Values, and the interval that holds each with a probability of {percent}",
+        (
+            *left("quantity"), Column("median", form="z.5g"), Column("from", form="z.5g"),
+            Column("to", form="z.5g"), *left("unit"), Column("left of the prior", "%", ".2g"),
+            *left("note"),
         ),
-        rows=rows, note="Left of the prior: standard deviation after the tests over that stated before.",
+        rows, note="Left of the prior: standard deviation after the tests over that stated before.",
     )  # fmt: skip
 
 
@@ -143,76 +133,70 @@ def _findings(result: Calibration) -> Statement:
             )
         error_text = f"what is left there is {100.0 * error:.2g} % of the response and no noise"
         texts.append(f"the model does not follow {name}: {error_text}; {remedy}")
-    return Statement(id="findings", items=tuple(texts))
+    return Statement("findings", items=tuple(texts))
 
 
 def _channel_table(result: Calibration) -> Table:
-    """Tabulate for each channel what the fit leaves: error, noise, and the model's own error."""
     rows: list[list[Cell]] = []
     model = result.problem.split(result.fit.model)
-    for one, noise, own in zip(result.problem.series, result.fit.noises, model, strict=True):
-        in_time = one.across == "time"
-        error = float(np.sqrt(np.mean((own - one.values) ** 2))) / one.rms
-        peak = float(np.abs(own).max() / np.abs(one.values).max()) if in_time else None
-        of_sample = noise.white / one.averaged
-        white = with_unit(of_sample, one.unit, digits=2) if one.unit else f"{100.0 * of_sample:.2g} %"
+    for series, noise, calculated in zip(result.problem.series, result.fit.noises, model, strict=True):
+        in_time = series.across == "time"
+        error = float(np.sqrt(np.mean((calculated - series.values) ** 2))) / series.rms
+        peak = float(np.abs(calculated).max() / np.abs(series.values).max()) if in_time else None
+        of_sample = noise.white / series.averaged
+        white = with_unit(of_sample, series.unit, digits=2) if series.unit else f"{100.0 * of_sample:.2g} %"
         length = noise.length if in_time else None
-        rows.append([one.name, peak, error, white, noise.discrepancy, length, one.frequency or None])
+        rows.append([series.name, peak, error, white, noise.discrepancy, length, series.frequency or None])
+    columns = (
+        *left("channel"), Column("peak ratio", form=".3f"), Column("left (rms)", "%", ".2g"), *left("noise"),
+        Column("model error", "%", ".2g"), Column("correlated over", "ms", ".3g"), Column("about", "Hz", ".3g"),
+    )  # fmt: skip
     return Table(
-        id="channels",
-        title="Channels: calculated over measured peak, what is left, and its parts",
-        columns=(
-            Column("channel", align="left"), Column("peak ratio", form=".3f"), Column("left (rms)", "%", ".2g"),
-            Column("noise", align="left"), Column("model error", "%", ".2g"), Column("correlated over", "ms", ".3g"),
-            Column("about", "Hz", ".3g"),
-        ),
-        rows=rows,
+        "channels", "Channels: calculated over measured peak, what is left, and its parts", columns, rows,
         note="Noise: of a measured sample (standard deviation), of which those that are compared average several. Model error: "
         "of the response where it is largest. Peaks are those of the smoothed samples that are compared.",
     )  # fmt: skip
 
 
 def _charts(result: Calibration) -> Iterator[Chart]:
-    """Yield measured and calculated histories with their bands, the worst channels first."""
-    draws = [result.problem.split(one) for one in result.posterior.series]
+    draws = [result.problem.split(series) for series in result.posterior.series]
     middle = result.problem.split(np.median(result.posterior.series, axis=0))
     for k in np.argsort(-result.discrepancies)[:_DRAWN].tolist():
-        one, noise = result.problem.series[k], result.fit.noises[k]
-        unit = shown_in(one.unit)[0]
-        spread = np.std([own[k] for own in draws], axis=0)
-        half = _NORMAL * np.sqrt(spread**2 + noise.deviation(one) ** 2)
-        y = [in_unit(values, unit) for values in (one.values, middle[k], middle[k] - half, middle[k] + half)]
-        x, what = one.at, _ACROSS[one.across]
-        ylabel, log = f"{one.name.split('/')[-2]} [{unit}]" if unit else "", ""
-        if one.across == "logarithm of frequency":
+        series, noise = result.problem.series[k], result.fit.noises[k]
+        unit = shown_in(series.unit)[0]
+        spread = np.std([draw[k] for draw in draws], axis=0)
+        half = _NORMAL * np.sqrt(spread**2 + noise.deviation(series) ** 2)
+        y = [in_unit(values, unit) for values in (series.values, middle[k], middle[k] - half, middle[k] + half)]
+        x, what = series.at, _ACROSS[series.across]
+        ylabel, log = f"{series.name.split('/')[-2]} [{unit}]" if unit else "", ""
+        if series.across == "logarithm of frequency":
             x, y, ylabel, log = np.exp(x), [np.exp(values) for values in y], "transmissibility", "xy"
         panel = Panel(
-            curves=(
-                Curve(x=x, y=y[1], name="calculated", kind=0, dash="dashed"),
-                Curve(x=x, y=y[0], name="measured", kind=1, marks=one.across != "time", weight=2.0),
-                Curve(x=x, y=y[2], name="90 % band", kind=0, dash="dotted"),
-                Curve(x=x, y=y[3], name="", kind=0, dash="dotted"),
+            (
+                Curve(x, y[1], name="calculated", kind=0, dash="dashed"),
+                Curve(x, y[0], name="measured", kind=1, marks=series.across != "time", weight=2.0),
+                Curve(x, y[2], name="90 % band", kind=0, dash="dotted"),
+                Curve(x, y[3], name="", kind=0, dash="dotted"),
             ),
-            ylabel=ylabel, xlabel=what, unit=unit, log=log,
+            ylabel, xlabel=what, unit=unit, log=log,
         )  # fmt: skip
-        steps = np.diff(one.at)
-        gaps = one.across == "time" and bool((steps > 1.5 * np.median(steps)).any())
+        steps = np.diff(series.at)
+        gaps = series.across == "time" and bool((steps > 1.5 * np.median(steps)).any())
         yield Chart(
             rows=((panel,),), height=170.0, id=f"history-{k}",
-            caption=f"{one.name}: measured and calculated with the medians; the band holds what the values and the model's own "
-            f"error leave open.{' Saturated samples are left out, and both curves straight there.' if gaps else ''}",
-            alt=f"{one.name}, measured and calculated",
+            caption=f"{series.name}: measured and calculated with the medians; the band holds what the values and the "
+            f"model's own error leave open.{' Saturated samples are left out, and both curves straight.' if gaps else ''}",
+            alt=f"{series.name}, measured and calculated",
         )  # fmt: skip
 
 
-def _correlation_table(result: Calibration) -> Table:
-    columns = [Column("quantity", align="left"), *(Column(short(name), form="+z.2f") for name in result.names)]
+def _correlations(result: Calibration) -> Iterator[Table]:
+    columns = [*left("quantity"), *(Column(short(name), form="+z.2f") for name in result.names)]
     rows: list[list[Cell]] = [[name, *row.tolist()] for name, row in zip(result.names, result.correlation, strict=True)]
-    return Table(id="correlations", title="Correlations of the draws", columns=columns, rows=rows)
+    yield Table("correlations", "Correlations of the draws", columns, rows)
 
 
 def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) -> Iterator[Block]:
-    """Yield the verdicts on limits, and the bands of a prediction's main measures."""
     items, worst, beyond = [], 0.0, prediction.farthest.beyond
     for limit in limits:
         for name in limit.measures:
@@ -221,24 +205,24 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
                 items.append(f"{name}: {value} is not judged, since it is not predicted")
                 continue
             worst = max(worst, chance)
-            said = "less than 0.1 %" if chance < _BEST else f"{100.0 * chance:.{3 if chance > 0.99 else 2}g} %"
-            said = "more than 99.9 %" if chance > 1.0 - _BEST else said
-            items.append(f"{name}: {value} is exceeded with a probability of {said}{', beyond the tests' if beyond else ''}")
+            text = "less than 0.1 %" if chance < _BEST else f"{100.0 * chance:.{3 if chance > 0.99 else 2}g} %"
+            text = "more than 99.9 %" if chance > 1.0 - _BEST else text
+            items.append(f"{name}: {value} is exceeded with a probability of {text}{', beyond the tests' if beyond else ''}")
     if items:
         tone = "exceeded" if worst > 0.5 else "near" if worst > 1.0 - LEVEL else "within"
         if tone == "within" and (beyond or prediction.refused):
             tone = "unjudged"
-        yield Statement(id="exceedance", text=f"{prediction.motion}:", items=tuple(items), tone=tone)
+        yield Statement("exceedance", f"{prediction.motion}:", items=tuple(items), tone=tone)
     if beyond:
         yield Statement(
-            id="beyond-tests", tone="unjudged",
+            "beyond-tests", tone="unjudged",
             text=f"Prediction {prediction.farthest.text}. {_BEYOND[prediction.hardening]}; test as far as that, or take it "
             "for an estimate.",
         )  # fmt: skip
     if prediction.refused:
         kinds = dict.fromkeys(name.partition("/")[0] for name in prediction.refused if "/" in name)
         yield Statement(
-            id="not-predicted", tone="unjudged",
+            "not-predicted", tone="unjudged",
             text=f"Not predicted: {', '.join(kinds)} of what no test measured. The model does not follow the tests, and what "
             "else gives way there, a fixture or another mode, decides them: measure them, or mend the model.",
         )  # fmt: skip
@@ -253,13 +237,12 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
         unit = {"acceleration": "m/s^2", "force": "N"}.get(name.partition("/")[0], "m")
         rows.append([name, *(with_unit(value, unit) for value in (float(np.median(prediction.values(name))), low, high))])
     yield Table(
-        id="prediction",
-        title=f"Predicted for {prediction.motion}{', beyond the tests' if beyond else ''}",
-        columns=(
-            Column("measure", align="left"), Column("median", align="left"), Column("from", align="left"),
-            Column("to", align="left"),
+        "prediction",
+        f"Predicted for {prediction.motion}{', beyond the tests' if beyond else ''}",
+        (
+            *left("measure", "median", "from", "to"),
         ),
-        rows=rows,
+        rows,
         note=f"From and to hold {100.0 * LEVEL:.0f} %; errors of peaks of {100.0 * prediction.peak_error:.2g} % are in them, "
         f"and {'what the tests leave open of how the laws harden' if prediction.hardening else 'no other hardening of laws'}.",
         shown=12,

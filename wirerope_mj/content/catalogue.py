@@ -7,7 +7,7 @@ from functools import partial
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.cyclic_tests import measures_table
 from wirerope_mj.content.isolator import RATING_COLUMNS, isolator_blocks, provenance_statement, ratings
-from wirerope_mj.foundation.tables import Column, Row, Table
+from wirerope_mj.foundation.tables import Column, Row, Table, left
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.estimate import LoopEstimate
 from wirerope_mj.mounts.isolator import Isolator
@@ -17,18 +17,17 @@ from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
 
 
 def catalogue_table(devices: Mapping[str, Isolator]) -> Table:
-    """Tabulate sizes and ratings of the isolators of the catalogue by the names of their files."""
     rows = [(name, *ratings(one), one.provenance.kind) for name, one in devices.items()]
     return Table(
-        id="catalogue", title="",
-        columns=(Column("isolator", align="left"), *RATING_COLUMNS, Column("figures are", align="left")), rows=rows,
+        "catalogue", "",
+        (*left("isolator"), *RATING_COLUMNS, *left("figures are")), rows,
         note=f"-: not stated, and so not judged. `wirerope isolators NAME` shows one, `--all` the {len(vendor_parts())} parts "
         "of the vendors' tables, which every command takes by name as well.",
     )  # fmt: skip
 
 
 def parts_table(parts: Sequence[VendorPart]) -> Table:
-    """Tabulate the parts of the vendors' tables as the vendors state them, and where each one's isolator is from."""
+    """Tabulate the vendors' parts as stated, and where each one's isolator is from."""
     rows: list[Row] = []
     for part in parts:
         along, across = part.modes["compression"], part.modes["shear"]
@@ -37,14 +36,14 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
         sizes = [part.height, part.width, part.rope, along.static_load, along.travel, across.travel]
         rows.append((part.name, *sizes, along.vibration, along.shock, made))
     return Table(
-        id="vendor-parts", title="",
-        columns=(
-            Column("part", align="left"), *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
+        "vendor-parts", "",
+        (
+            *left("part"), *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
             Column("load", "N", ".0f"), *(Column(name, "mm", ".4g") for name in ("compr.", "shear")),
             *(Column(f"{name}\nstiffness", "N/mm", ".4g") for name in ("vibration", "shock")),
-            Column("isolator", align="left"),
+            *left("isolator"),
         ),
-        rows=rows,
+        rows,
         note="-: not stated. Load and stiffnesses are those in compression. Isolator: shipped as a file, fitted from the row "
         "when it is asked for, or none where too little is stated; `wirerope isolators PART` says what is "
         "fitted and what assumed.",
@@ -52,49 +51,44 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
 
 
 def isolator_content(device: Isolator, band: Band | None = None) -> Content:
-    """Describe an isolator: where its figures come from, its laws, geometry and band of error, and what its loops measure."""
+    def band_of_error() -> Iterator[Statement]:
+        if band is None or not band.values:
+            return
+        lines = tuple(
+            f"{row.axis}: {row.name} {row.vendor:.4g} {row.unit}, from the rest {row.fitted:.4g} ({100.0 * row.error:+.0f} %)"
+            for row in band.values
+            if row.vendor is not None and row.error is not None
+        )
+        of_table = [f"{axis} {100.0 * error:.0f} %" for axis, error in band.others.items() if math.isfinite(error)]
+        nine = f"; nine in ten parts of the vendor's table stay below {', '.join(of_table)}" if of_table else ""
+        text = f"Band of error by leaving out: {100.0 * band.largest:.0f} %{nine}."
+        yield Statement("band", text, items=lines, values={"largest": band.largest})
+
     return Content(
         title=device.name,
         verdict=provenance_statement(device),
         sections=(
             Section("isolator", "", partial(isolator_blocks, device), "summary"),
-            Section("band", "", lambda: [_band(band)] if band else [], "summary"),
+            Section("band", "", band_of_error, "summary"),
             Section("measures", "", lambda: [measures_table(device)], "summary"),
         ),
     )
 
 
-def _band(band: Band) -> Statement | None:
-    """Say what the rest says of each value that is left out, and the band of error that follows."""
-    if not band.values:
-        return None
-    left = tuple(
-        f"{row.axis}: {row.name} {row.vendor:.4g} {row.unit}, from the rest {row.fitted:.4g} ({100.0 * row.error:+.0f} %)"
-        for row in band.values
-        if row.vendor is not None and row.error is not None
-    )
-    of_table = [f"{axis} {100.0 * error:.0f} %" for axis, error in band.others.items() if math.isfinite(error)]
-    nine = f"; nine in ten parts of the vendor's table stay below {', '.join(of_table)}" if of_table else ""
-    text = f"Band of error by leaving out: {100.0 * band.largest:.0f} %{nine}."
-    return Statement(id="band", text=text, items=left, values={"largest": band.largest})
-
-
 def fitted_table(compared: Sequence[ComparedValue]) -> Table:
-    """Tabulate every value of a data sheet beside that of the isolator that was fitted to it."""
     columns = [
         *(Column(name, align="left") for name in ("axis", "value", "unit")),
         *(Column(name, form=".6g") for name in ("vendor", "fitted")),
         Column("error", "%", "+z.2f"),
     ]
     rows = [[row.axis, row.name, row.unit, row.vendor, row.fitted, row.error] for row in compared]
-    return Table(id="fitted", title="", columns=columns, rows=rows)
+    return Table("fitted", "", columns, rows)
 
 
 def estimate_content(estimate: LoopEstimate) -> Content:
-    """Describe an isolator without data sheet: estimated values beside the errors of such estimates, and what is assumed."""
     return Content(
         title="Estimate from the geometry",
-        verdict=Statement(id="estimated", text="All values are estimated; nothing was measured.", tone="unjudged"),
+        verdict=Statement("estimated", "All values are estimated; nothing was measured.", tone="unjudged"),
         sections=(
             Section("estimate", "", lambda: [_estimate_table(estimate)], "summary"),
             Section("remarks", "", partial(_estimate_remarks, estimate), "summary"),
@@ -113,13 +107,12 @@ def _estimate_table(estimate: LoopEstimate) -> Table:
         band = estimate.bands[name]
         factors = [None if error is None else 1.0 + error for error in (band.within, band.worst, band.other)]
         cells.append((direction, f"{label} [{unit}]", f"{in_unit(estimate.values[name], unit):.4g}", *factors))
-    names = Column("direction", align="left"), Column("value", align="left"), Column("estimate")
+    names = *left("direction", "value"), Column("estimate")
     errors = ("80 % of Enidine's\nwithin a factor", "worst\nfactor", "80 % of VMC's\nwithin a factor")
-    return Table(id="estimate", title="", columns=(*names, *(Column(heading, form=".2f") for heading in errors)), rows=cells)
+    return Table("estimate", "", (*names, *(Column(heading, form=".2f") for heading in errors)), cells)
 
 
 def _estimate_remarks(estimate: LoopEstimate) -> Iterator[Statement]:
-    """Yield the source of the errors, the assumptions, and the rotational stiffness."""
     without = (
         "each estimated without itself"
         if estimate.left_out == "part"
@@ -130,11 +123,11 @@ def _estimate_remarks(estimate: LoopEstimate) -> Iterator[Statement]:
         "never saw; a factor of 1.2 means 1 / 1.2 to 1.2 times. Vibration stiffness in shear is the shock stiffness, as in "
         "Enidine's table. None of this was measured."
     )
-    yield Statement(id="estimate-errors", text=text)
+    yield Statement("estimate-errors", text)
     if estimate.bar_assumed:
         bar = f"{in_unit(estimate.bar, 'mm'):.3g} mm"
         text = f"Bars of {bar} are assumed, as Enidine's parts of this rope have; --bar gives others."
-        yield Statement(id="estimate-bar", text=text)
+        yield Statement("estimate-bar", text)
     about = zip(("roll", "shear", "axial"), estimate.rotation, strict=True)
     known = [f"{value:.4g} about the {axis} axis" for axis, value in about if math.isfinite(value)]
     more = "" if estimate.bar_length is not None else " The others need --bar-length."
@@ -142,4 +135,4 @@ def _estimate_remarks(estimate: LoopEstimate) -> Iterator[Statement]:
         f"Rotational stiffness of small vibration about mid-height [N m/rad]: {', '.join(known)}; no vendor states any to "
         f"compare with.{more}"
     )
-    yield Statement(id="estimate-rotation", text=text)
+    yield Statement("estimate-rotation", text)

@@ -12,9 +12,9 @@ from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import number
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.tables import Column, Mark, Row, Table
+from wirerope_mj.foundation.tables import Column, Mark, Row, Table, left
 
-# Ranges of the total value that ISO 2631-1, annex C calls by these words in public transport [m/s^2]; they overlap.
+# Ranges of the total value in public transport [m/s^2], ISO 2631-1, annex C; they overlap.
 _REACTIONS = (
     (0.0, 0.315, "not uncomfortable"), (0.315, 0.63, "a little uncomfortable"), (0.5, 1.0, "fairly uncomfortable"),
     (0.8, 1.6, "uncomfortable"), (1.25, 2.5, "very uncomfortable"), (2.0, np.inf, "extremely uncomfortable"),
@@ -38,61 +38,50 @@ def comfort_content(
     histories = {subject: known[subject].acceleration for subject in subjects}
     felt = {subject: exposure(response.time, values, discard=discard) for subject, values in histories.items()}
     worst = max(felt, key=lambda subject: felt[subject].total)
-    verdict = _reaction(worst, felt[worst])
+    total = felt[worst].total
+    words = " to ".join(text for low, high, text in _REACTIONS if low <= total < high)
+    verdict = Statement(
+        "comfort-total",
+        f"Total weighted acceleration at {worst}: {number(total)} m/s² rms, {words} (ISO 2631-1, annex C, public transport).",
+        values={"total_m_s2": total, "where": worst},
+    )
 
-    def build() -> list[Block]:
-        return [verdict, _exposure_table(felt), *_remarks(felt), *_ship(response.time, histories, spaces, discard)]
+    def build() -> Iterator[Block]:
+        yield verdict
+        yield _exposure_table(felt)
+        high = [subject for subject, exposed in felt.items() if bool(np.any(exposed.crest > _CREST))]
+        if high:
+            text = f"The crest factor exceeds {number(_CREST)} at {', '.join(high)}: the weighted rms says too little there; "
+            yield Statement("comfort-crest", text + "use the largest rms over 1 s and the vibration dose.", tone="unjudged")
+        yield from _ship(response.time, histories, spaces, discard)
 
     return Content(title=f"Comfort: {name}", verdict=verdict, sections=(Section("comfort", "", build, "summary"),))
 
 
-def _reaction(subject: str, felt: Exposure) -> Statement:
-    words = [text for low, high, text in _REACTIONS if low <= felt.total < high]
-    return Statement(
-        id="comfort-total",
-        text=f"Total weighted acceleration at {subject}: {number(felt.total)} m/s² rms, {' to '.join(words)} "
-        "(ISO 2631-1, annex C, public transport).",
-        values={"total_m_s2": felt.total, "where": subject},
-    )
-
-
 def _exposure_table(felt: Mapping[str, Exposure]) -> Table:
     rows: list[Row] = []
-    for subject, one in felt.items():
+    for subject, exposed in felt.items():
         for axis, weighting in enumerate(("Wd", "Wd", "Wk")):
-            crest = float(one.crest[axis])
+            crest = float(exposed.crest[axis])
             rows.append((
-                subject, "xyz"[axis], weighting, float(one.rms[axis]),
-                None if math.isnan(one.running[axis]) else float(one.running[axis]), float(one.peak[axis]),
-                Mark(crest, "near" if crest > _CREST else ""), float(one.dose[axis]),
-                one.sickness if axis == 2 and one.duration >= 1.0 / WEIGHTINGS["Wf"].low else None,
+                subject, "xyz"[axis], weighting, float(exposed.rms[axis]),
+                None if math.isnan(exposed.running[axis]) else float(exposed.running[axis]), float(exposed.peak[axis]),
+                Mark(crest, "near" if crest > _CREST else ""), float(exposed.dose[axis]),
+                exposed.sickness if axis == 2 and exposed.duration >= 1.0 / WEIGHTINGS["Wf"].low else None,
             ))  # fmt: skip
     columns = (
-        Column("of", align="left"), Column("along", align="left"), Column("weighting", align="left"),
+        *left("of", "along", "weighting"),
         Column("weighted\nrms", "m/s²"), Column("largest rms\nover 1 s", "m/s²"), Column("weighted\npeak", "m/s²"),
         Column("crest\nfactor", "", "z.1f"), Column("vibration\ndose", "m/s^1.75"), Column("motion\nsickness", "m/s^1.5"),
     )  # fmt: skip
     counted = next(iter(felt.values())).duration
     return Table(
-        id="comfort", title="What people feel, by ISO 2631-1", columns=columns, rows=rows,
+        "comfort", "What people feel, by ISO 2631-1", columns, rows,
         note=f"Over {number(counted)} s, along the axes of the world. Weightings of ISO 8041; motion sickness by Wf along z.",
     )  # fmt: skip
 
 
-def _remarks(felt: Mapping[str, Exposure]) -> Iterator[Statement]:
-    """Yield where a crest factor asks for more than the rms value."""
-    high = [subject for subject, one in felt.items() if bool(np.any(one.crest > _CREST))]
-    if high:
-        yield Statement(
-            id="comfort-crest",
-            text=f"The crest factor exceeds {number(_CREST)} at {', '.join(high)}: the weighted rms says too little there; use "
-            "the largest rms over 1 s and the vibration dose.",
-            tone="unjudged",
-        )
-
-
 def _ship(time: Array, histories: Mapping[str, Array], spaces: Sequence[str], discard: float) -> Iterator[Block]:
-    """Yield the values of ISO 6954 and their two limits, or why there are none."""
     rows: list[Row] = []
     try:
         for subject, values in histories.items():
@@ -107,22 +96,21 @@ def _ship(time: Array, histories: Mapping[str, Array], spaces: Sequence[str], di
     except ValueError as error:
         why = str(error).replace("`time`", "the run")
         text = f"ISO 6954 is not judged: {why} Simulate for longer, or discard less."
-        yield Statement(id="ship-habitability", text=text, tone="unjudged")
+        yield Statement("ship-habitability", text, tone="unjudged")
         return
     columns = (
-        Column("ISO 6954", align="left"), Column("of", align="left"), Column("along", align="left"),
-        Column("velocity", "mm/s"), Column("lower", "mm/s"), Column("upper", "mm/s"), Column("is", align="left"),
+        *left("ISO 6954", "of", "along"),
+        Column("velocity", "mm/s"), Column("lower", "mm/s"), Column("upper", "mm/s"), *left("is"),
     )  # fmt: skip
     note = (
         "1984: peak velocity of the line that uses most of its limit, 1 to 100 Hz. 2000: weighted rms velocity, 1 to 80 Hz; A "
         "passenger cabins, B crew accommodation, C working spaces. Adverse comments are not probable below lower, probable "
         "above upper."
     )
-    yield Table(id="ship-habitability", title="Habitability of ships", columns=columns, rows=rows, note=note)
+    yield Table("ship-habitability", "Habitability of ships", columns, rows, note=note)
 
 
 def _row(edition: str, subject: str, axes: Sequence[Sequence[Verdict]]) -> Row:
-    """Return the axis along which most of the limits is used."""
     worst = max(range(3), key=lambda axis: axes[axis][0].utilisation or 0.0)
     lower, upper = axes[worst]
     height = (lower.verdict == "exceeded") + (upper.verdict == "exceeded")

@@ -9,45 +9,44 @@ import numpy as np
 from wirerope_mj.assessment.comparison import (
     BASE,
     Comparison,
+    HistoryDifference,
     PeakRow,
     acceleration_rows,
     combined_rows,
+    identical,
     largest_of,
     mount_rows,
     travel_rows,
 )
-from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK, WITHIN
+from wirerope_mj.assessment.comparison.runs import Component, Subject
+from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED, STRUCK, WITHIN
+from wirerope_mj.assessment.criteria.summary import against_limit
+from wirerope_mj.assessment.criteria.verdict import TRAVEL, most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
-from wirerope_mj.content.comparison_findings import (
-    Inputs,
-    better_run,
-    comparison_lines,
-    difference_text,
-    different_inputs,
-    ratio_text,
-    size_text,
-    subject_label,
-)
 from wirerope_mj.content.credibility import compared_credibility_blocks
 from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import acceleration_limits, headline, used_mark
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
-from wirerope_mj.foundation.units import force_unit
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, force_unit
 from wirerope_mj.mounts.isolator import AXES
 
-_MOST_MOUNTS = 8  # Mounts that are shown at once: those that use most of their rated travel in any run
-_WIDEST = 24  # Characters of an input that still fit into a column beside others
-# The two rulers of a mount's travel: each axis against its rating, and all axes at once (in-house rule).
+# Inputs of each run, by the run's name: names of inputs and their values as text
+Inputs = Mapping[str, Mapping[str, str]]
+
+# The two rulers of a mount's travel: each axis against its rating, and all axes at once (in-house rule)
 SINGLE, TOGETHER = "Travel along single axes", "Combined travel"
+_MOST_MOUNTS = 8  # shown at once: those that use most of their rated travel in any run
+_WIDEST = 24  # characters of an input that still fit into a column beside others
+_APART = 1.0  # instants of two shocks that are told apart [ms]
+_LATE = 10.0  # from which seconds are read more easily than milliseconds [s]
 
 
 def comparison_content(comparison: Comparison, inputs: Inputs, judged: Mapping[str, JudgedRun] | None = None) -> Content:
-    """Compose what a comparison says: which run is better, what differs, and peaks side by side.
-
-    Of runs whose systems are known, `judged`, also how far they can be relied on.
-    """
+    """Compose which run is better, what differs, peaks side by side, and how far `judged` runs are relied on."""
     return Content(
-        title=" and ".join(run.name for run in comparison.runs), verdict=better_run(comparison),
+        title=" and ".join(run.name for run in comparison.runs),
+        verdict=better_run(comparison),
         sections=(
             Section("headlines", "", lambda: _headlines(comparison), "headline"),
             Section("differences", "What differs", lambda: _summary(comparison, inputs), "headline"),
@@ -57,137 +56,130 @@ def comparison_content(comparison: Comparison, inputs: Inputs, judged: Mapping[s
             Section("components", "Along the axes", lambda: (accelerations_table(comparison, axis) for axis in range(3))),
             Section("mounts", "Deflections and forces", lambda: _mounts(comparison)),
             Section("apart", "Farthest apart", lambda: _apart(comparison)),
-            Section(
-                "credibility", "How far this can be relied on",
-                lambda: compared_credibility_blocks(judged) if judged else (),
-            ),
+            Section("credibility", "How far this can be relied on", lambda: compared_credibility_blocks(judged or {})),
         ),
-    )  # fmt: skip
+    )
 
 
 def findings(comparison: Comparison) -> Statement:
-    """Say in sentences what differs, where and when."""
-    return Statement(id="findings", items=tuple(comparison_lines(comparison)))
+    return Statement("findings", items=tuple(comparison_lines(comparison)))
 
 
 def figures_table(comparison: Comparison) -> Table:
-    """Tabulate the few figures by which runs are compared, a column for each run."""
+    """Tabulate the few figures by which runs are compared."""
+
+    def largest(label: str, row: PeakRow | None, look: Column) -> list[Row]:
+        if row is None:
+            return []
+        cells: list[Cell] = [label]
+        for value, note in zip(row.values, row.notes, strict=True):
+            text = f"{look.text(value)} {note}".strip()
+            cells.append(Mark(text, used_mark(value).tone) if look.unit == "%" and _known(value) else text)
+        return [cells]
+
     rows: list[Row] = []
     counts = [[sum(row.verdict == which for row in run.verdicts) for which in (EXCEEDED, WITHIN)] for run in comparison.runs]
     if any(over + within for over, within in counts):
-        cells = [
-            Mark(f"{over} of {over + within}", "exceeded" if over else "") if over + within else None for over, within in counts
-        ]
-        rows.append(("checks exceeded", *cells))
+        marks = [Mark(f"{over} of {over + within}", "exceeded" if over else "") for over, within in counts]
+        rows.append(("checks exceeded", *(mark if sum(count) else None for mark, count in zip(marks, counts, strict=True))))
     stops = [[row.contact for row in run.verdicts if row.contact] for run in comparison.runs]
     if any(stops):
-        rows.append(("stops, contacts struck", *(f"{one.count(STRUCK)} of {len(one)}" if one else None for one in stops)))
+        struck = (f"{of_run.count(STRUCK)} of {len(of_run)}" if of_run else None for of_run in stops)
+        rows.append(("stops, contacts struck", *struck))
     peaks = [row for row in acceleration_rows(comparison) if row.label != BASE.label]
-    rows += _largest("peak acceleration [g]", largest_of(peaks), Column("", "g", "z.2f"))
+    rows += largest("peak acceleration [g]", largest_of(peaks), Column("", "g", "z.2f"))
     ratio = Column("", "%", "z.0f")
-    rows += _largest(f"{SINGLE.lower()} [% used]", largest_of(travel_rows(comparison)), ratio, used=True)
-    rows += _largest(f"{TOGETHER.lower()} [% used]", largest_of(combined_rows(comparison)), ratio, used=True)
-    forces = [row for axis in range(3) for row in mount_rows(comparison, "force", axis)]
-    if force := largest_of(forces):
+    rows += largest(f"{SINGLE.lower()} [% used]", largest_of(travel_rows(comparison)), ratio)
+    rows += largest(f"{TOGETHER.lower()} [% used]", largest_of(combined_rows(comparison)), ratio)
+    if force := largest_of([row for axis in range(3) for row in mount_rows(comparison, "force", axis)]):
         unit = force_unit(max(abs(value) for value in force.values if value is not None and math.isfinite(value)))
-        rows += _largest(f"largest force of a mount [{unit}]", force, Column("", unit))
-    columns = (Column(align="left"), *(Column(run.name, align="text") for run in comparison.runs))
-    return Table(id="figures", title="Side by side", columns=columns, rows=rows)
+        rows += largest(f"largest force of a mount [{unit}]", force, Column("", unit))
+    columns = (*left(""), *(Column(run.name, align="text") for run in comparison.runs))
+    return Table("figures", "Side by side", columns, rows)
 
 
 def accelerations_table(comparison: Comparison, axis: int | None = None) -> Table:
-    """Tabulate peak accelerations, sizes or along an axis; of the sizes also what is used of the most critical limit."""
-    rows, where = acceleration_rows(comparison, axis), "" if axis is None else "xyz"[axis]
-    title = f"Peak accelerations along {where}" if where else "Peak accelerations"
-    table = _peaks(f"accelerations{where and '-'}{where}", title, comparison, rows, ("g", "z.2f"), times=True)
+    """Tabulate peak accelerations along an axis, or sizes with what is used of limits."""
+    rows, along = acceleration_rows(comparison, axis), "" if axis is None else "xyz"[axis]
+    name, title = (f"accelerations-{along}", f"Peak accelerations along {along}") if along else _ACCELERATIONS
+    table = _peaks(name, title, comparison, rows, ("g", "z.2f"), times=True)
     limits = [acceleration_limits(run.verdicts) for run in comparison.runs]
-    if where or not any(limits):
+    if along or not any(limits):
         return table
     columns, body = list(table.columns), [list(row) for row in table.rows]
     columns += [Column(f"{run.name}, used" if len(limits) > 1 else "used", "%", "z.0f") for run in comparison.runs]
-    columns += [Column("limit", "g"), Column("of", align="left")]
+    columns += [Column("limit", "g"), *left("of")]
     for row, cells in zip(rows, body, strict=True):
-        found = [of_run.get(row.label.removeprefix("point ")) for of_run in limits]
-        stated = next((one for one in found if one), None)
-        cells += [used_mark(one.utilisation if one else None) for one in found]
-        cells += [stated.limit if stated else None, stated.criterion.axis if stated else ""]
+        verdicts = [of_run.get(row.label.removeprefix("point ")) for of_run in limits]
+        cells += [used_mark(verdict.utilisation if verdict else None) for verdict in verdicts]
+        stated = next(filter(None, verdicts), None)
+        cells += [stated.limit, stated.criterion.axis] if stated else [None, ""]
     return replace(table, columns=columns, rows=body)
 
 
 def travel_tables(comparison: Comparison) -> Iterator[Table]:
-    """Yield what mounts use of their rated travel by both rulers; where nothing is rated, how far they move."""
     single = travel_rows(comparison)
     if any(_known(value) for row in single for value in row.values):
-        for name, title, rows in (
-            ("travel-single", f"{SINGLE}, % of the rating used", single),
-            (
-                "travel-combined",
-                f"{TOGETHER}, % of the ellipsoid through the ratings used (in-house rule)",
-                combined_rows(comparison),
-            ),
-        ):
-            if rows:
-                yield _peaks(name, title, comparison, rows, ("%", "z.0f"), shown=_MOST_MOUNTS)
+        yield _peaks("travel-single", f"{SINGLE}, % of the rating used", comparison, single, ("%", "z.0f"), shown=_MOST_MOUNTS)
+        if combined := combined_rows(comparison):
+            title = f"{TOGETHER}, % of the ellipsoid through the ratings used (in-house rule)"
+            yield _peaks("travel-combined", title, comparison, combined, ("%", "z.0f"), shown=_MOST_MOUNTS)
     elif single:
         rows = mount_rows(comparison, "deflection", None)
         yield _peaks("deflections", "Largest deflections", comparison, rows, ("mm", "z.2f"), times=True, shown=_MOST_MOUNTS)
 
 
+_ACCELERATIONS = "accelerations", "Peak accelerations"
+
+
 def _headlines(comparison: Comparison) -> Iterator[Block]:
     for run in comparison.runs:
-        one = headline(run.verdicts)
-        yield replace(one, id=f"headline-{run.name}", text=f"{run.name}: {one.text}")
+        statement = headline(run.verdicts)
+        yield replace(statement, id=f"headline-{run.name}", text=f"{run.name}: {statement.text}")
 
 
 def _summary(comparison: Comparison, inputs: Inputs) -> Iterator[Block]:
-    names = [run.name for run in comparison.runs]
     yield figures_table(comparison)
-    given = different_inputs(comparison, inputs)
-    if given:
-        columns = (Column(align="left"), *(Column(name, align="text") for name in names))
+    if given := different_inputs(comparison, inputs):
+        names = [run.name for run in comparison.runs]
+        columns = (*left(""), *(Column(name, align="text") for name in names))
         short = [(key, *values) for key, values in given if max(map(len, values)) <= _WIDEST]
-        yield Table(id="inputs", title="Inputs that differ", columns=columns, rows=short)
-        items = [
-            f"{key}: {'; '.join(f'{name}: {value}' for name, value in zip(names, values, strict=True))}"
-            for key, values in given
-            if max(map(len, values)) > _WIDEST
-        ]
-        yield Statement(id="long-inputs", items=tuple(items))
+        yield Table("inputs", "Inputs that differ", columns, short)
+        long = [(key, zip(names, values, strict=True)) for key, values in given if max(map(len, values)) > _WIDEST]
+        items = [f"{key}: {'; '.join(f'{name}: {value}' for name, value in pairs)}" for key, pairs in long]
+        yield Statement("long-inputs", items=tuple(items))
 
 
 def _mounts(comparison: Comparison) -> Iterator[Block]:
     for quantity, unit in (("deflection", "mm"), ("force", "kN")):
         for axis, along in reversed(list(enumerate(AXES))):
-            rows = [row for row in mount_rows(comparison, quantity, axis) if any(row.values)]
-            if rows:
-                title = f"Largest {along} {quantity}"
-                yield _peaks(f"{quantity}-{along}", title, comparison, rows, (unit, "z.2f"))
+            if rows := [row for row in mount_rows(comparison, quantity, axis) if any(row.values)]:
+                yield _peaks(f"{quantity}-{along}", f"Largest {along} {quantity}", comparison, rows, (unit, "z.2f"))
 
 
 def _apart(comparison: Comparison) -> Iterator[Block]:
     first = comparison.runs[0].name
-    columns = (Column(align="left"), Column("farthest apart"), Column("at", "ms", "z.1f"), Column(f"of {first}'s peak"))
+    columns = (*left(""), Column("farthest apart"), Column("at", "ms", "z.1f"), Column(f"of {first}'s peak"))
     for run in comparison.runs[1:]:
-        own = [entry for entry in comparison.differences if entry.run == run.name and entry.value > 0.0]
-        rows = [(subject_label(e.subject), size_text(e), e.time, ratio_text(e)) for e in own]
+        entries = [entry for entry in comparison.differences if entry.run == run.name and entry.value > 0.0]
         title = f"{run.name} against {first}"
-        if rows:
-            yield Table(id=f"apart-{run.name}", title=title, columns=columns, rows=rows)
+        if entries:
+            rows = [(subject_label(entry.subject), size_text(entry), entry.time, ratio_text(entry)) for entry in entries]
+            yield Table(f"apart-{run.name}", title, columns, rows)
         else:
-            yield Statement(id=f"apart-{run.name}", text=f"{title}: histories do not differ.")
+            yield Statement(f"apart-{run.name}", f"{title}: histories do not differ.")
 
 
 def _peaks(
     name: str, title: str, comparison: Comparison, rows: Sequence[PeakRow], look: tuple[str, str], *,
     times: bool = False, shown: int | None = None,
 ) -> Table:  # fmt: skip
-    """Tabulate a peak of every run with its instant where asked, and how it differs from that of the first."""
     first = comparison.runs[0].name
     unit, form = look
     noted = any(note for row in rows for note in row.notes)
-    columns = [Column(align="left")]
+    columns = left("")
     for number, run in enumerate(comparison.runs):
-        columns += [Column(run.name, unit, form), *([Column("in", align="left")] if noted else [])]
+        columns += [Column(run.name, unit, form), *(left("in") if noted else [])]
         columns += [Column("at", "s", "z.4f")] if times else []
         columns += [Column(f"to {first}")] if number else []
     body: list[Row] = []
@@ -199,19 +191,121 @@ def _peaks(
             cells += [time if _known(value) else None] if times else []
             cells += [difference_text(row, number)] if number else []
         body.append(cells)
-    return Table(id=name, title=title, columns=columns, rows=body, shown=shown)
-
-
-def _largest(label: str, row: PeakRow | None, look: Column, *, used: bool = False) -> list[Row]:
-    """Return a row with the largest value of each run and whose it is; none where no run has one."""
-    if row is None:
-        return []
-    cells: list[Cell] = [label]
-    for value, note in zip(row.values, row.notes, strict=True):
-        text = f"{look.text(value)} {note}".strip()
-        cells.append(Mark(text, used_mark(value).tone) if used and _known(value) else text)
-    return [cells]
+    return Table(name, title, columns, body, shown=shown)
 
 
 def _known(value: float | None) -> bool:
     return value is not None and bool(np.isfinite(value))
+
+
+def difference_text(row: PeakRow, number: int) -> str:
+    """Write the difference of a run to the first: "=", "+12.3 %", or "-" where there is none."""
+    difference = row.difference(number)
+    if difference is None:
+        return "-"
+    return "=" if row.values[number] == row.values[0] else f"{100.0 * difference:+.1f} %"
+
+
+def different_inputs(comparison: Comparison, inputs: Inputs) -> list[tuple[str, tuple[str, ...]]]:
+    """List the inputs that differ: name, and the value of each run ("-" if none)."""
+    keys = dict.fromkeys(key for run in comparison.runs for key in inputs.get(run.name, {}))
+    rows = [(key, tuple(inputs.get(run.name, {}).get(key, "-") for run in comparison.runs)) for key in keys]
+    return [(key, values) for key, values in rows if len(set(values)) > 1]
+
+
+def better_run(comparison: Comparison) -> Statement:
+    """State which run is better: the one that exceeds fewer checks, then the one that uses less of what is most critical.
+
+    Where nothing is judged it is the one with the smaller peak acceleration of the payload.
+    """
+    first, *others = comparison.runs
+    names = [run.name for run in comparison.runs]
+    if others and all(identical(first.response, run.response) for run in others):
+        return Statement("better", "The runs are identical: none is better.", values={"better": None})
+    used = {run.name: row for run in comparison.runs if (row := most_used(run.verdicts))}
+    if len(used) < len(names):
+        rows = [row for row in acceleration_rows(comparison) if row.label != BASE.label and None not in row.values]
+        if not rows:
+            return Statement("better", "No limit is stated: none is better.", values={"better": None})
+        best = names[int(np.argmin(np.array(rows[0].values, dtype=np.float64)))]
+        sizes = "; ".join(f"{name}: {with_unit(value, 'g')}" for name, value in zip(names, rows[0].values, strict=True))
+        text = f"Limits are not stated in every run; {best} has the smallest peak acceleration of {rows[0].label}. {sizes}."
+        return Statement("better", text, values={"better": best})
+    exceeded = {run.name: sum(row.verdict == EXCEEDED for row in run.verdicts) for run in comparison.runs}
+    ranks = {name: (exceeded[name], used[name].utilisation or 0.0) for name in names}
+    best = min(names, key=ranks.__getitem__)
+    checks = {name: f"{several(over, 'check')} exceeded, " if over else "" for name, over in exceeded.items()}
+    parts = [f"{name}: {checks[name]}most critical {against_limit(used[name])}" for name in names]
+    tie = list(ranks.values()).count(ranks[best]) > 1
+    text = "None is better" if tie else f"{best} is better"
+    return Statement("better", f"{text}. {'; '.join(parts)}.", values={"better": None if tie else best})
+
+
+def comparison_lines(comparison: Comparison) -> list[str]:
+    """Write what differs, where and when; what cannot be compared comes last."""
+    first, *others = comparison.runs
+    lines = [f"{run.name} is moved by {1e3 * run.moved:+.4g} ms to the shock of {first.name}." for run in others if run.moved]
+    for run in others:
+        if first.response.events and run.response.events:
+            apart = 1e3 * (run.response.events[0][0] - first.response.events[0][0])
+            if abs(apart) > _APART:
+                late = f"{abs(apart):.4g} ms {'later' if apart > 0.0 else 'earlier'}"
+                lines.append(
+                    f"The base of {run.name} moves {late} than that of {first.name}: --align shock lays both shocks together."
+                )
+        if identical(first.response, run.response):
+            lines.append(f"{run.name} and {first.name} are identical: every sample and every peak has the same bits.")
+            continue
+        entries = [entry for entry in comparison.differences if entry.run == run.name]
+        for entry in entries:
+            if entry.subject == BASE:
+                lines.append(
+                    f"{run.name}: the acceleration of the base differs from that of {first.name} by up to {size_text(entry)}, "
+                    f"at {_instant(entry)}."
+                    if entry.value
+                    else f"{run.name}: the base moves as that of {first.name} does."
+                )
+        riding = [entry for entry in entries if entry.subject != BASE and np.isfinite(entry.ratio)]
+        for kind, what in ((Component, "accelerations"), (str, "deflections")):
+            for entry in [entry for entry in riding if isinstance(entry.subject, kind)][:1]:
+                lines.append(
+                    f"{run.name}: {what} differ most from those of {first.name} at {subject_label(entry.subject)}: by "
+                    f"{size_text(entry)} at {_instant(entry)}, {ratio_text(entry)} of {first.name}'s peak."
+                    if entry.value
+                    else f"{run.name}: {what} are those of {first.name}, bit for bit."
+                )
+    for criterion, what in ((TRAVEL, SINGLE), (COMBINED.kind, TOGETHER)):
+        over = {
+            run.name: [row.subject for row in run.verdicts if row.criterion.kind == criterion and row.verdict == EXCEEDED]
+            for run in comparison.runs
+        }
+        if len(set(map(frozenset, over.values()))) > 1:
+            by_run = "; ".join(f"{name}: {listed([*dict.fromkeys(names)]) or 'none'}" for name, names in over.items())
+            lines.append(f"{what} exceeds 100 %: {by_run}.")
+    for name, subjects in comparison.alone.items():
+        if subjects:
+            kinds: dict[tuple[str, str], list[str]] = {("body", "bodies"): [], ("point", "points"): [], ("mount", "mounts"): []}
+            for subject in subjects:
+                mount, point = isinstance(subject, str), not isinstance(subject, str) and subject.kind == "point"
+                key = ("mount", "mounts") if mount else ("point", "points") if point else ("body", "bodies")
+                kinds[key].append(subject if isinstance(subject, str) else subject.name)
+            parts = [f"{kind[len(names) > 1]} {', '.join(names)}" for kind, names in kinds.items() if names]
+            lines.append(f"Only in {name}: {'; '.join(parts)}.")
+    return lines
+
+
+def subject_label(subject: Subject) -> str:
+    return f"mount {subject}" if isinstance(subject, str) else subject.label
+
+
+def size_text(entry: HistoryDifference) -> str:
+    mount = isinstance(entry.subject, str)
+    return f"{1e3 * entry.value:.3g} mm" if mount else f"{entry.value / STANDARD_GRAVITY:.3g} g"
+
+
+def ratio_text(entry: HistoryDifference) -> str:
+    return f"{100 * entry.ratio:.3g} %" if np.isfinite(entry.ratio) else "-"
+
+
+def _instant(entry: HistoryDifference) -> str:
+    return f"{1e3 * entry.time:.1f} ms" if entry.time < _LATE else f"{entry.time:.2f} s"

@@ -26,49 +26,49 @@ _HEIGHT, _MOST_DB = 105.0, 12.0  # of a panel; of a ratio that is drawn [dB]
 
 
 def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
-    """Compose what a run says of tests: the largest deviation first, then measures and curves of each test."""
-    names = " and ".join(one.name for one in tests)
-    worst = min(tests, key=lambda test: min(one.rating.overall for one in test.responses))
-    facts = tuple((f"Clock of {one.name}", _clock(one)) for one in tests)
+    names = " and ".join(test.name for test in tests)
+    worst = min(tests, key=lambda test: min(channel.rating.overall for channel in test.responses))
+    facts = tuple((f"Clock of {test.name}", _clock(test)) for test in tests)
     question = f"How well does the model agree with what was measured in {names}?"
     return Content(
         title=f"{run} against {names}", verdict=agreement(worst), facts=facts, question=(question,),
-        sections=tuple(one for one in correlation_sections(tests) if len(tests) > 1 or one.id != "tests"),
+        sections=tuple(section for section in correlation_sections(tests) if len(tests) > 1 or section.id != "tests"),
     )  # fmt: skip
 
 
 def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
-    """Yield the sections of tests, for a page of their own and for the run's report."""
+    kinds = {"histories": _histories, "spectra": _spectra, "transmissibility": _transmissibility, "loops": _loops}
     yield Section("tests", "Against measurements", lambda: map(agreement, tests), "headline")
-    for one in tests:
-        name = one.name
-        yield Section(f"measures-{name}", f"Agreement with {name}", partial(_measures, one), "summary")
-        for kind, build in (
-            ("histories", _histories), ("spectra", _spectra), ("transmissibility", _transmissibility), ("loops", _loops),
-        ):  # fmt: skip
-            yield Section(f"{kind}-{name}", f"{name}: {kind}", partial(build, one))
+    for test in tests:
+        yield Section(f"measures-{test.name}", f"Agreement with {test.name}", partial(_measures, test), "summary")
+        for kind, build in kinds.items():
+            yield Section(f"{kind}-{test.name}", f"{test.name}: {kind}", partial(build, test))
 
 
 def agreement(test: Correlation) -> Statement:
-    """Say where the model is farthest off, and how the worst channel is rated."""
-    worst = min(test.responses, key=lambda one: one.rating.overall)
+    """State where the model is farthest off, and how the worst channel is rated."""
+    worst = min(test.responses, key=lambda channel: channel.rating.overall)
     rated = f"lowest ISO/TS 18571 rating {worst.rating.overall:.2f}, {worst.rating.grade} ({worst.label})"
-    band = max((one.worst_band for one in test.responses if one.worst_band), key=lambda one: one.weight, default=None)
+    band = max(
+        (channel.worst_band for channel in test.responses if channel.worst_band),
+        key=lambda channel: channel.weight,
+        default=None,
+    )
     values = {} if band is None else {"first_Hz": band.first, "last_Hz": band.last, "deviation": band.deviation}
     return Statement(
-        id=f"agreement-{test.name}", text=f"{test.name}: {test.statement[:-1]}; {rated}.",
+        f"agreement-{test.name}", f"{test.name}: {test.statement[:-1]}; {rated}.",
         tone="unjudged" if test.other_base else _TONES[worst.rating.grade],
         values={**values, "rating": worst.rating.overall, "delay_s": test.delay, "clock": test.clock},
     )  # fmt: skip
 
 
 def _clock(test: Correlation) -> str:
-    one = test.channels[0]
-    first, last = one.pair.time[[0, -1]].round(4) + 0.0
-    compared = f"compared from {first:g} to {last:g} s at {one.pair.rate:.5g} Hz"
+    channel = test.channels[0]
+    first, last = channel.pair.time[[0, -1]].round(4) + 0.0
+    compared = f"compared from {first:g} to {last:g} s at {channel.pair.rate:.5g} Hz"
     if not test.aligned_by:
         return f"as given; {compared}"
-    moved = "agrees" if abs(test.delay) * one.channel.rate < 0.5 else f"moved by {with_unit(-test.delay, 'ms')}"
+    moved = "agrees" if abs(test.delay) * channel.channel.rate < 0.5 else f"moved by {with_unit(-test.delay, 'ms')}"
     rate = "" if test.clock == 1.0 else f", and its seconds made {test.clock:.7g} of the run's"
     return f"{moved}{rate}, by {test.aligned_by}; {compared}"
 
@@ -78,62 +78,66 @@ def _measures(test: Correlation) -> Iterator[Block]:
     yield test.ratings
     if test.warnings:
         text = "Said of the measurement, on which every figure here rests:"
-        yield Statement(id=f"warnings-{test.name}", text=text, items=test.warnings, tone="unjudged")
+        yield Statement(f"warnings-{test.name}", text, items=test.warnings, tone="unjudged")
 
 
 def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:
-    """Lay measured channels over the panels of a run that draw their quantity, and add a panel for every channel alone."""
+    """Lay measured channels over the panels of a run, and add a panel for each."""
     laid = dict(panels)
     for test in tests:
-        for one in test.channels:
-            kind, _, subject = one.channel.subject.partition("/")
-            axis = "xyz".index(one.channel.axis)
-            key = (one.channel.quantity, AXES[axis] if kind == "mount" else "xyz"[axis])
-            panel = channel_panel(one)
+        for channel in test.channels:
+            kind, _, subject = channel.channel.subject.partition("/")
+            axis = "xyz".index(channel.channel.axis)
+            key = (channel.channel.quantity, AXES[axis] if kind == "mount" else "xyz"[axis])
+            panel = channel_panel(channel)
             if key in laid and kind != "base":
                 ghost = replace(panel.curves[1], name=short(f"{subject} measured"), kind=GHOST)
                 laid[key] = replace(laid[key], curves=[*laid[key].curves, ghost])
-            laid["measured", f"{one.channel.quantity}s", test.name, one.label] = replace(
+            laid["measured", f"{channel.channel.quantity}s", test.name, channel.label] = replace(
                 panel, title=f"{panel.title} {panel.ylabel}"
             )
     return laid
 
 
-def channel_panel(one: ChannelCorrelation, model: str = "model") -> Panel:
-    """Draw what the model says of a channel, and what was measured."""
-    unit, pair = _UNITS[one.channel.quantity], one.pair
+def channel_panel(channel: ChannelCorrelation, model: str = "model") -> Panel:
+    unit, pair = _UNITS[channel.channel.quantity], channel.pair
     curves = [_curve(pair.time, in_unit(y, unit), name) for name, y in ((model, pair.model), ("measured", pair.measured))]
-    return Panel(curves=curves, ylabel=f"[{unit}]", title=one.label, unit=unit, xlim=(pair.time[0], pair.time[-1]))
+    return Panel(curves, f"[{unit}]", title=channel.label, unit=unit, xlim=(pair.time[0], pair.time[-1]))
 
 
 def _curve(x: Array, y: Array, name: str) -> Curve:
     row = int(np.abs(y).argmax())
     return Curve(
-        x=x, y=y, name=name, kind=MODEL if name == "model" else MEASURED, peak=(float(x[row]), float(y[row])),
+        x, y, name=name, kind=MODEL if name == "model" else MEASURED, peak=(float(x[row]), float(y[row])),
         dash="dashed" if name == "model" else "",
     )  # fmt: skip
 
 
 def _histories(test: Correlation) -> Iterator[Block]:
-    spans = [one.pair.time[one.event][[0, -1]] for one in test.responses]
+    spans = [channel.pair.time[channel.event][[0, -1]] for channel in test.responses]
     window = min(float(span[0]) for span in spans), max(float(span[1]) for span in spans)
-    panels = [replace(channel_panel(one), xlim=window) for one in test.channels]
+    panels = [replace(channel_panel(channel), xlim=window) for channel in test.channels]
     rows = [
         [replace(panel, title=f"{panel.title} {panel.ylabel}", xlabel="time [s]" if panel is panels[-1] else "")]
         for panel in panels
     ]
-    saturated = [one.label for one in test.channels if one.channel.saturated.any()]
+    saturated = [channel.label for channel in test.channels if channel.channel.saturated.any()]
     cut = f" Saturated, so that the true peak is higher: {'; '.join(saturated)}." if saturated else ""
     yield Chart(
         id=f"histories-{test.name}", rows=rows, height=_HEIGHT,
-        caption=f"As measured in {test.name}, and as the model says: {several(len(panels), 'channel')} on one clock, while "
+        caption=f"As measured in {test.name}, and as the model says: {several(len(panels), 'channel')} on channel clock, while "
         f"responses are above 5 % of their peaks.{cut}",
         alt=f"Histories measured in {test.name} and of the model.",
     )  # fmt: skip
 
 
 def _spectra(test: Correlation) -> Iterator[Block]:
-    rows = [[_both(one, ratio), _ratio(ratio)] for one in test.responses for ratio in (one.shock, one.density) if ratio]
+    rows = [
+        [_both(channel, ratio), _ratio(ratio)]
+        for channel in test.responses
+        for ratio in (channel.shock, channel.density)
+        if ratio
+    ]
     if rows:
         yield Chart(
             id=f"spectra-{test.name}", rows=rows, height=_HEIGHT,
@@ -144,8 +148,8 @@ def _spectra(test: Correlation) -> Iterator[Block]:
         )  # fmt: skip
 
 
-def _both(one: ChannelCorrelation, ratio: SpectrumRatio) -> Panel:
-    unit = _UNITS[one.channel.quantity]
+def _both(channel: ChannelCorrelation, ratio: SpectrumRatio) -> Panel:
+    unit = _UNITS[channel.channel.quantity]
     factor = in_unit(1.0, unit) if unit != "g" else 1.0 / STANDARD_GRAVITY
     shown = unit if ratio.kind == "SRS" else "relative"
     curves = [
@@ -153,15 +157,15 @@ def _both(one: ChannelCorrelation, ratio: SpectrumRatio) -> Panel:
         for name, y in (("model", ratio.model), ("measured", ratio.measured))
     ]
     label = f"SRS [{unit}]" if ratio.kind == "SRS" else "root of PSD [-]"
-    return spectrum_panel(curves, label, shown, title=f"{one.label}: {ratio.kind}", decades=POWER_DECADES)
+    return spectrum_panel(curves, label, shown, title=f"{channel.label}: {ratio.kind}", decades=POWER_DECADES)
 
 
 def _ratio(ratio: SpectrumRatio) -> Panel:
     decibels = 20.0 * np.log10(np.maximum(ratio.ratio, 1e-12))
     three = 20.0 * float(np.log10(THREE_DB))
     return Panel(
-        curves=[Curve(x=ratio.frequency, y=np.clip(decibels, -_MOST_DB, _MOST_DB), name="", kind=MODEL)],
-        ylabel="model / meas. [dB]", xlabel="frequency [Hz]", title=f"ratio, {100.0 * ratio.within_3db:.0f} % within 3 dB",
+        [Curve(ratio.frequency, np.clip(decibels, -_MOST_DB, _MOST_DB), name="", kind=MODEL)],
+        "model / meas. [dB]", xlabel="frequency [Hz]", title=f"ratio, {100.0 * ratio.within_3db:.0f} % within 3 dB",
         limits=[("+3 dB", three), ("-3 dB", -three)], xlim=(float(ratio.frequency[0]), float(ratio.frequency[-1])),
         ylim=(-_MOST_DB, _MOST_DB), log="x", unit="dB", xunit="Hz",
     )  # fmt: skip
@@ -169,13 +173,13 @@ def _ratio(ratio: SpectrumRatio) -> Panel:
 
 def _transmissibility(test: Correlation) -> Iterator[Block]:
     rows = []
-    for one in test.channels:
-        found = one.transmissibility
-        if found is not None:
+    for channel in test.channels:
+        ratio = channel.transmissibility
+        if ratio is not None:
             curves = [
-                _curve(found.frequency, np.abs(y), name) for name, y in (("model", found.model), ("measured", found.measured))
+                _curve(ratio.frequency, np.abs(y), name) for name, y in (("model", ratio.model), ("measured", ratio.measured))
             ]
-            rows.append([spectrum_panel(curves, "[-]", "", title=f"{one.label}: FRAC {found.frac:.2f}")])
+            rows.append([spectrum_panel(curves, "[-]", "", title=f"{channel.label}: FRAC {ratio.frac:.2f}")])
     if rows:
         yield Chart(
             id=f"transmissibility-{test.name}", rows=rows, height=_HEIGHT,
@@ -186,22 +190,20 @@ def _transmissibility(test: Correlation) -> Iterator[Block]:
 
 
 def _loops(test: Correlation) -> Iterator[Block]:
-    by_key = {one.channel.key: one for one in test.channels}
+    by_key = {channel.channel.key: channel for channel in test.channels}
     panels = []
-    for key, one in by_key.items():
+    for key, channel in by_key.items():
         force = by_key.get(key.replace("deflection", "force"))
-        if one.channel.quantity == "deflection" and force is not None:
+        if channel.channel.quantity == "deflection" and force is not None:
             curves = [
-                Curve(x=in_unit(x, "mm"), y=in_unit(y, "kN"), name=name, kind=kind)
+                Curve(in_unit(x, "mm"), in_unit(y, "kN"), name=name, kind=kind)
                 for name, kind, x, y in (
-                    ("model", MODEL, one.pair.model, force.pair.model),
-                    ("measured", MEASURED, one.pair.measured, force.pair.measured),
+                    ("model", MODEL, channel.pair.model, force.pair.model),
+                    ("measured", MEASURED, channel.pair.measured, force.pair.measured),
                 )
             ]
-            title = one.label.removesuffix(" deflection")
-            panels.append(
-                Panel(curves=curves, ylabel="force [kN]", xlabel="deflection [mm]", title=title, unit="kN", xunit="mm")
-            )
+            title = channel.label.removesuffix(" deflection")
+            panels.append(Panel(curves, "force [kN]", xlabel="deflection [mm]", title=title, unit="kN", xunit="mm"))
     if panels:
         yield Chart(
             id=f"loops-{test.name}", rows=[panels[row : row + 2] for row in range(0, len(panels), 2)], height=190.0,

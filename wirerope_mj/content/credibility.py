@@ -13,7 +13,7 @@ from wirerope_mj.content.numbers import listed, number, several, with_unit
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.tables import Column, Mark, Table
+from wirerope_mj.foundation.tables import Column, Mark, Table, left
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings, records_in
 from wirerope_mj.mounts.isolator import Isolator
@@ -24,14 +24,14 @@ from wirerope_mj.mounts.laws.law import Law
 if TYPE_CHECKING:
     from wirerope_mj.studies.result import StudyResult  # of tables: a run says its verdict without them
 
-# What a part of an answer rests on, from 0 to 4, in the spirit of NASA-STD-7009's credibility levels
+# What a part of an answer rests on, 0 to 4, after NASA-STD-7009's credibility levels
 GRADES = ("not known", "assumed", "stated", "measured", "measured, error known")
-NORMAL = 1.645  # standard deviations of a normal distribution on both sides of its mean between which nine of ten lie
+NORMAL = 1.645  # standard deviations on both sides that hold 90 % of a normal distribution
 
 _STATED, _TITLE = 2, "What the answer rests on"
 _KINDS = {"illustrative": 1, "estimated": 1, "catalogue": 2, "published": 2, "identified": 3}
 _STEP = 1e-3  # of a parameter, by which it is moved for its effect on the stiffness
-_DAMPED = 0.5  # power of the stiffness in a frequency, and so in the peaks of a given change of velocity
+_DAMPED = 0.5  # power of the stiffness in a frequency, and so in peaks of a velocity change
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,15 +45,19 @@ class _Part:
 
 
 def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
-    """Yield what the answer of a run rests on: one paragraph on its weakest part, and a table of all."""
     yield from _blocks(_parts(run))
 
 
 def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
-    """Yield what the answer of a study rests on, as of a run; deflections are the largest of all its variants."""
+    """Yield what the answer of a study rests on, by the largest deflections of all variants."""
+
+    def largest(measure: str) -> float:
+        values = np.asarray(result.table[measure], dtype=np.float64)
+        return float(np.max(values, initial=0.0, where=np.isfinite(values)))
+
     study, error = result.study, result.step_error
     reached = {
-        name: np.array([_largest(result, f"deflection/{name}/{rating}") for rating in RATINGS])
+        name: np.array([largest(f"deflection/{name}/{rating}") for rating in RATINGS])
         for name, mount in study.base.mounts.items()
         if not mount.isolator.is_stop
     }
@@ -83,39 +87,41 @@ def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
 
 
 def compared_credibility_blocks(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
-    """Yield what the answers of several runs rest on: the weakest part of all, and a table with a column for each run."""
+    """Yield what the answers of several runs rest on, a column for each run."""
+    if not runs:
+        return
     parts = {name: _parts(run) for name, run in runs.items()}
-    weakest, name = min(((part, name) for name, own in parts.items() for part in own), key=lambda pair: pair[0].grade)
+    weakest, name = min(((part, name) for name, of_run in parts.items() for part in of_run), key=lambda pair: pair[0].grade)
     yield Statement(
-        id="credibility",
-        text=f"The comparison is as good as its weakest part, {weakest.name} of {name} ({GRADES[weakest.grade]}): "
+        "credibility",
+        f"The comparison is as good as its weakest part, {weakest.name} of {name} ({GRADES[weakest.grade]}): "
         f"{weakest.text}. What is wrong in all runs alike differs less between them.",
         tone="unjudged" if weakest.grade < _STATED else "",
         values={"grade": float(weakest.grade)},
     )
     rows = [
-        (of_all[0].name, *(Mark(f"{one.grade} of 4, {GRADES[one.grade]}: {one.text}", "") for one in of_all))
+        (of_all[0].name, *(Mark(f"{part.grade} of 4, {GRADES[part.grade]}: {part.text}", "") for part in of_all))
         for of_all in zip(*parts.values(), strict=True)
     ]
-    columns = (Column("part", align="left"), *(Column(name, align="text") for name in parts))
-    yield Table(id="credibility-parts", title=_TITLE, columns=columns, rows=rows)
+    columns = (*left("part"), *(Column(name, align="text") for name in parts))
+    yield Table("credibility-parts", _TITLE, columns, rows)
 
 
 def _parts(run: JudgedRun) -> tuple[_Part, ...]:
     peaks, slowest = run.response.peaks, run.response.numerics.slowest_period
     halves = {
-        name: 0.5 * (np.asarray(one.deflection.maximum) - np.asarray(one.deflection.minimum))
-        for name, one in peaks.mounts.items()
+        name: 0.5 * (np.asarray(peak.deflection.maximum) - np.asarray(peak.deflection.minimum))
+        for name, peak in peaks.mounts.items()
     }
+    numerics = run.response.numerics
+    known, given = math.isfinite(numerics.error_estimate), math.isnan(numerics.accuracy)
+    computed = 4 if numerics.error_estimate <= numerics.accuracy else 1 if given and not known else 3
+    size = numerics.error_estimate if known else math.nan
+    computation = _Part(name="computation", grade=computed, text=numerics.error_text, size=size)
     return (
-        _numbers(run), _input([run.motion], len(run.record_warnings)), _form(run.system, halves, slowest),
+        computation, _input([run.motion], len(run.record_warnings)), _form(run.system, halves, slowest),
         _isolators(run.system),
     )  # fmt: skip
-
-
-def _largest(result: "StudyResult", measure: str) -> float:
-    values = np.asarray(result.table[measure], dtype=np.float64)
-    return float(np.max(values, initial=0.0, where=np.isfinite(values)))
 
 
 def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
@@ -130,7 +136,7 @@ def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
             f"{listed(unknown)}: no number, so that the true band is wider."
         )
     yield Statement(
-        id="credibility", text=" ".join(texts), tone="unjudged" if weakest.grade < _STATED else "",
+        "credibility", " ".join(texts), tone="unjudged" if weakest.grade < _STATED else "",
         values={"grade": float(weakest.grade), "band": math.sqrt(total)},
     )  # fmt: skip
     rows = [
@@ -141,36 +147,27 @@ def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
         for part in parts
     ]  # fmt: skip
     columns = (
-        Column("part", align="left"), Column("rests on", align="left"), Column("what is known", align="text"),
+        *left("part", "rests on"), Column("what is known", align="text"),
         Column("moves peaks by ±", "%", 2), Column("share of these", "%", 2),
     )  # fmt: skip
-    yield Table(id="credibility-parts", title=_TITLE, columns=columns, rows=rows)
+    yield Table("credibility-parts", _TITLE, columns, rows)
 
 
-def _numbers(run: JudgedRun) -> _Part:
-    numerics = run.response.numerics
-    error = numerics.error_estimate
-    if not math.isfinite(error):
-        return _Part(name="computation", grade=1 if math.isnan(numerics.accuracy) else 3, text=numerics.error_text)
-    grade = 4 if error <= numerics.accuracy else 3
-    return _Part(name="computation", grade=grade, text=numerics.error_text, size=error)
-
-
-def _input(motions: Sequence[BaseMotion], doubts: int) -> _Part:
-    told = "; ".join(one.description for one in motions)
-    if not all(list(records_in(one)) for one in motions):
-        return _Part(name="input", grade=2, text=f"{told}: as it was stated; the event itself may differ")
-    text = f"{told}: as it was measured, {several(doubts, 'warning') if doubts else 'without warnings'}"
-    return _Part(name="input", grade=2 if doubts else 3, text=text)
+def _input(motions: Sequence[BaseMotion], warnings: int) -> _Part:
+    text = "; ".join(motion.description for motion in motions)
+    if not all(list(records_in(motion)) for motion in motions):
+        return _Part(name="input", grade=2, text=f"{text}: as it was stated; the event itself may differ")
+    text = f"{text}: as it was measured, {several(warnings, 'warning') if warnings else 'without warnings'}"
+    return _Part(name="input", grade=2 if warnings else 3, text=text)
 
 
 def _form(system: System, halves: Mapping[str, Array], slowest: float) -> _Part:
-    """Say how far deflections go, half of their range (3,) [m], from the tests that the laws come from."""
+    """Compare deflections, half of their range (3,) [m], with the tests that the laws come from."""
     farthest, untested, frequencies = (0.0, ""), set[str](), []
-    for name, own in halves.items():
+    for name, ranges in halves.items():
         mount = system.mounts[name]
-        for half, (axis, law) in zip(own.tolist(), mount.isolator.axes.items(), strict=True):
-            if law is None or half <= MOVING * own.max():
+        for half, (axis, law) in zip(ranges.tolist(), mount.isolator.axes.items(), strict=True):
+            if law is None or half <= MOVING * ranges.max():
                 continue
             tested = mount.isolator.validity.stated.get(axis)
             if tested is None:
@@ -200,9 +197,9 @@ def _isolators(system: System) -> _Part:
     devices = {mount.isolator.name: mount.isolator for mount in system.mounts.values()}
     if not devices:
         return _Part(name="isolator data", grade=4, text="there are no isolators")
-    kinds: list[str] = sorted({one.provenance.kind for one in devices.values()}, key=_KINDS.__getitem__)
-    assumed = sum(len(one.provenance.assumed) for one in devices.values())
-    scatter = [_scatter(one) for one in devices.values() if one.spread is not None]
+    kinds: list[str] = sorted({device.provenance.kind for device in devices.values()}, key=_KINDS.__getitem__)
+    assumed = sum(len(device.provenance.assumed) for device in devices.values())
+    scatter = [_scatter(device) for device in devices.values() if device.spread is not None]
     grade = _KINDS[kinds[0]] + (len(scatter) == len(devices) and kinds[0] == "identified")
     text = f"{several(len(devices), 'isolator')}: {listed(kinds)}"
     text += f"; {several(assumed, 'value')} assumed" if assumed else ""
@@ -219,7 +216,7 @@ def _scatter(isolator: Isolator) -> float:
     Secants are those from rest to half of each rated travel, and of vanishing deflections where none is rated.
     """
     assert isolator.spread is not None
-    found = [0.0]
+    ratios = [0.0]
     for axis, law in isolator.axes.items():
         rated = [getattr(isolator.limits.travel, rating) for rating in SIDES[axis]] if law and law.rate_independent else []
         ends = [0.5 * sign * travel for sign, travel in zip((-1.0, 1.0), rated, strict=False) if travel]
@@ -234,10 +231,10 @@ def _scatter(isolator: Isolator) -> float:
                 moved = replace(law, **law.completed({parameter: value + step})) if step else law
                 slopes.append((_secant(moved, end) - stiffness) / step if step else 0.0)
             variance = float(np.array(slopes) @ np.array(isolator.spread.covariance) @ np.array(slopes))
-            found.append(math.sqrt(max(variance, 0.0)) / stiffness)
-    return max(found)
+            ratios.append(math.sqrt(max(variance, 0.0)) / stiffness)
+    return max(ratios)
 
 
 def _secant(law: Law, deflection: float) -> float:
-    """Return the stiffness of an unloaded law from rest to a deflection, at 0 its slope [N/m]."""
+    """Compute the stiffness of an unloaded law from rest to a deflection, at 0 its slope [N/m]."""
     return float(law.trace([0.0, deflection]).force[-1]) / deflection if deflection else law.initial_stiffness

@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.isolator import law_text
 from wirerope_mj.content.panels import BASE, LIMIT, Chart, Curve, Panel
-from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.foundation.tables import Cell, Column, Table, left
 from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.identification.choice import LawComparison
 from wirerope_mj.mounts.isolator import Isolator
@@ -18,17 +18,17 @@ from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening
 
-FREQUENCY = 5.0  # Of the tests of an isolator [Hz], table and picture alike; without effect on a rate-independent law
+FREQUENCY = 5.0  # Of the tests of an isolator [Hz]; without effect on a rate-independent law
 _FRACTIONS = (0.25, 0.5, 1.0)  # of the rated travel
 _UNRATED = 0.002  # [m], at which an axis without rated travel is measured: small for every mount
 _MOST_NAMES = 8  # in a legend: more would hide the loops
 _CLOSED = 1e-10  # of the force range: what cyclic tests close to
 _DAMPED = 1e-9  # damping ratio, below which loops have no width to speak of
 _COLUMNS = (
-    Column("axis", align="left"), Column("amplitude", "mm", ".4g"), Column("secant\nstiffness", "kN/m", ".4g"),
+    *left("axis"), Column("amplitude", "mm", ".4g"), Column("secant\nstiffness", "kN/m", ".4g"),
     Column("energy\nper cycle", "J", ".4g"), Column("damping\nratio", "%", ".4g"),
     Column("tangent\nafter largest", "kN/m", "z.4g"), Column("tangent\nafter smallest", "kN/m", "z.4g"),
-    Column("cycles\nto close", align="left"),
+    *left("cycles\nto close"),
 )  # fmt: skip
 
 
@@ -44,7 +44,7 @@ class CyclicTests:
 
 
 def loops_content(tests: CyclicTests) -> Content:
-    """Describe cyclic tests: the laws, measures of every loop, those of all loops of an axis, and the loops as a chart."""
+    """Describe cyclic tests: laws, measures of every loop and of all, and a chart."""
     about = f", about {in_unit(tests.operating_point, 'mm'):.4g} mm" if tests.operating_point else ""
     rate = "" if all(law.rate_independent for law in tests.laws.values()) else f", at {tests.frequency:g} Hz"
     title = f"{tests.isolator.name}{about}{rate}"
@@ -53,7 +53,7 @@ def loops_content(tests: CyclicTests) -> Content:
     titled = {f"{name}{each[name]}": loops for name, loops in tests.loops.items()}
     return Content(
         title=title,
-        verdict=Statement(id="tests", text=title),
+        verdict=Statement("tests", title),
         sections=(
             Section("tests", "", lambda: _test_blocks(tests), "summary"),
             Section("loops", "", lambda: [loops_chart(titled)]),
@@ -70,24 +70,22 @@ def _test_blocks(tests: CyclicTests) -> Iterator[Block]:
                 f"{title}, normalised: z_max = {form.z_max:.6g} N, x_y = {in_unit(form.x_y, 'mm'):.6g} mm, "
                 f"sigma = {form.sigma:.6g}, n = {form.n:.6g}"
             )
-    yield Statement(id="laws", items=tuple(lines))
-    rows = [[title, *_measures(loop, tests.laws[title])] for title, loops in tests.loops.items() for loop in loops]
+    yield Statement("laws", items=tuple(lines))
+    rows: list[list[Cell]] = []
+    for title, loops in tests.loops.items():
+        for loop in loops:  # a rate-dependent force turns round smoothly and has no tangent to state
+            tangents = loop.tangents_at_reversal if tests.laws[title].rate_independent else (None, None)
+            closed = f"{loop.cycles}" if loop.closure <= _CLOSED else f"{loop.cycles}, open by {loop.closure:.1g}"
+            measures = loop.amplitude, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio
+            rows.append([title, *measures, *tangents, closed])
     note = "Tangent: stiffness right after the largest and the smallest deflection, where the motion turns round."
-    yield Table(id="loop-measures", title="Measures of the loops", columns=_COLUMNS, rows=rows, note=note)
+    yield Table("loop-measures", "Measures of the loops", _COLUMNS, rows, note=note)
     yield Statement(
-        id="loop-findings", items=tuple(f"{title}: {text}" for title, loops in tests.loops.items() for text in _findings(loops))
+        "loop-findings", items=tuple(f"{title}: {text}" for title, loops in tests.loops.items() for text in _findings(loops))
     )
 
 
-def _measures(loop: Loop, law: Law) -> list[Cell]:
-    """Return a loop's measures; a rate-dependent force turns round smoothly and has no tangent to state."""
-    tangents = loop.tangents_at_reversal if law.rate_independent else (None, None)
-    closed = f"{loop.cycles}" if loop.closure <= _CLOSED else f"{loop.cycles}, open by {loop.closure:.1g}"
-    return [loop.amplitude, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio, *tangents, closed]
-
-
 def _findings(loops: Sequence[Loop]) -> Iterator[str]:
-    """Yield measures of the loops of an axis together, as far as their number allows."""
     amplitudes = {loop.amplitude for loop in loops}
     if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > _DAMPED:
         try:
@@ -99,7 +97,6 @@ def _findings(loops: Sequence[Loop]) -> Iterator[str]:
 
 
 def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
-    """Return a panel for each test by its title, from the smallest loop to the largest; in "axial .." tension is positive."""
     panels = []
     for title, loops in tests.items():
         unit = force_unit(max(float(np.abs(loop.force).max()) for loop in loops))
@@ -109,7 +106,7 @@ def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
 
 
 def measures_table(device: Isolator) -> Table:
-    """Tabulate steady loops about zero at 25, 50 and 100 % of the rated travel, unrated ones beyond the gap."""
+    """Tabulate steady loops at 25, 50 and 100 % of the rated travel, unrated ones beyond the gap."""
     rows: list[list[Cell]] = []
     for axis, law in device.axes.items():
         if law is None:
@@ -122,11 +119,11 @@ def measures_table(device: Isolator) -> Table:
             used = None if rated is None else amplitude / rated
             rows.append([axis, amplitude, used, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio])
     columns = (
-        Column("axis", align="left"), Column("amplitude", "mm", ".3g"), Column("of rated", "%", ".0f"),
+        *left("axis"), Column("amplitude", "mm", ".3g"), Column("of rated", "%", ".0f"),
         Column("secant\nstiffness", "kN/m", ".4g"), Column("energy\nper cycle", "J", ".4g"),
         Column("damping\nratio", "%", ".4g"),
     )  # fmt: skip
-    return Table(id="measures", title="Steady loops about zero", columns=columns, rows=rows)
+    return Table("measures", "Steady loops about zero", columns, rows)
 
 
 def isolator_chart(device: Isolator) -> Chart:
@@ -149,13 +146,13 @@ def _chart(panels: Sequence[Panel], caption: str) -> Chart:
 
 def _panel(curves: Sequence[Curve], title: str, unit: str) -> Panel:
     return Panel(
-        curves=curves, xlabel="deflection [mm], tension positive" if title.startswith("axial") else "deflection [mm]",
+        curves, xlabel="deflection [mm], tension positive" if title.startswith("axial") else "deflection [mm]",
         ylabel=f"force [{unit}]", title=title, unit=unit, xunit="mm",
     )  # fmt: skip
 
 
 def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:
-    """Return loops of deepening colour; of many only some are named, each by its amplitude and damping ratio."""
+    """Draw loops of deepening colour; of many only some are named."""
     named = set(np.linspace(0, len(loops) - 1, min(len(loops), _MOST_NAMES)).round().astype(int))
     shades = np.linspace(0.45, 1.0, len(loops)) if len(loops) > 1 else [1.0]
     curves = []
@@ -164,12 +161,11 @@ def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:
         size = f"±{amplitude:.3g} mm" if amplitude < 1000.0 else f"±{amplitude:.0f} mm"
         name = f"{size}, within the gap" if math.isnan(ratio) else f"{size}, ζ = {in_unit(ratio, '%'):.1f} %"
         x, y = in_unit(loop.deflection, "mm"), in_unit(loop.force, unit)
-        curves.append(Curve(x=x, y=y, name=name if number in named else "", kind=0, opacity=float(shade)))
+        curves.append(Curve(x, y, name=name if number in named else "", kind=0, opacity=float(shade)))
     return curves
 
 
 def _ratings(device: Isolator, axis: str, law: Law) -> Iterator[Curve]:
-    """Yield the rated static load and the rated travel on the first loading, and that to both sides."""
     travel = device.rated_travel(axis)
     below, load = travel[0], device.limits.static_load
     if axis == "axial" and load is not None and below is not None:
@@ -186,16 +182,16 @@ def _ratings(device: Isolator, axis: str, law: Law) -> Iterator[Curve]:
     for sign in (-1.0, 1.0):
         path = law.trace(sign * np.linspace(0.0, largest_amplitude(device, axis), 200))
         x, y = in_unit(path.deflection, "mm"), in_unit(path.force, "kN")
-        yield Curve(x=x, y=y, name="first loading", kind=BASE, dash="dashed")
+        yield Curve(x, y, name="first loading", kind=BASE, dash="dashed")
 
 
 def _mark(deflection: float, force: float, name: str, kind: str) -> Curve:
     x, y = np.array([in_unit(deflection, "mm")]), np.array([in_unit(force, "kN")])
-    return Curve(x=x, y=y, name=name, kind=kind, marks=True, weight=2.0)
+    return Curve(x, y, name=name, kind=kind, marks=True, weight=2.0)
 
 
 def law_choice_statement(table: LawComparison, files: str) -> Statement:
-    """Return which of several laws to trust, for which amplitudes, and how it is identified from the files."""
+    """State which of several laws to trust, for which amplitudes, and the command that fits it."""
     best, general, chosen = table.best, table.most_general, table.recommended
     items = [f"{best.law} has the best criterion, {general.law} the smallest error on an amplitude left out."]
     if chosen is not general:
@@ -207,4 +203,4 @@ def law_choice_statement(table: LawComparison, files: str) -> Statement:
     farthest = in_unit(float(table.amplitudes[-1]), "mm")
     items.append(f"Errors are those of cycles up to ±{farthest:.3g} mm; of larger ones they say nothing.")
     items.append(f"wirerope identify {files} --law {chosen.law} --out isolator.toml")
-    return Statement(id="law-choice", text=f"Recommended: {chosen.law}.", items=tuple(items), tone="strong")
+    return Statement("law-choice", f"Recommended: {chosen.law}.", items=tuple(items), tone="strong")

@@ -20,7 +20,6 @@ from wirerope_mj.mounts.isolator import AXES
 
 NEAR = 0.8  # Utilisation from which a limit is reported
 _NOTHING = 1e-9  # of the largest of all axes
-_UNITS = {"deflection": "mm", "force": "kN"}
 
 
 @dataclass(frozen=True, kw_only=True, order=True)
@@ -34,74 +33,69 @@ class Event:
 
 
 def events_of(response: Response, selection: Selection) -> list[Event]:
-    """Return the events of a run in order of time."""
-    # A sum of pulses says the same at the same instant for each of them.
-    events = [Event(time=time, level="INFO", text=text, main=True) for time, text in dict.fromkeys(response.events)]
-    events += _acceleration_peaks(response, selection)
-    events += _mount_peaks(response, selection)
-    for used in selection.used:
-        if used.largest >= NEAR:
-            worst = used is selection.used[0]
-            events += _limit_events(response, used.governing, main=worst)
-            events += [
-                event
-                for verdict in used.verdicts[1:]
-                if verdict.verdict == EXCEEDED
-                for event in _limit_events(response, verdict, main=False)
-            ]
-    events += _contact_events(response)
-    if selection.window[1] < response.time[-1]:
-        events.append(
-            Event(
-                time=selection.window[1], level="INFO", text="swings of the mounts stay below a tenth of the largest", main=True
-            )
-        )
-    return sorted(event for event in events if response.reaches(event.time))
+    """List the events of a run in order of time."""
 
+    def info(time: float, text: str, *, main: bool = False) -> None:
+        events.append(Event(time=time, level="INFO", text=text, main=main))
 
-def main_instants(response: Response, selection: Selection) -> Array:
-    """Return the instants of the few events that a run's course is told by [s], (n,)."""
-    return np.unique([event.time for event in events_of(response, selection) if event.main])
-
-
-def _acceleration_peaks(response: Response, selection: Selection) -> Iterator[Event]:
-    """Yield the peaks of the base and of the bodies and points that are named, the largest as one of the main events."""
+    events: list[Event] = []
+    for time, text in dict.fromkeys(response.events):  # a sum of pulses says the same at the same instant for each of them
+        info(time, text, main=True)
     bodies, points = response.peaks.bodies, response.peaks.points
     peaks: list[tuple[str, Peak]] = [(name, bodies[name].acceleration) for name in selection.bodies[:NAMED]]
     peaks += [(f"point {name}", points[name].acceleration) for name in selection.points[:NAMED]]
     largest = max((peak.value for _, peak in peaks), default=0.0)
-    if response.scene.base in bodies:
-        peaks.append(("base", bodies[response.scene.base].acceleration))
     for name, peak in peaks:
-        text = f"{name}: peak acceleration {in_unit(peak.value, 'g'):.2f} g"
-        yield Event(time=peak.time, level="INFO", text=text, main=peak.value == largest and name != "base")
+        info(peak.time, f"{name}: peak acceleration {in_unit(peak.value, 'g'):.2f} g", main=peak.value == largest)
+    if response.scene.base in bodies:
+        peak = bodies[response.scene.base].acceleration
+        info(peak.time, f"base: peak acceleration {in_unit(peak.value, 'g'):.2f} g")
+    events += _mount_peaks(response, selection)
+    for used in selection.used:
+        if used.largest >= NEAR:
+            events += _limit_events(response, used.governing, main=used is selection.used[0])
+            for verdict in used.verdicts[1:]:
+                events += _limit_events(response, verdict, main=False) if verdict.verdict == EXCEEDED else ()
+    contacts = response.peaks.contacts or {}
+    for rank, name in enumerate(response.peaks.struck):
+        contact = contacts[name]
+        force = force_text(contact.force)
+        text = closing_text(name, contact) if contact.mount else f"{name}: struck, at most {force}"
+        events.append(Event(time=contact.first_touch or 0.0, level="WARN", text=text, main=rank == 0))
+        if contact.force_time is not None:
+            text = f"{contact.called(name)}: largest force, {force}"
+            events.append(Event(time=contact.force_time, level="WARN", text=text))
+    if selection.window[1] < response.time[-1]:
+        info(selection.window[1], "swings of the mounts stay below a tenth of the largest", main=True)
+    return sorted(event for event in events if response.reaches(event.time))
+
+
+def main_instants(response: Response, selection: Selection) -> Array:
+    """List the instants of the few main events [s], (n,)."""
+    return np.unique([event.time for event in events_of(response, selection) if event.main])
 
 
 def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
     """Yield the largest deflection and force along every axis, and how far the mount swings back in the first of them."""
-    for quantity, unit in _UNITS.items():
-        ends_of = {}
+    for quantity, unit in (("deflection", "mm"), ("force", "kN")):
+        extremes = {}
         for axis in selection.axes:
             name, number = selection.leading[quantity, axis][0], AXES.index(axis)
             peak: Peak = getattr(response.peaks.mounts[name], quantity)
-            ends = [
-                (float(peak.minimum[number]), float(peak.minimum_time[number])),
-                (float(peak.maximum[number]), float(peak.maximum_time[number])),
-            ]
-            ends_of[axis] = name, sorted(ends, key=lambda end: -abs(end[0]))
-        most = max((abs(ends[0][0]) for _, ends in ends_of.values()), default=0.0)
-        for axis, (name, ((value, time), (back, after))) in ends_of.items():
+            ends = [(peak.minimum[number], peak.minimum_time[number]), (peak.maximum[number], peak.maximum_time[number])]
+            extremes[axis] = name, sorted(((float(value), float(time)) for value, time in ends), key=lambda end: -abs(end[0]))
+        most = max((abs(ends[0][0]) for _, ends in extremes.values()), default=0.0)
+        for axis, (name, ((value, time), (back, after))) in extremes.items():
             if abs(value) <= _NOTHING * most:
                 continue  # rounding, along an axis in which nothing acts
-            size = f"{in_unit(value, unit):.4g} {unit}"
-            yield Event(time=time, level="INFO", text=f"{name}: largest {axis} {quantity}, {size}")
+            text = f"{name}: largest {axis} {quantity}, {in_unit(value, unit):.4g} {unit}"
+            yield Event(time=time, level="INFO", text=text)
             if quantity == "deflection" and axis == selection.axes[0] and after > time and value * back < 0.0:
                 text = f"{name}: rebounds to {in_unit(back, unit):.4g} {unit} {axis}"
                 yield Event(time=after, level="INFO", text=text, main=True)
 
 
 def _limit_events(response: Response, verdict: Verdict, *, main: bool) -> Iterator[Event]:
-    """Yield when a value passes 80 % of its limit, when all of it, and when it is largest."""
     if verdict.time is None:
         return
     course, over = utilisation_over_time(response, verdict), verdict.verdict == EXCEEDED
@@ -118,7 +112,7 @@ def _limit_events(response: Response, verdict: Verdict, *, main: bool) -> Iterat
 
 
 def first_above(time: Array, values: Array, level: float) -> float | None:
-    """Return when `values` (n_t,) first reach a level [s], between samples on a straight line; None if no sample does."""
+    """Find when `values` (n_t,) first reach a level [s], interpolated; None if they do not."""
     above = np.flatnonzero(values >= level)
     if not above.size:
         return None
@@ -129,18 +123,6 @@ def first_above(time: Array, values: Array, level: float) -> float | None:
     return float(time[row - 1] + (time[row] - time[row - 1]) * (level - before) / (after - before))
 
 
-def _contact_events(response: Response) -> Iterator[Event]:
-    """Yield when stops and pairs are struck first, and when they press hardest."""
-    contacts = response.peaks.contacts or {}
-    for number, name in enumerate(response.peaks.struck):
-        contact = contacts[name]
-        force = force_text(contact.force)
-        text = closing_text(name, contact) if contact.mount else f"{name}: struck, at most {force}"
-        yield Event(time=contact.first_touch or 0.0, level="WARN", text=text, main=number == 0)
-        if contact.force_time is not None:
-            yield Event(time=contact.force_time, level="WARN", text=f"{contact.called(name)}: largest force, {force}")
-
-
 def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:
     """Yield accelerations, and deflections and forces of the worst mounts, at a sample.
 
@@ -148,31 +130,31 @@ def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:
     as in a sweep, one sample would be any phase.
     """
     response, selection = run.response, run.selection
-    rows, one = slice(row, stop), stop - row <= 1
+    rows, single = slice(row, stop), stop - row <= 1
     start, end = response.time[row], response.time[max(stop - 1, row)]
-    when = f"{start:.4f} s" if one else f"{start:.3f} to {end:.3f} s, largest sizes"
+    when = f"{start:.4f} s" if single else f"{start:.3f} to {end:.3f} s, largest sizes"
     if run.sweep is not None:
         frequency = run.sweep.frequency([0.5 * (start + end)])
         when += f", {float(frequency[0]):.4g} Hz"
     parts: list[tuple[str, Array]] = [("base", response.base.acceleration)]
     parts += [(name, response.bodies[name].acceleration) for name in selection.bodies[:1]]
     parts += [(name, response.points[name].acceleration) for name in selection.points[:1]]
-    largest = [(name, float(np.linalg.norm(values[rows], axis=1).max())) for name, values in parts]
-    sizes = [f"{name} {with_unit(value, 'm/s^2')}" for name, value in largest]
-    yield Statement(id="now", text=f"{when}: {'; '.join(sizes)}", tone="strong")
-    courses = {one.subject: one.course for one in selection.used}
+    largest = {name: float(np.linalg.norm(values[rows], axis=1).max()) for name, values in parts}
+    sizes = [f"{name} {with_unit(value, 'm/s^2')}" for name, value in largest.items()]
+    yield Statement("now", f"{when}: {'; '.join(sizes)}", tone="strong")
+    courses = {used.subject: used.course for used in selection.used}
     table: list[Row] = []
     # Mounts that use most of their limits, then those that are deflected most.
-    names = [one.subject for one in selection.used if one.subject in selection.mounts]
+    names = [used.subject for used in selection.used if used.subject in selection.mounts]
     names += [name for axis in selection.axes[:1] for name in selection.leading["deflection", axis]]
     for name in list(dict.fromkeys(names))[:NAMED]:
         mount = response.mounts[name]
         cells: list[Cell] = [name]
         for values in (mount.deflection[rows], mount.force[rows]):
-            found = values[0] if one else np.abs(values).max(axis=0)
-            cells += [float(found[axis]) for axis in (2, 1, 0)]
+            extremes = values[0] if single else np.abs(values).max(axis=0)
+            cells += extremes[::-1].tolist()
         cells.append(float(courses[name][rows].max()) if name in courses else None)
         table.append(cells)
-    heads = ("axial, tension +" if one else "axial", "shear", "roll")
+    heads = ("axial, tension +" if single else "axial", "shear", "roll")
     columns = [Column(head, unit, form) for unit, form in (("mm", "z.1f"), ("kN", "z.2f")) for head in heads]
     yield Table(title="", columns=(Column(align="left"), *columns, Column("used", "%", "z.0f")), rows=table)

@@ -8,10 +8,10 @@ from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import several, with_unit
 from wirerope_mj.engine.flexible import FlexiblePart
 from wirerope_mj.foundation.arrays import Array, Booleans
-from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.foundation.tables import Cell, Column, Table, left
 
-CAPTURED = 0.9  # of the mass along an axis below which modes that are left out matter: usual in seismic rules
-# Share of a point's static compliance that may be missing unsaid, and of its largest one that the axes have which count.
+CAPTURED = 0.9  # of the mass along an axis below which omitted modes matter, as in seismic rules
+# Fraction of a point's static compliance that may be missing, and of its largest one that an axis has to count.
 _SOFTER, _STIFF = 0.01, 0.01
 # Effective mass that decks and machines have [kg]; beyond it units are perhaps other ones.
 _LIGHTEST, _HEAVIEST = 1.0, 1e6
@@ -29,7 +29,7 @@ def flexible_content(
     frequencies, added = part.frequencies[modes], int((~modes).sum())
     text = f"{several(frequencies.size, 'mode')} from {with_unit(float(frequencies.min()), 'Hz')} to "
     text += with_unit(float(frequencies.max()), "Hz") + (f" and {several(added, 'residual vector')}" if added else "")
-    headline = Statement(id="part", text=f"{text} at {several(len(part.points), 'point')}.", tone="strong")
+    headline = Statement("part", f"{text} at {several(len(part.points), 'point')}.", tone="strong")
     sections = (
         Section("modes", "", lambda: [_table(part, mass, modes)], "summary"),
         Section("checks", "", lambda: _checks(part, mass, whole or part, modes), "summary"),
@@ -49,13 +49,13 @@ def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> T
         size = with_unit(float(np.max(mass)), "kg")
         rows.append([f"of {size}", None, None, *(f"{100.0 * c:.1f} %" for c in _shares(effective.sum(axis=0), mass))])
     columns = (
-        Column("mode", align="left"), Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.2f"),
+        *left("mode"), Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.2f"),
         *(Column(f"mass\n{axis}", "kg", "z.2f") for axis in "xyz"),
     )  # fmt: skip
     note = "The square of the participation: what a motion of the base along the axis shakes in that mode."
     if not modes.all():
         note += " Residual vectors keep the static compliance of modes left out; their frequencies are no resonances."
-    return Table(id="flexible-modes", title="Modes and the mass that takes part", columns=columns, rows=rows, note=note)
+    return Table("flexible-modes", "Modes and the mass that takes part", columns, rows, note=note)
 
 
 def _shares(total: Array, mass: float | Array) -> Array:
@@ -63,38 +63,37 @@ def _shares(total: Array, mass: float | Array) -> Array:
 
 
 def _checks(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart, modes: Booleans) -> Iterator[Statement]:
-    """Yield a sentence on each thing that is perhaps not meant, and on the mass that residual vectors carry."""
 
-    def doubt(name: str, text: str) -> Statement:
-        return Statement(id=f"flexible-{name}", text=text, tone="unjudged")
+    def warning(name: str, text: str) -> Statement:
+        return Statement(f"flexible-{name}", text, tone="unjudged")
 
     total = (part.participation**2).sum(axis=0)
     largest = float(total.max())
     if not total.any():
-        yield doubt("free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck.")
+        yield warning("free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck.")
     elif not _LIGHTEST <= largest <= _HEAVIEST:
-        yield doubt("units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?")
-    shares = [_shares((one.participation**2).sum(axis=0), mass) for one in (part, whole)] if mass is not None else []
+        yield warning("units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?")
+    shares = [_shares((shown.participation**2).sum(axis=0), mass) for shown in (part, whole)] if mass is not None else []
     for axis, share, of_whole in zip("xyz", *shares, strict=True) if shares else ():
         text = f"Along {axis} the modes bring along {100 * share:.1f} % of the mass,"
         if share > 1.0 + 1e-6:
-            yield doubt("mass", f"{text} more than there is.")
+            yield warning("mass", f"{text} more than there is.")
         elif 0.01 < share < CAPTURED and not modes.all() and of_whole >= CAPTURED:
             text = f"{text} and residual vectors carry the rest of what was read, {100 * (of_whole - share):.1f} %, statically."
-            yield Statement(id="flexible-captured", text=text)
+            yield Statement("flexible-captured", text)
         elif 0.01 < share < CAPTURED:
-            yield doubt("captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors.")
+            yield warning("captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors.")
     missing = [
-        (1.0 - float(own / full), name, axis)
+        (1.0 - float(kept / full), name, axis)
         for name in part.points
-        for axis, own, full in zip("xyz", part.compliance(name), whole.compliance(name), strict=True)
+        for axis, kept, full in zip("xyz", part.compliance(name), whole.compliance(name), strict=True)
         if full > _STIFF * whole.compliance(name).max()
     ]
     lacks, point, axis = max(missing, default=(0.0, "", ""))
     if lacks > _SOFTER:
         text = f"At {point} along {axis} the modes have {100 * (1 - lacks):.1f} % of the static compliance of all modes read"
-        yield doubt("compliance", f"{text}, and no point has less: --residual keeps it, or take more modes.")
+        yield warning("compliance", f"{text}, and no point has less: --residual keeps it, or take more modes.")
     if np.unique(np.round(part.frequencies, 9)).size < part.frequencies.size:
-        yield doubt("twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice.")
+        yield warning("twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice.")
     if max(float(np.abs(shape).max(initial=0.0)) for shape in part.shapes.values()) == 0.0:
-        yield doubt("still", "No point moves in any mode: mounts there stand as on a rigid part.")
+        yield warning("still", "No point moves in any mode: mounts there stand as on a rigid part.")

@@ -8,7 +8,6 @@ import numpy as np
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.comparison import Comparison, Component, difference
 from wirerope_mj.assessment.comparison.runs import Subject, subjects_of
-from wirerope_mj.content.contacts import contact_panels
 from wirerope_mj.content.numbers import number
 from wirerope_mj.content.panels import BASE, Curve, Panel, short
 from wirerope_mj.content.selection import Selection, kind_of, or_other, travel_limits
@@ -22,8 +21,8 @@ TOTAL = "total"
 # Quantities that have histories, and the units in which they are drawn.
 UNITS = {"acceleration": "g", "deflection": "mm", "force": "kN"}
 USED, DIFFERENCE = "used", "difference"
-MOST_PARTS = 6  # Parts whose accelerations are drawn for several runs: the base and those with the largest peaks
-_NEAR = 0.5  # of a rated travel, from which it is drawn: otherwise it would only flatten the curves
+MOST_PARTS = 6  # of which accelerations are drawn for several runs: the base and the largest peaks
+_NEAR = 0.5  # of a rated travel, from which it is drawn: else it flattens the curves
 Histories = dict[tuple[str, ...], Panel]  # Panels by quantity, axis and, of several runs, kind and name of the part
 
 
@@ -42,7 +41,6 @@ class Line:
 
 
 def subject_called(response: Response, name: str) -> Component:
-    """Return the body, or else the point, of a name."""
     return Component(kind="body" if name in response.bodies else "point", name=name)
 
 
@@ -58,13 +56,19 @@ def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tupl
         what, label = ("Acceleration" if along == TOTAL else f"Acceleration along {along}"), f"along {along} [{unit}]"
     else:
         what, label = f"{along.capitalize()} {quantity}", f"{along} [{unit}]"
-    limits = _ratings(lines, along, named=not part) if quantity == "deflection" else []
+    levels: dict[tuple[str, float], None] = {}  # rated travels that deflections come near: of the first mount, or in all runs
+    for line in (lines if part else lines[:1]) if quantity == "deflection" else ():
+        mount = next(entry for entry in line.response.scene.mounts if entry.name == line.subject)
+        peak = line.response.peaks.mounts[mount.name].deflection
+        for limit, reached in zip(travel_limits(mount, along), (peak.minimum, peak.maximum), strict=True):
+            if reached[_number(along)] / limit >= _NEAR:  # NaN: unrated
+                levels["rated travel" if part else f"rated travel of {short(mount.name)}", in_unit(float(limit), "mm")] = None
     title = f"{part}: {what[:1].lower()}{what[1:]} [{unit}]{_changes(curves)}" if part else f"{what} [{unit}]"
-    return Panel(curves=curves, ylabel=label, title=title, limits=limits, xlim=window, unit=unit)
+    return Panel(curves, label, title=title, limits=list(levels), xlim=window, unit=unit)
 
 
 def run_histories(response: Response, selection: Selection) -> Histories:
-    """Draw what is used of limits, accelerations, deflections, forces and contacts of one run, all parts in each panel."""
+    """Draw what is used of limits, accelerations, deflections, forces and contacts of one run."""
     window, panels = selection.window, Histories()
     if selection.used:
         panels[USED,] = used_panel(response, selection)
@@ -87,7 +91,6 @@ def run_histories(response: Response, selection: Selection) -> Histories:
 
 
 def named_lines(response: Response, selection: Selection, subjects: Mapping[str, Subject]) -> list[Line]:
-    """Return a line for each part by its label: the first few with names and colours, the others in grey."""
     lines = []
     for rank, (label, subject) in enumerate(subjects.items()):
         name = subject if isinstance(subject, str) else subject.name
@@ -97,23 +100,23 @@ def named_lines(response: Response, selection: Selection, subjects: Mapping[str,
 
 
 def used_panel(response: Response, selection: Selection) -> Panel:
-    """Draw what mounts, bodies and points use of their limits; the largest are named."""
+    """Draw what mounts, bodies and points use of their limits."""
     curves = []
-    for rank, one in enumerate(selection.used):
-        name, kind = or_other(short(one.subject), kind_of(selection, one.subject), rank, len(selection.used))
-        time = one.governing.time
-        peak = None if time is None else (time, in_unit(one.largest, "%"))
-        curves.append(Curve(x=response.time, y=in_unit(one.course, "%"), name=name, kind=kind, peak=peak))
+    for rank, used in enumerate(selection.used):
+        name, kind = or_other(short(used.subject), kind_of(selection, used.subject), rank, len(selection.used))
+        time = used.governing.time
+        peak = None if time is None else (time, in_unit(used.largest, "%"))
+        curves.append(Curve(response.time, in_unit(used.course, "%"), name=name, kind=kind, peak=peak))
     worst = selection.used[0]
     return Panel(
-        curves=curves, ylabel="used of the limit [%]",
+        curves, "used of the limit [%]",
         title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}", limits=[("limit", 100.0)],
-        xlim=selection.window, ylim=(0.0, 108.0 * max(1.0, *(one.largest for one in selection.used))), unit="%",
+        xlim=selection.window, ylim=(0.0, 108.0 * max(1.0, *(used.largest for used in selection.used))), unit="%",
     )  # fmt: skip
 
 
 def overlay_histories(comparison: Comparison, shared: Selection) -> Histories:
-    """Draw each shared part in a panel with a curve for every run, and how far the runs are from the first."""
+    """Draw each shared part with a curve for every run, and how far runs are from the first."""
     window, panels = shared.window, Histories()
     for part in comparison.components[:MOST_PARTS]:
         for along in (*DIRECTIONS, TOTAL):
@@ -125,12 +128,24 @@ def overlay_histories(comparison: Comparison, shared: Selection) -> Histories:
             for quantity in ("deflection", "force"):
                 panels[quantity, axis, mount] = history_panel(quantity, axis, _lines_of(comparison, mount), window, part=mount)
     for subject in differing(comparison):
-        panels[difference_key(subject)] = _difference_panel(comparison, subject, window)
+        first = comparison.runs[0]
+        quantity = "deflection" if isinstance(subject, str) else "acceleration"
+        unit, label = UNITS[quantity], subject if isinstance(subject, str) else subject.label
+        curves = []
+        for rank, run in enumerate(comparison.runs[1:], start=1):
+            if all(subject in subjects_of(compared.response) for compared in (first, run)):
+                time, distance = difference(subject, first, run)
+                if time.size:
+                    values, row = in_unit(distance, unit), int(distance.argmax())
+                    peak = (float(time[row]), float(values[row]))
+                    curves.append(Curve(time, values, name=f"{run.name} - {first.name}", kind=rank, peak=peak))
+        title = f"{label}: |{quantity} - that of {first.name}| [{unit}]"
+        panel = Panel(curves, f"difference [{unit}]", title=title, xlim=window, unit=unit)
+        panels[difference_key(subject)] = panel
     return panels
 
 
 def differing(comparison: Comparison) -> list[Subject]:
-    """Return the part and the mount whose histories are farthest from those of the first run."""
     apart = [entry.subject for entry in comparison.differences if np.isfinite(entry.ratio)]
     parts = [subject for subject in apart if isinstance(subject, Component) and subject.kind != "base"]
     mounts = [subject for subject in apart if isinstance(subject, str)]
@@ -138,7 +153,6 @@ def differing(comparison: Comparison) -> list[Subject]:
 
 
 def difference_key(subject: Subject) -> tuple[str, ...]:
-    """Return the key of the panel with the differences of a part or a mount."""
     return (DIFFERENCE, "mount", subject) if isinstance(subject, str) else (DIFFERENCE, subject.kind, subject.name)
 
 
@@ -150,22 +164,6 @@ def _lines_of(comparison: Comparison, subject: Subject) -> list[Line]:
     ]
 
 
-def _difference_panel(comparison: Comparison, subject: Subject, window: tuple[float, float]) -> Panel:
-    first = comparison.runs[0]
-    quantity = "deflection" if isinstance(subject, str) else "acceleration"
-    unit, label = UNITS[quantity], subject if isinstance(subject, str) else subject.label
-    curves = []
-    for rank, run in enumerate(comparison.runs[1:], start=1):
-        if all(subject in subjects_of(one.response) for one in (first, run)):
-            time, distance = difference(subject, first, run)
-            if time.size:
-                values, row = in_unit(distance, unit), int(distance.argmax())
-                peak = (float(time[row]), float(values[row]))
-                curves.append(Curve(x=time, y=values, name=f"{run.name} - {first.name}", kind=rank, peak=peak))
-    title = f"{label}: |{quantity} - that of {first.name}| [{unit}]"
-    return Panel(curves=curves, ylabel=f"difference [{unit}]", title=title, xlim=window, unit=unit)
-
-
 def _curve(line: Line, quantity: str, along: str, unit: str) -> Curve:
     if isinstance(line.subject, str):
         history = getattr(line.response.mounts[line.subject], quantity)
@@ -175,11 +173,11 @@ def _curve(line: Line, quantity: str, along: str, unit: str) -> Curve:
         known = line.subject != THE_BASE or line.response.scene.base in line.response.peaks.bodies
         peak = line.subject.peak(line.response) if known else None
     values = np.linalg.norm(history, axis=1) if along == TOTAL else history[:, _number(along)]
-    found = None
+    marked = None
     if peak is not None:
         instant, value = _extreme(peak, along)
-        found = instant, in_unit(value, unit)
-    return Curve(x=time, y=in_unit(np.asarray(values), unit), name=short(line.name), kind=line.kind, peak=found)
+        marked = instant, in_unit(value, unit)
+    return Curve(time, in_unit(np.asarray(values), unit), name=short(line.name), kind=line.kind, peak=marked)
 
 
 def _number(along: str) -> int:
@@ -187,7 +185,6 @@ def _number(along: str) -> int:
 
 
 def _extreme(peak: Peak, along: str) -> tuple[float, float]:
-    """Return instant and value of the size, or of the extreme of a component that is farther from zero."""
     if along == TOTAL:
         return peak.time, peak.value
     axis = _number(along)
@@ -196,34 +193,39 @@ def _extreme(peak: Peak, along: str) -> tuple[float, float]:
     return float(time[axis]), float(value[axis])
 
 
-def _ratings(lines: Sequence[Line], axis: str, *, named: bool) -> list[tuple[str, float]]:
-    """Return the rated travels [mm] that deflections come near: of the first mount, or of one mount in all runs."""
-    levels: dict[tuple[str, float], None] = {}
-    for line in lines[:1] if named else lines:
-        mount = next(entry for entry in line.response.scene.mounts if entry.name == line.subject)
-        peak = line.response.peaks.mounts[mount.name].deflection
-        for limit, reached in zip(travel_limits(mount, axis), (peak.minimum, peak.maximum), strict=True):
-            if reached[_number(axis)] / limit >= _NEAR:  # NaN: unrated
-                name = f"rated travel of {short(mount.name)}" if named else "rated travel"
-                levels[name, in_unit(float(limit), "mm")] = None
-    return list(levels)
-
-
 def _changes(curves: Sequence[Curve]) -> str:
-    """Return how the peaks change from the first run that has them to each other."""
     first, *others = [(curve.name, abs(curve.peak[1])) for curve in curves if curve.peak is not None] or [("", 0.0)]
-    if not first[1]:
+    if not first[1] or not others:
         return ""
-    texts = [
-        f"{name} {100.0 * (size / first[1] - 1.0):+.1f} %" if size != first[1] else f"{name} the same" for name, size in others
-    ]
-    return f": {', '.join(texts)}" if texts else ""
+    changes = {name: f"{100.0 * (size / first[1] - 1.0):+.1f} %" if size != first[1] else "the same" for name, size in others}
+    return f": {', '.join(f'{name} {change}' for name, change in changes.items())}"
 
 
 def peak_text(curve: Curve, panel: Panel) -> str:
-    """Return a curve's name with its largest value and where that is, as a legend has room for it."""
     if curve.peak is None:
         return curve.name
     at, value = curve.peak
     where = f"{at:.3f}" if panel.xunit == "s" else number(at, digits=4)
     return f"{curve.name} {number(value)} {panel.unit} at {where} {panel.xunit}"
+
+
+def contact_panels(response: Response, window: tuple[float, float]) -> list[Panel]:
+    """Draw forces of what touched over time, the largest first, and gaps."""
+    alone, known, forces, gaps = {stop.name for stop in response.scene.stops}, response.contacts, [], []
+    # Undeclared pairs, and stops that act beside other laws of their mount, have peaks alone.
+    touched = {name: peak for name, peak in (response.peaks.contacts or {}).items() if peak.touches}
+    struck = {name: peak for name, peak in touched.items() if name in known or peak.mount in alone}
+    for rank, (called, peak) in enumerate(sorted(struck.items(), key=lambda item: item[1].force, reverse=True)):
+        name, kind = or_other(short(called if called in known else peak.called(called)), rank, rank, len(struck))
+        force = known[called].force if called in known else np.linalg.norm(response.mounts[peak.mount].force, axis=1)
+        marked = None if peak.force_time is None else (peak.force_time, in_unit(peak.force, "kN"))
+        forces.append(Curve(response.time, in_unit(force, "kN"), name=name, kind=kind, peak=marked))
+        if called in known:
+            gaps.append(Curve(response.time, in_unit(known[called].gap, "mm"), name=name, kind=kind))
+    parts = (
+        (forces, "force", "Force of stops and contacts [kN]", "kN"),
+        (gaps, "gap", "Gap of contacts [mm], below zero pressed", "mm"),
+    )
+    return [
+        Panel(curves, f"{what} [{unit}]", title=title, xlim=window, unit=unit) for curves, what, title, unit in parts if curves
+    ]

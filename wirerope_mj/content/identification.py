@@ -1,17 +1,20 @@
 """What an identification says, whoever shows it: the law, how well the data fix it, and its loops."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import version
 
-from wirerope_mj.content.blocks import Block, Content, Section, Statement
-from wirerope_mj.content.fitted_loops import fit_chart, measures_chart, residual_chart
-from wirerope_mj.content.numbers import several
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
-from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
-from wirerope_mj.mounts.laws import Law
+import numpy as np
 
-_BENT = 0.5  # Correlation of neighbouring residuals that white noise of a hundred samples never has
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.numbers import several
+from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel
+from wirerope_mj.content.selection import COLOURS
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
+from wirerope_mj.foundation.units import force_unit, in_unit
+from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
+
+_BENT = 0.5  # of neighbouring residuals, which white noise of a hundred samples never has
 _UNKNOWN = 100.0  # Relative standard error that is not worth showing
 
 
@@ -19,7 +22,7 @@ def identification_content(
     result: Identification, fits: Sequence[FittedLoop], *, title: str, sources: Sequence[str], warnings: Sequence[str],
     given: Sequence[str],
 ) -> Content:  # fmt: skip
-    """Compose what an identification says: its loops beside the law's, and doubts.
+    """Compose what an identification says: its loops beside the law's, and warnings.
 
     `sources` are the files that were read, `warnings` what makes the fit doubtful, `given` what was not searched for.
     """
@@ -36,39 +39,31 @@ def identification_content(
                 "loops-and-residuals", "Loops and residuals",
                 lambda: (_loop_table(fits), residual_chart(fits), measures_chart(fits)), "summary",
             ),
-            Section("search", "Search", lambda: (_stage_table(result),), "summary"),
-            Section(
-                "how-well-the-parameters-are-known", "How well the parameters are known",
-                lambda: (_correlation_table(result), _singular_values(result)),
-            ),
-            Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
+            Section("search", "Search", lambda: _stages(result), "summary"),
+            Section("how-well-the-parameters-are-known", "How well the parameters are known", lambda: _uncertainty(result)),
+            Section("read-from", "Read from", lambda: (Statement("sources", items=tuple(sources)),)),
         ),
     )  # fmt: skip
 
 
 def _headline(result: Identification, fits: Sequence[FittedLoop], warnings: Sequence[str]) -> Statement:
-    """Return the conclusion: the worst of convergence, faults of the rig, residuals, and what the data do not fix."""
     values = {"error": result.residual, "neighbours_correlation": neighbours_correlation(fits)}
     if not result.converged:
-        return Statement(id="headline", text=f"NOT CONVERGED: {result.message}", tone="exceeded", values=values)
-    doubts = [f"the records give {several(len(warnings), 'warning')}"] if warnings else []
-    doubts += ["the law does not follow the loops everywhere"] if values["neighbours_correlation"] > _BENT else []
-    doubts += ["not every parameter is identifiable"] if result.non_identifiable else []
-    doubts += [_insignificant(result.insignificant)] if result.insignificant else []
-    if doubts:
-        return Statement(id="headline", text=f"Converged, but {'; '.join(doubts)}.", tone="unjudged", values=values)
-    text = "Converged; the data identify every free parameter."
-    return Statement(id="headline", text=text, tone="within", values=values)
+        return Statement("headline", f"NOT CONVERGED: {result.message}", tone="exceeded", values=values)
+    reasons = [f"the records give {several(len(warnings), 'warning')}"] if warnings else []
+    reasons += ["the law does not follow the loops everywhere"] if values["neighbours_correlation"] > _BENT else []
+    reasons += ["not every parameter is identifiable"] if result.non_identifiable else []
+    reasons += [_insignificant(result.insignificant)] if result.insignificant else []
+    text = f"Converged, but {'; '.join(reasons)}." if reasons else "Converged; the data identify every free parameter."
+    return Statement("headline", text, tone="unjudged" if reasons else "within", values=values)
 
 
 def _insignificant(names: Sequence[str]) -> str:
-    several_names = len(names) > 1
-    verb, them = ("are", "them") if several_names else ("is", "it")
+    verb, them = ("are", "them") if len(names) > 1 else ("is", "it")
     return f"{', '.join(names)} {verb} not significant; consider dropping {them}"
 
 
 def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequence[str]) -> Statement:
-    """Return how the fit ended, what is not identifiable, where the law is valid, and whether its residuals are noise."""
     texts = [f"{'converged' if result.converged else 'NOT CONVERGED'}: {result.message}"]
     texts += [f"yield deflections: {result.yields}"] if result.scales else []
     texts += [f"not identifiable: {text}" for text in result.non_identifiable]
@@ -89,28 +84,29 @@ def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequenc
         f"error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
         "from all starts"
     )
-    return Statement(id="findings", items=(*texts, *given))
+    return Statement("findings", items=(*texts, *given))
 
 
 def record_warnings(warnings: Sequence[str]) -> Statement | None:
     """List the faults of the rig that the records show; None without any."""
     text = "Warnings about the records:"
-    return Statement(id="warnings", text=text, items=tuple(warnings), tone="unjudged") if warnings else None
+    return Statement("warnings", text, items=tuple(warnings), tone="unjudged") if warnings else None
 
 
-def _parameter_blocks(result: Identification) -> tuple[Block | None, ...]:
-    meanings = _meanings(result)
-    # Laws and their own parameters as in an isolator file, with units.
-    first = [f"{name} scale, " for name in result.scales] or ["", *["and "] * (len(result.law.components) - 1)]
-    laws = tuple(before + _one_law(law, result) for before, law in zip(first, result.law.components, strict=True))
-    return (
-        Statement(id="law", items=laws), _parameter_table(result), _scale_table(result),
-        Statement(id="meanings", items=meanings, tone="quiet") if meanings else None,
-    )  # fmt: skip
-
-
-def _parameter_table(result: Identification) -> Table:
-    """Tabulate the parameters with their standard errors."""
+def _parameter_blocks(result: Identification) -> Iterator[Block]:
+    # Laws and their own parameters as in an isolator file, with units; the last law was searched for.
+    prefixes = [f"{name} scale, " for name in result.scales] or ["", *["and "] * (len(result.law.components) - 1)]
+    laws = []
+    for prefix, law in zip(prefixes, result.law.components, strict=True):
+        values, texts = law.to_dict(), []
+        for name, value in values.items():
+            if name != "law":
+                fitted = result.parameters.get(name) if law is result.law.components[-1] else None
+                unit = fitted.unit if fitted else law.units.get(name, "-")
+                number = f"[{', '.join(f'{part:.6g}' for part in value)}]" if isinstance(value, list) else f"{value:.6g}"
+                texts.append(f"{name} = {number} {unit}".removesuffix(" -"))
+        laws.append(f"{prefix}{values['law']}: {', '.join(texts)}")
+    yield Statement("law", items=tuple(laws))
     rows: list[list[Cell]] = []
     for p in result.parameters.values():
         note: Cell = "given" if p.fixed else "at its bound" if p.at_bound else ""
@@ -123,16 +119,17 @@ def _parameter_table(result: Identification) -> Table:
             note = Mark("not significant", "unjudged")
         rows.append([p.name, p.value, p.unit, *error, note])
     columns = (
-        Column("parameter", align="left"), Column("value", form=".6g"), Column("unit", align="left"),
-        Column("standard error", form=".2g"), Column("relative", "%", ".2g"), Column("note", align="left"),
+        *left("parameter"), Column("value", form=".6g"), *left("unit"), Column("standard error", form=".2g"),
+        Column("relative", "%", ".2g"), *left("note"),
     )  # fmt: skip
-    return Table(id="parameters", title="Parameters", columns=columns, rows=rows)
+    yield Table("parameters", "Parameters", columns, rows)
+    if result.scale_rows:
+        yield _scale_table(result)
+    if meanings := _meanings(result):
+        yield Statement("meanings", items=meanings, tone="quiet")
 
 
-def _scale_table(result: Identification) -> Table | None:
-    """Tabulate the numbers of scales that were tried; None if only one was."""
-    if not result.scale_rows:
-        return None
+def _scale_table(result: Identification) -> Table:
     least = min(row.criterion for row in result.scale_rows)
     rows: list[list[Cell]] = []
     for row in result.scale_rows:
@@ -141,78 +138,52 @@ def _scale_table(result: Identification) -> Table | None:
         known: list[Cell] = [row.free, row.criterion - least, row.left_out] if not row.why_not else [None] * 3
         rows.append([str(row.count), *known, row.why_not or taken])
     return Table(
-        id="scales",
-        title="Number of scales; left out is the error at an amplitude that the fit has not seen, geometric mean of all",
-        columns=(
-            Column("scales", align="left"), Column("free parameters", form="d"), Column("BIC behind", form=".0f"),
-            Column("error left out", "%", ".3g"), Column("note", align="left"),
+        "scales",
+        "Number of scales; left out is the error at an amplitude that the fit has not seen, geometric mean of all",
+        (
+            *left("scales"), Column("free parameters", form="d"), Column("BIC behind", form=".0f"),
+            Column("error left out", "%", ".3g"), *left("note"),
         ),
-        rows=rows,
+        rows,
     )  # fmt: skip
 
 
 def _loop_table(fits: Sequence[FittedLoop]) -> Table:
-    """Tabulate the loops: error, measures as measured and fitted, and the zero of the force."""
-    rows: list[list[Cell]] = [
-        [
-            fit.measured.amplitude,
-            round(fit.measured.operating_point, 6),  # less is noise, and must not look like an operating point
-            fit.error,
-            fit.measured.secant_stiffness,
-            fit.fitted.secant_stiffness,
-            fit.measured.dissipated_energy,
-            fit.fitted.dissipated_energy,
-            fit.zero,
-        ]
-        for fit in fits
-    ]
+    rows: list[list[Cell]] = []
+    for fit in fits:
+        measured, fitted = fit.measured, fit.fitted
+        about = round(measured.operating_point, 6)  # less is noise, and must not look like an operating point
+        stiffnesses = measured.secant_stiffness, fitted.secant_stiffness
+        energies = measured.dissipated_energy, fitted.dissipated_energy
+        rows.append([measured.amplitude, about, fit.error, *stiffnesses, *energies, fit.zero])
     columns = (
         Column("amplitude", "mm", ".4g", align="left"), Column("about", "mm", "z.6g"), Column("error", "%", ".3g"),
         Column("stiffness measured", "kN/m", ".4g"), Column("fitted", "kN/m", ".4g"),
         Column("energy measured", "J", ".4g"), Column("fitted", "J", ".4g"), Column("zero of force", "N", "z.4g"),
     )  # fmt: skip
-    title = "Loops; the error is that of the force over half its range"
-    return Table(id="loops", title=title, columns=columns, rows=rows)
+    return Table("loops", "Loops; the error is that of the force over half its range", columns, rows)
 
 
-def _stage_table(result: Identification) -> Table:
-    columns = (Column("stage", align="left"), Column("evaluations", form="d"), Column("error left", "%", ".4g"))
+def _stages(result: Identification) -> Iterator[Table]:
+    columns = (*left("stage"), Column("evaluations", form="d"), Column("error left", "%", ".4g"))
     rows = [(stage.name, stage.evaluations, stage.error) for stage in result.stages]
-    return Table(id="stages", title="Stages of the best fit", columns=columns, rows=rows)
+    yield Table("stages", "Stages of the best fit", columns, rows)
 
 
-def _correlation_table(result: Identification) -> Table:
-    free = result.uncertainty.free
-    columns = [Column("parameter", align="left"), *(Column(name, form="+z.2f") for name in free)]
-    rows: list[list[Cell]] = [[name, *row.tolist()] for name, row in zip(free, result.uncertainty.correlation, strict=True)]
-    return Table(id="correlations", title="Correlations", columns=columns, rows=rows)
-
-
-def _singular_values(result: Identification) -> Statement:
-    singular = ", ".join(f"{value:.3g}" for value in result.uncertainty.singular_values)
-    return Statement(
-        id="singular-values",
-        text=f"Singular values: {singular}. Of the residual's change with the parameters, over its noise: one over each is the "
-        "standard error of one combination of them, in logarithms or in the size that it can have. Small ones are not "
-        "identifiable.",
+def _uncertainty(result: Identification) -> Iterator[Block]:
+    known = result.uncertainty
+    columns = [*left("parameter"), *(Column(name, form="+z.2f") for name in known.free)]
+    rows: list[list[Cell]] = [[name, *row.tolist()] for name, row in zip(known.free, known.correlation, strict=True)]
+    yield Table("correlations", "Correlations", columns, rows)
+    yield Statement(
+        "singular-values",
+        f"Singular values: {', '.join(f'{value:.3g}' for value in known.singular_values)}. Of the residual's change with the "
+        "parameters, over its noise: one over each is the standard error of one combination of them, in logarithms or in the "
+        "size that it can have. Small ones are not identifiable.",
     )
 
 
-def _one_law(law: Law, result: Identification) -> str:
-    """Return name and parameters of one of the laws on the axis; the last one was searched for."""
-    values, fitted, texts = law.to_dict(), law is result.law.components[-1], []
-    for name, value in values.items():
-        if name == "law":
-            continue
-        known = result.parameters.get(name) if fitted else None
-        unit = known.unit if known else law.units.get(name, "-")
-        number = f"[{', '.join(f'{one:.6g}' for one in value)}]" if isinstance(value, list) else f"{value:.6g}"
-        texts.append(f"{name} = {number} {unit}".removesuffix(" -"))
-    return f"{values['law']}: {', '.join(texts)}"
-
-
 def _meanings(result: Identification) -> tuple[str, ...]:
-    """Return the definitions of the coordinates that an isolator file does not name so."""
     known = {
         "z_max": "z_max = (alpha / (beta + gamma))^(1/n), the largest hysteretic force",
         "x_y": "x_y = z_max / alpha, the deflection at which it yields",
@@ -228,3 +199,140 @@ def _meanings(result: Identification) -> tuple[str, ...]:
         ratios = "x_y_large/small and the like: how many times farther one scale yields than the other"
         return first + f" ({result.yields})", ratios, *(known[name] for name in known if name in result.parameters)
     return tuple(text for name, text in known.items() if name in result.parameters)
+
+
+DRAWN_LOOPS = 12  # Loops of one chart: more cannot be read
+_ACROSS = 3
+_MEASURED_COLOUR, _FITTED_COLOUR = 0, 1  # numbers of their colours
+_ROOM = 0.05  # of the stroke, left free on either side of the turning points
+_BRANCH = 9  # fraction of a branch over which residuals are averaged
+_APART = 1.15  # ratio of amplitudes left free on either side
+_SHORT = 0.03  # of the amplitude: half a fitted value that no other continues
+
+
+def drawn_loops(fits: Sequence[FittedLoop]) -> list[FittedLoop]:
+    rows = np.unique(np.linspace(0, len(fits) - 1, min(len(fits), DRAWN_LOOPS)).round().astype(int))
+    return [fits[row] for row in rows]
+
+
+def fit_chart(fits: Sequence[FittedLoop]) -> Chart:
+    """Draw force over deflection of every loop, measured and fitted."""
+    unit = force_unit(max(float(np.abs(fit.measured.force).max()) for fit in fits))
+
+    def curves(fit: FittedLoop) -> list[Curve]:
+        x = in_unit(fit.measured.deflection, "mm")
+        return [
+            Curve(x, in_unit(fit.fitted.force, unit), name="fitted", kind=_FITTED_COLOUR),
+            Curve(x, in_unit(fit.measured.force, unit), name="measured", kind=_MEASURED_COLOUR, marks=True),
+        ]
+
+    drawn = f" {DRAWN_LOOPS} of {len(fits)} loops are drawn." if len(fits) > DRAWN_LOOPS else ""
+    return Chart(
+        rows=_loop_panels(fits, curves, f"force [{unit}]", unit), height=150.0, id="fit",
+        caption=f"Loops, measured and fitted; the error is that of the force over half its range.{drawn}",
+        alt="Loops, measured and fitted.",
+    )  # fmt: skip
+
+
+def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
+    """Draw fitted minus measured force over the deflection, in percent of half its range."""
+
+    def curves(fit: FittedLoop) -> list[Curve]:
+        start = int(np.argmin(fit.measured.deflection[:-1]))
+        x = np.roll(in_unit(fit.measured.deflection, "mm")[:-1], -start)
+        residual = np.roll(100.0 * fit.residual[:-1], -start)
+        top, means = int(np.argmax(x)), []
+        for way, branch, kind in (("up", slice(0, top + 1), _MEASURED_COLOUR), ("down", slice(top, None), _FITTED_COLOUR)):
+            window = np.full(width := max(1, x[branch].size // _BRANCH), 1.0 / width)
+            at, mean = (np.convolve(values[branch], window, "valid") for values in (x, residual))
+            means.append(Curve(at, mean, name=f"mean on the way {way}", kind=kind))
+        return [*means, Curve(x, residual, name="samples", kind=OTHERS, marks=True)]
+
+    largest = 110.0 * max(float(np.abs(fit.residual).max()) for fit in drawn_loops(fits)) or 1.0
+    return Chart(
+        rows=_loop_panels(fits, curves, "fitted - measured [%]", "%", (-largest, largest)), height=150.0, id="residuals",
+        caption="Fitted minus measured force over half its range: samples, and their mean over a ninth of each branch. A law "
+        "that fits leaves noise, whose mean is zero; what bends is what the law cannot do.",
+        alt="Residuals over the deflection.",
+    )  # fmt: skip
+
+
+def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
+    """Draw energy per cycle and secant stiffness over the amplitude, measured and fitted."""
+    amplitudes = np.array([in_unit(fit.measured.amplitude, "mm") for fit in fits])
+    across = (float(amplitudes.min()) / _APART, float(amplitudes.max()) * _APART)
+    panels = []
+    for measure, unit, label in (
+        ("dissipated_energy", "J", "energy per cycle [J]"),
+        ("secant_stiffness", "kN/m", "stiffness [kN/m]"),
+    ):
+        curves = _measure_curves(fits, measure, unit)
+        values = np.concatenate([curve.y for curve in curves])
+        # That of a device without loss is noise of either sign.
+        log = measure == "dissipated_energy" and bool((values > 0.0).all())
+        limits = (float(values.min()) / 1.3, float(values.max()) * 1.3) if log else None
+        if measure == "secant_stiffness" and values.min() > 0.0:
+            limits = (0.0, 1.1 * float(values.max()))
+        panels.append(
+            Panel(
+                curves, label, xlabel="amplitude [mm]", xlim=across, ylim=limits, log="xy" if log else "x",
+                unit=unit, xunit="mm",
+            )
+        )  # fmt: skip
+    return Chart(
+        id="measures", rows=[panels], height=180.0, caption="Energy per cycle and secant stiffness over the amplitude.",
+        alt="Measures over the amplitude.",
+    )  # fmt: skip
+
+
+def _measure_curves(fits: Sequence[FittedLoop], measure: str, unit: str) -> list[Curve]:
+    groups, curves = _groups(fits), []
+    for number, group in enumerate(groups):
+        x = np.array([in_unit(fit.measured.amplitude, "mm") for fit in group])
+        about = f" about {_millimetres(group)} mm" if len(groups) > 1 else ""
+        kinds = (_MEASURED_COLOUR, _FITTED_COLOUR) if len(groups) == 1 else 2 * (number % COLOURS,)
+        measured, fitted = (
+            np.array([in_unit(getattr(getattr(fit, side), measure), unit) for fit in group]) for side in ("measured", "fitted")
+        )
+        curves.append(Curve(x, measured, name=f"measured{about}", kind=kinds[0], marks=True))
+        if x.size == 1:  # a line from nowhere to nowhere cannot be seen
+            x, fitted = x[0] * np.array([1.0 - _SHORT, 1.0 + _SHORT]), np.repeat(fitted, 2)
+        curves.append(Curve(x, fitted, name=f"fitted{about}", kind=kinds[1]))
+    return curves
+
+
+def _loop_panels(
+    fits: Sequence[FittedLoop], curves_of: Callable[[FittedLoop], list[Curve]], ylabel: str, unit: str,
+    ylim: tuple[float, float] | None = None,
+) -> list[list[Panel]]:  # fmt: skip
+    groups, panels = _groups(fits), []
+    for fit in drawn_loops(fits):
+        low, high = float(fit.measured.deflection.min()), float(fit.measured.deflection.max())
+        room = _ROOM * (high - low)
+        members = next(group for group in groups if any(fit is member for member in group))
+        about = f" about {_millimetres(members)}" if len(groups) > 1 else ""
+        title = f"±{in_unit(fit.measured.amplitude, 'mm'):.3g}{about} mm: {100.0 * fit.error:.2g} % error"
+        panels.append(Panel(
+            curves_of(fit), ylabel, xlabel="deflection [mm]", title=title, unit=unit, xunit="mm", ylim=ylim,
+            xlim=(in_unit(low - room, "mm"), in_unit(high + room, "mm")),
+        ))  # fmt: skip
+    rows = np.array_split(np.arange(len(panels)), math.ceil(len(panels) / _ACROSS))
+    return [[panels[number] for number in row] for row in rows]
+
+
+def _groups(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
+    # Points within 2 % of the largest amplitude are one: no rig holds them better.
+    step = 0.02 * max(fit.measured.amplitude for fit in fits)
+    groups: list[list[FittedLoop]] = []
+    for fit in sorted(fits, key=lambda fit: fit.measured.operating_point):
+        if groups and fit.measured.operating_point - groups[-1][0].measured.operating_point <= step:
+            groups[-1].append(fit)
+        else:
+            groups.append([fit])
+    return [sorted(group, key=lambda fit: fit.measured.amplitude) for group in groups]
+
+
+def _millimetres(group: Sequence[FittedLoop]) -> str:
+    least = 1e-3 * max(1e3 * fit.measured.amplitude for fit in group)
+    mean = 1e3 * float(np.mean([fit.measured.operating_point for fit in group]))
+    return f"{least * round(mean / least):.3g}" if abs(mean) > least else "0"

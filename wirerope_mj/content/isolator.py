@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.numbers import ABSENT, number, with_unit
-from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.foundation.tables import Column, Table, left
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
@@ -14,12 +14,13 @@ _SOFTER = 0.05  # share of a mount's stiffness that a bracket takes before its f
 
 
 def ratings_table(devices: Sequence[Isolator]) -> Table:
-    """Tabulate provenance, laws, sizes and ratings of isolators."""
-    laws = [dict.fromkeys(law.name for law in one.axes.values() if law is not None) for one in devices]
-    rows = [(one.name, one.provenance.kind, ", ".join(own), *ratings(one)) for one, own in zip(devices, laws, strict=True)]
-    names = [Column(heading, align="left") for heading in ("isolator", "figures are", "laws")]
+    laws = [dict.fromkeys(law.name for law in device.axes.values() if law is not None) for device in devices]
+    rows = [
+        (device.name, device.provenance.kind, ", ".join(names), *ratings(device))
+        for device, names in zip(devices, laws, strict=True)
+    ]
     return Table(
-        id="isolators", title="Isolators and their ratings", columns=(*names, *RATING_COLUMNS), rows=rows,
+        "isolators", "Isolators and their ratings", [*left("isolator", "figures are", "laws"), *RATING_COLUMNS], rows,
         note=f"{ABSENT}: not stated, and so not judged.",
     )  # fmt: skip
 
@@ -31,66 +32,53 @@ RATING_COLUMNS = (
 
 
 def ratings(device: Isolator) -> tuple[float | None, ...]:
-    """Return the cells of an isolator below `RATING_COLUMNS`."""
+    """List the cells of an isolator below `RATING_COLUMNS`."""
     size, limits = device.geometry, device.limits
     sizes = (size.height, size.width) if size else (None, None)
     return *sizes, limits.static_load, *(getattr(limits.travel, rating) for rating in RATINGS)
 
 
 def provenance_statement(device: Isolator) -> Statement:
-    """Return where an isolator's figures come from, its stops and stiffening, and what is assumed."""
+    """State where an isolator's figures come from, its stops and stiffening, and what is assumed."""
     stated = device.provenance
     text = f"{device.name}: {stated.kind} figures. "
     text += f"Source: {stated.source.rstrip('.')}. " if stated.source else "No source is stated. "
     text += f"Fitted to: {stated.fitted_to.rstrip('.')}." if stated.fitted_to else "Nothing is said of a fit."
-    text += "".join(_stop_words(axis, law) for axis, law in device.axes.items() if law is not None)
+    for axis, law in device.axes.items():
+        for stop in law.stops if law is not None else ():
+            sides = ((stop.gap_below, "below"), (stop.gap_above, "above"))
+            gaps = " and ".join(f"{with_unit(gap, 'm')} {side}" for gap, side in sides if gap is not None)
+            if stop.k is None:
+                force = f"points up to {with_unit(stop.forces[-1], 'N')} at {with_unit(stop.depths[-1], 'm')} beyond it"
+            elif stop.exponent == 1.0:
+                force = f"{with_unit(stop.k, 'kN/m')} beyond it"
+            else:
+                force = f"exponent {number(stop.exponent)} beyond it"
+            text += f" Stop, {axis}: gap {gaps}, {force}."
     if device.stiffening is not None:
         text += f" Stiffened by its first cycles, {device.stiffening.description}."
-    text += "".join(f" {one}" for one in _bracket_words(device))
-    assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
-    return Statement(id=f"source-{device.name}", text=text, items=assumed)
-
-
-def _bracket_words(device: Isolator) -> Iterator[str]:
-    """Yield by how much the bracket softens each axis."""
     for axis, stiffness in device.bracket.stated.items() if device.bracket is not None else ():
         law = device.axes[axis]
         softer = law.initial_stiffness / (law.initial_stiffness + stiffness) if law is not None else 0.0
         much = f"by {100.0 * softer:.0f} %" if softer > _SOFTER else f"by less than {100.0 * _SOFTER:.0f} %"
-        yield f"Along {axis} on a bracket of {1e-6 * stiffness:.4g} kN/mm, softer {much} at small amplitudes."
-
-
-def _stop_words(axis: str, law: Law) -> str:
-    """Return where the stops on an axis close and how stiff they are, "" without one."""
-    text = ""
-    for stop in law.stops:
-        sides = ((stop.gap_below, "below"), (stop.gap_above, "above"))
-        gaps = " and ".join(f"{with_unit(gap, 'm')} {side}" for gap, side in sides if gap is not None)
-        if stop.k is None:
-            force = f"points up to {with_unit(stop.forces[-1], 'N')} at {with_unit(stop.depths[-1], 'm')} beyond it"
-        elif stop.exponent == 1.0:
-            force = f"{with_unit(stop.k, 'kN/m')} beyond it"
-        else:
-            force = f"exponent {number(stop.exponent)} beyond it"
-        text += f" Stop, {axis}: gap {gaps}, {force}."
-    return text
+        text += f" Along {axis} on a bracket of {1e-6 * stiffness:.4g} kN/mm, softer {much} at small amplitudes."
+    assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
+    return Statement(f"source-{device.name}", text, items=assumed)
 
 
 def isolator_blocks(device: Isolator) -> Iterator[Block]:
-    """Yield where an isolator's figures come from, its laws, what couples them, and its envelope."""
     yield provenance_statement(device)
     laws = [f"{axis}: {'no force' if law is None else law_text(law)}" for axis, law in device.axes.items()]
-    yield Statement(id="laws", text="Laws, in SI units:", items=(*laws, *_joint_lines(device)))
+    yield Statement("laws", "Laws, in SI units:", items=(*laws, *_joint_lines(device)))
     if device.geometry is not None:
         sizes = {"height": device.geometry.height, "width": device.geometry.width, "bar": device.geometry.bar}
         known = ", ".join(f"{name} {in_unit(size, 'mm'):.4g} mm" for name, size in sizes.items() if size is not None)
         if known:
             text = f"Envelope: {known}; a mount's position in a table is its mid-height."
-            yield Statement(id="envelope", text=text)
+            yield Statement("envelope", text)
 
 
 def law_text(law: Law) -> str:
-    """Return a law's name and parameters as text, those of several one after the other."""
     texts = []
     for values in (part.to_dict() for part in law.components):
         parameters = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
@@ -99,14 +87,12 @@ def law_text(law: Law) -> str:
 
 
 def _value(value: object) -> str:
-    """Return a parameter as text: a number, a list of them, or a choice."""
     if isinstance(value, list):
         return f"[{', '.join(map(_value, value))}]"
     return f"{value:.6g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value).lower()
 
 
 def _joint_lines(device: Isolator) -> Iterator[str]:
-    """Yield what couples the axes, the rotational stiffness, and stiffening."""
     if device.coupling is not None:
         both = " and ".join(AXES[axis] for axis in device.coupled_axes)
         yield f"coupling: {device.coupling}, {both} share one hysteretic force"

@@ -18,8 +18,7 @@ from wirerope_mj.content.numbers import listed, several, shown, shown_unit, with
 from wirerope_mj.content.run import START, run_content
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
-from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 
 # Sections of a run that a case of a job may show; the first seven by default
 REPORTED = (
@@ -61,47 +60,50 @@ class JudgedJob:
 
     @property
     def verdicts(self) -> dict[str, tuple[Verdict, ...]]:
-        """The verdicts by the names of their cases."""
         return {case.name: case.run.verdicts for case in self.cases}
 
 
 def job_content(job: JudgedJob) -> Content:
-    """Compose what a job says: the answer and its grounds, the cases over each other, then each by itself."""
+    """Compose the answer of a job and its grounds, the cases over each other, then each by itself."""
     first, document = job.cases[0].run, job.document
     texts = document.paragraphs if document else lambda name: []
-    versions = first.inputs.get("versions", {})
+    sections = [
+        Section("answer", "", partial(_answers, job), "headline"),
+        Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
+        Section("limits", "Limits and what governs them", partial(_limits, job.verdicts), "summary"),
+        Section("load-cases", "Load cases", partial(_cases, job)),
+        Section("envelope", "Envelope over all load cases", lambda: envelope_blocks(job.runs)),
+        Section("conclusion", "Conclusion", lambda: stated("conclusion", texts("conclusion"))),
+        Section(
+            "basis", "What is assumed, and what was validated",
+            lambda: basis_blocks(job.runs, texts("assumptions"), texts("validation")),
+        ),
+        Section("model", "Model and mounts", partial(model_blocks, first)),
+        Section("statics", "At rest under gravity", partial(run_statics_blocks, first)),
+        Section("modes", "Modes", partial(run_modes_blocks, first)),
+    ]  # fmt: skip
+    for case in job.cases:
+        sections.append(Section(f"case-{case.folder}", f"Load case: {case.name}", partial(_case_blocks, case, job.report)))
+    for case in job.cases if "verdicts" in job.report else ():
+        blocks = partial(_blocks, case, ("verdicts",))
+        sections.append(Section(f"verdicts-{case.folder}", f"All verdicts of {case.name}", blocks, appendix=True))
+    version = first.inputs.get("versions", {}).get("wirerope-mj", "unknown")
     return Content(
-        title=job.name, document=document,
+        title=job.name, document=document, question=(job.question,), verdict=job_headline(job.verdicts),
+        sections=tuple(sections),
         facts=(
             ("Model", first.model_file), ("Load cases", str(len(job.cases))), ("Simulated", job.written),
-            ("By", f"wirerope-mj {versions.get('wirerope-mj', 'unknown')}"),
-        ),
-        question=(job.question,), verdict=job_headline(job.verdicts),
-        sections=(
-            Section("answer", "", lambda: _answers(job), "headline"),
-            Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
-            Section("limits", "Limits and what governs them", lambda: _limits(job.verdicts), "summary"),
-            Section("load-cases", "Load cases", lambda: [_cases(job)]),
-            Section("envelope", "Envelope over all load cases", lambda: envelope_blocks(job.runs)),
-            Section("conclusion", "Conclusion", lambda: stated("conclusion", texts("conclusion"))),
-            Section(
-                "basis", "What is assumed, and what was validated",
-                lambda: basis_blocks(job.runs, texts("assumptions"), texts("validation")),
-            ),
-            Section("model", "Model and mounts", partial(model_blocks, first)),
-            Section("statics", "At rest under gravity", partial(run_statics_blocks, first)),
-            Section("modes", "Modes", partial(run_modes_blocks, first)), *(_case(case, job.report) for case in job.cases),
-            *(_appendix(case) for case in job.cases if "verdicts" in job.report),
+            ("By", f"wirerope-mj {version}"),
         ),
     )  # fmt: skip
 
 
 def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
-    """Answer for all cases at once: in how many a limit is exceeded, and what is most critical in which."""
+    """State in how many cases a limit is exceeded, and what is most critical in which."""
     every = [row for rows in verdicts.values() for row in rows]
-    answers = {name: headline(rows) for name, rows in verdicts.items()}
-    over = [name for name, one in answers.items() if one.text.startswith(FAIL)]
-    open_cases = [name for name, one in answers.items() if one.text.startswith(UNKNOWN)]
+    answers = {name: headline(rows).text for name, rows in verdicts.items()}
+    over = [name for name, text in answers.items() if text.startswith(FAIL)]
+    open_cases = [name for name, text in answers.items() if text.startswith(UNKNOWN)]
     judged = sum(row.utilisation is not None for row in every)
     worst = most_used(every)
     where = next((name for name, rows in verdicts.items() if worst in rows), "")
@@ -132,69 +134,66 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
         }  # fmt: skip
     if amplified is not None:
         values |= {"amplified": amplified[0], "amplification": amplified[1].ratio}
-    return Statement(id="headline", text=f"{text}.", tone=tone, values=values)
+    return Statement("headline", f"{text}.", tone=tone, values=values)
 
 
 def _answers(job: JudgedJob) -> Iterator[Block | None]:
     warnings = dict.fromkeys(text for run in job.runs.values() for text in run.model_warnings)
     for number, warning in enumerate(warnings, start=1):
-        yield Statement(id=f"model-warning-{number}", text=f"warning: {warning}", tone="unjudged")
+        yield Statement(f"model-warning-{number}", f"warning: {warning}", tone="unjudged")
     items = tuple(f"{name}: {headline(rows).text}" for name, rows in job.verdicts.items())
-    yield Statement(id="cases-answers", items=items)
+    yield Statement("cases-answers", items=items)
 
 
 def _limits(verdicts: Mapping[str, Sequence[Verdict]]) -> Iterator[Block | None]:
     yield matrix_table(verdicts)
     yield governing_table(verdicts)
     reasons = dict.fromkeys(text for rows in verdicts.values() for text in unjudged(rows))
-    yield Statement(id="not-judged", text="Not judged:", items=tuple(reasons), tone="unjudged") if reasons else None
+    yield Statement("not-judged", "Not judged:", items=tuple(reasons), tone="unjudged") if reasons else None
 
 
 def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
-    """Tabulate what each case uses of each kind of limit, and its answer; the last row is the case that governs."""
+    """Tabulate what each case uses of each kind of limit; the last row is the case that governs."""
     kinds = list(dict.fromkeys(row.criterion.kind for rows in verdicts.values() for row in rows if row.utilisation is not None))
     contacts = any(row.contact for rows in verdicts.values() for row in rows)
     rows: list[Row] = []
     largest: dict[str, list[tuple[float, int]]] = {}
-    for number, (name, own) in enumerate(verdicts.items(), start=1):
+    for number, (name, of_case) in enumerate(verdicts.items(), start=1):
         cells: list[Cell] = [str(number), name]
         for kind in kinds:
-            used = [row.utilisation for row in own if row.criterion.kind == kind and row.utilisation is not None]
+            used = [row.utilisation for row in of_case if row.criterion.kind == kind and row.utilisation is not None]
             cells.append(used_mark(max(used, default=None)))
             largest.setdefault(kind, []).extend((value, number) for value in used)
-        touched = [row.contact for row in own if row.contact]
-        answer = headline(own)
+        touched = [row.contact for row in of_case if row.contact]
+        answer = headline(of_case)
         cells += [f"{touched.count(STRUCK)} of {len(touched)}"] if contacts else []
         rows.append([*cells, Mark(answer.text.partition(":")[0], answer.tone)])
     if len(verdicts) > 1:
-        governs = [_governs(largest[kind], len(verdicts)) for kind in kinds]
+        governs = []
+        for kind in kinds:
+            worst = max(value for value, _ in largest[kind])
+            cases = {number for value, number in largest[kind] if value == worst}
+            governs.append("all" if len(cases) == len(verdicts) else f"case {min(cases)}")
         rows.append(["", "governed by", *governs, *([""] if contacts else []), ""])
     columns = [Column(align="left"), Column("load case", align="text")]
     columns += [Column(kind.replace(" ", "\n", 1), "%", "z.0f") for kind in kinds]
-    columns += [Column("stops,\ncontacts struck", align="left")] if contacts else []
+    columns += left("stops,\ncontacts struck") if contacts else []
     return Table(
-        id="matrix", title="What each load case uses of the limits", columns=[*columns, Column("verdict", align="left")],
-        rows=rows,
+        "matrix", "What each load case uses of the limits", [*columns, *left("verdict")],
+        rows,
         note="Used: value over limit, of all bodies, points and mounts the largest; above 100 % where it is exceeded.",
     )  # fmt: skip
 
 
-def _governs(used: Sequence[tuple[float, int]], count: int) -> str:
-    """Name the case with the largest utilisation by its number; all where it is the same in all of the `count` cases."""
-    worst = max(value for value, _ in used)
-    cases = {number for value, number in used if value == worst}
-    return "all" if len(cases) == count else f"case {min(cases)}"
-
-
 def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
-    """Tabulate every limit of a kind and a subject with the case that uses most of it; None where nothing is judged."""
-    found: dict[tuple[str, str], list[tuple[str, Verdict]]] = {}
-    for name, own in verdicts.items():
-        for row in own:
+    """Tabulate every limit with the case that uses most of it; None where nothing is judged."""
+    by_limit: dict[tuple[str, str], list[tuple[str, Verdict]]] = {}
+    for name, of_case in verdicts.items():
+        for row in of_case:
             if row.utilisation is not None:
-                found.setdefault((row.criterion.kind, row.subject), []).append((name, row))
+                by_limit.setdefault((row.criterion.kind, row.subject), []).append((name, row))
     rows: list[tuple[tuple[bool, bool, float], Row]] = []
-    for of_all in found.values():
+    for of_all in by_limit.values():
         name, worst = max(of_all, key=lambda pair: pair[1].utilisation or 0.0)
         cases = {case for case, row in of_all if row.value == worst.value}
         used = worst.utilisation or 0.0
@@ -209,54 +208,42 @@ def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
     rows.sort(key=lambda pair: pair[0])
     over = sum(not within for (within, *_), _ in rows)
     return Table(
-        id="governing",
-        title="Every limit and the load case that governs it",
-        columns=(
-            Column("limit of", align="left"), Column("where", align="left"), Column("limit"), Column("reached"),
-            Column("unit", align="left"), Column("used", "%", "z.0f"), Column("governed by", align="left"),
-            Column("at", "s", "z.4f"), Column("verdict", align="left"),
+        "governing",
+        "Every limit and the load case that governs it",
+        (
+            *left("limit of", "where"), Column("limit"), Column("reached"),
+            *left("unit"), Column("used", "%", "z.0f"), *left("governed by"),
+            Column("at", "s", "z.4f"), *left("verdict"),
         ),
-        rows=[cells for _, cells in rows],
+        [cells for _, cells in rows],
         note="Of a limit with several directions or senses the one that is used most. Exceeded limits stand first, then those "
         "of the payload, then those of the mounts.",
         shown=max(over, _GOVERNING),
     )  # fmt: skip
 
 
-def _cases(job: JudgedJob) -> Table:
+def _cases(job: JudgedJob) -> Iterator[Table]:
     rows: list[Row] = []
     for case in job.cases:
         simulate = case.run.inputs.get("simulate", {})
         initial = str(simulate.get("initial", "settled"))
         rows.append([case.name, case.run.acting, simulate.get("duration"), START.get(initial, initial), case.note])
     columns = [
-        Column("load case", align="left"), Column("what acts", align="text"), Column("simulated", "s", 3),
-        Column("begins", align="text"), Column("from", align="text"),
+        *left("load case"), Column("what acts", align="text"), Column("simulated", "s", 3), Column("begins", align="text"),
+        Column("from", align="text"),
     ]  # fmt: skip
     if not any(case.note for case in job.cases):
         columns, rows = columns[:-1], [row[:-1] for row in rows]
-    return Table(id="load-cases", title="Load cases", columns=columns, rows=rows)
+    yield Table("load-cases", "Load cases", columns, rows)
 
 
-def _case(case: JudgedCase, report: Sequence[str]) -> Section:
-    """Return the section of a case: its answer, and what is reported of its run under ids that begin with the case's."""
-
-    def build() -> Iterator[Block]:
-        yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
-        text = f"{case.run.acting}. {case.note}".strip()
-        yield Statement(id=f"{case.folder}/motion", text=text, tone="quiet")
-        yield from _blocks(case, {"answer", *report} - {"verdicts"})
-
-    return Section(f"case-{case.folder}", f"Load case: {case.name}", build)
-
-
-def _appendix(case: JudgedCase) -> Section:
-    blocks = partial(_blocks, case, ("verdicts",))
-    return Section(f"verdicts-{case.folder}", f"All verdicts of {case.name}", blocks, appendix=True)
+def _case_blocks(case: JudgedCase, report: Sequence[str]) -> Iterator[Block]:
+    yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
+    yield Statement(f"{case.folder}/motion", f"{case.run.acting}. {case.note}".strip(), tone="quiet")
+    yield from _blocks(case, {"answer", *report} - {"verdicts"})
 
 
 def _blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:
-    """Yield the blocks of some sections of a case's run under ids that begin with the case's."""
     for section in run_content(case.run).sections:
         for block in section.blocks if section.id in sections else ():
             yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block
@@ -265,69 +252,56 @@ def _blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:
 def basis_blocks(
     runs: Mapping[str, JudgedRun], assumptions: Sequence[str], validation: Sequence[str]
 ) -> Iterator[Block | None]:
-    """Yield what is assumed and what was validated, the author's own paragraphs after what the runs say."""
-    devices = list({one.name: one for run in runs.values() for one in devices_of(run)}.values())
-    yield Statement(id="assumed", text="Assumed:", items=tuple(_assumed(runs, devices)))
-    yield from stated("assumptions", assumptions, STATED)
-    yield Statement(id="validated", text="Checked, and fitted to data:", items=tuple(_validated(runs, devices)))
-    yield from stated("validation", validation, STATED)
-    yield Statement(id="not-validated", text="Not validated:", items=tuple(_not_validated(runs, devices)), tone="unjudged")
+    devices = list({device.name: device for run in runs.values() for device in devices_of(run)}.values())
+    first, numerics = next(iter(runs.values())), {case: run.response.numerics for case, run in runs.items()}
 
-
-def stated(name: str, paragraphs: Sequence[str], before: str = "") -> Iterator[Statement]:
-    """Yield what a document's author states."""
-    for number, text in enumerate(paragraphs, start=1):
-        yield Statement(id=f"{name}-{number}", text=f"{before}{text}")
-
-
-def _assumed(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
     starts: dict[str, list[str]] = {}
     for case, run in runs.items():
         initial = str(run.inputs.get("simulate", {}).get("initial", "settled"))
         starts.setdefault(START.get(initial, initial), []).append(case)
-    for text, cases in starts.items():
-        yield f"{'Every load case begins' if len(starts) == 1 else f'{listed(cases)}: begins'} {text}."
-    first = next(iter(runs.values()))
-    yield f"Gravity is {first.gravity:g} m/s²." if first.gravity else "There is no gravity."
-    yield "The base moves as the load case says, whatever the mounts do to it; bodies are those of the model."
+    whose = {text: "Every load case begins" if len(starts) == 1 else f"{listed(of)}: begins" for text, of in starts.items()}
+    assumed = [f"{begin} {text}." for text, begin in whose.items()]
+    assumed.append(f"Gravity is {first.gravity:g} m/s²." if first.gravity else "There is no gravity.")
+    assumed.append("The base moves as the load case says, whatever the mounts do to it; bodies are those of the model.")
     for device in devices:
-        if assumed := len(device.provenance.assumed):
-            yield f"{device.name}: {several(assumed, 'assumption')} about its figures, listed with the model and its mounts."
+        if count := len(device.provenance.assumed):
+            text = f"{several(count, 'assumption')} about its figures, listed with the model and its mounts."
+            assumed.append(f"{device.name}: {text}")
     if any(row.criterion == COMBINED and row.utilisation is not None for run in runs.values() for row in run.verdicts):
-        yield OWN_RULE.partition(";")[0] + "."
+        assumed.append(OWN_RULE.partition(";")[0] + ".")
+    yield Statement("assumed", "Assumed:", items=tuple(assumed))
+    yield from stated("assumptions", assumptions, STATED)
 
-
-def _validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
-    errors = {case: run.response.numerics.error_estimate for case, run in runs.items()}
-    known = {case: error for case, error in errors.items() if math.isfinite(error)}
-    if known:
-        worst = max(known, key=lambda case: known[case])
-        yield (
-            f"Numerical error, by halving the step before each run: at most {with_unit(known[worst], '%', digits=2)} of the "
-            f"peaks ({worst})."
-        )
-    numerics = [run.response.numerics for run in runs.values()]
-    steps = with_unit(max(one.timestep for one in numerics), "ms", digits=3)
-    yield f"Computed by {listed(sorted({one.computed_by for one in numerics}))} in Runge-Kutta steps of at most {steps}."
-    inputs = str(next(iter(runs.values())).inputs.get("options", {}).get("inputs", ""))
+    checked = []
+    errors = {case: of_case.error_estimate for case, of_case in numerics.items() if math.isfinite(of_case.error_estimate)}
+    if errors:
+        worst = max(errors, key=errors.__getitem__)
+        text = f"at most {with_unit(errors[worst], '%', digits=2)} of the peaks ({worst})."
+        checked.append(f"Numerical error, by halving the step before each run: {text}")
+    steps = with_unit(max(of_case.timestep for of_case in numerics.values()), "ms", digits=3)
+    engines = listed(sorted({of_case.computed_by for of_case in numerics.values()}))
+    checked.append(f"Computed by {engines} in Runge-Kutta steps of at most {steps}.")
+    inputs = str(first.inputs.get("options", {}).get("inputs", ""))
     if inputs.startswith("model "):
         digest = inputs.partition(",")[0].removeprefix("model ")
-        yield f"Model and isolators have the digest {digest}; every case can be replayed from its folder."
+        checked.append(f"Model and isolators have the digest {digest}; every case can be replayed from its folder.")
     for device in devices:
-        stated = device.provenance
-        fitted = f", fitted to {stated.fitted_to.rstrip('.')}" if stated.fitted_to else ""
-        source = f" of {stated.source.rstrip('.')}" if stated.source else ""
-        yield f"{device.name}: {stated.kind} figures{source}{fitted}."
+        source = f" of {device.provenance.source.rstrip('.')}" if device.provenance.source else ""
+        fitted = f", fitted to {device.provenance.fitted_to.rstrip('.')}" if device.provenance.fitted_to else ""
+        checked.append(f"{device.name}: {device.provenance.kind} figures{source}{fitted}.")
+    yield Statement("validated", "Checked, and fitted to data:", items=tuple(checked))
+    yield from stated("validation", validation, STATED)
 
-
-def _not_validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
-    unknown = [case for case, run in runs.items() if not math.isfinite(run.response.numerics.error_estimate)]
-    if unknown:
-        yield f"No numerical error was estimated in {listed(unknown)}."
-    for case, run in runs.items():
-        if run.untested:
-            yield f"{case}: {run.untested}"
+    unknown = [case for case in runs if case not in errors]
+    missing = [f"No numerical error was estimated in {listed(unknown)}."] if unknown else []
+    missing += [f"{case}: {run.untested}" for case, run in runs.items() if run.untested]
     for kind in ("estimated", "illustrative"):
         if names := [device.name for device in devices if device.provenance.kind == kind]:
-            yield f"{listed(names)}: the figures are {kind}, not measured."
-    yield "Results were not compared with a measurement of this installation by this program."
+            missing.append(f"{listed(names)}: the figures are {kind}, not measured.")
+    missing.append("Results were not compared with a measurement of this installation by this program.")
+    yield Statement("not-validated", "Not validated:", items=tuple(missing), tone="unjudged")
+
+
+def stated(name: str, paragraphs: Sequence[str], before: str = "") -> Iterator[Statement]:
+    for number, text in enumerate(paragraphs, start=1):
+        yield Statement(f"{name}-{number}", f"{before}{text}")

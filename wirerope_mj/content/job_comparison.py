@@ -8,7 +8,7 @@ from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.job import JudgedJob, job_headline
 from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import headline, used_mark
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 
 # Names and values of what was given to each load case of each job
@@ -21,14 +21,20 @@ _SAID = {*SPOKEN_MOTIONS, "levels", "record"}  # options that say the motion
 
 
 def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Content:
-    """Compose what a comparison of two jobs says; `inputs` by job and load case."""
+    """Compose how two jobs differ; `inputs` by job and load case."""
     first, second = jobs.values()
     names = list(jobs)
+
+    def headlines() -> Iterator[Block]:
+        for number, (name, job) in enumerate(jobs.items(), start=1):
+            answer = job_headline(job.verdicts)
+            yield Statement(f"headline-{number}", f"{name}: {answer.text}", tone=answer.tone, values=answer.values)
+
     return Content(
         title=" and ".join(names),
         verdict=_conclusion(names, first, second),
         sections=(
-            Section("headlines", "", lambda: _headlines(jobs), "headline"),
+            Section("headlines", "", headlines, "headline"),
             Section("cases", "Load cases", lambda: [_cases(names, first, second)], "summary"),
             Section("limits", "Limits", lambda: [_limits(names, first, second)], "summary"),
             Section("inputs", "Inputs", lambda: [_inputs(names, first, second, inputs)], "summary"),
@@ -36,14 +42,7 @@ def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Con
     )
 
 
-def _headlines(jobs: Mapping[str, JudgedJob]) -> Iterator[Block]:
-    for number, (name, job) in enumerate(jobs.items(), start=1):
-        one = job_headline(job.verdicts)
-        yield Statement(id=f"headline-{number}", text=f"{name}: {one.text}", tone=one.tone, values=one.values)
-
-
 def _conclusion(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Statement:
-    """Say in which cases the second uses more of its limits than the first, and in which less."""
     common = [case for case in first.verdicts if case in second.verdicts]
     change = {case: _used(second.verdicts[case]) - _used(first.verdicts[case]) for case in common}
     more = [case for case, by in change.items() if by >= _SAME]
@@ -58,7 +57,7 @@ def _conclusion(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> St
     ]
     text = "; ".join(filter(None, parts)) or f"{names[1]} uses as much of the limits as {names[0]} in all common load cases"
     text = text if text.startswith(names[1]) else f"{names[1]} {text}"
-    return Statement(id="headline", text=f"{text}.", tone="exceeded" if news else "")
+    return Statement("headline", f"{text}.", tone="exceeded" if news else "")
 
 
 def _used(verdicts: Sequence[Verdict]) -> float:
@@ -71,7 +70,6 @@ def _fails(job: JudgedJob, case: str) -> bool:
 
 
 def _cases(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
-    """Tabulate verdict and largest utilisation of every load case of either job."""
     rows: list[Row] = []
     for case in dict.fromkeys((*first.verdicts, *second.verdicts)):
         cells: list[Cell] = [case]
@@ -84,14 +82,13 @@ def _cases(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
             cells.append(Mark(answer.text.partition(":")[0], answer.tone))
             cells += [used_mark(worst.utilisation if worst else None), f"{worst.criterion}, {worst.subject}" if worst else ""]
         rows.append(cells)
-    columns = [Column("load case", align="left")]
+    columns = left("load case")
     for name in names:
         columns += [Column(name, align="left"), Column("used", "%", "z.0f"), Column("in", align="text")]
-    return Table(id="cases", title="The most critical limit of each load case", columns=columns, rows=rows)
+    return Table("cases", "The most critical limit of each load case", columns, rows)
 
 
 def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table | Statement:
-    """Tabulate the limits of which the jobs use different fractions, each by its governing case."""
     largest: list[dict[tuple[str, str], tuple[float, str]]] = []
     for job in (first, second):
         of_job: dict[tuple[str, str], tuple[float, str]] = {}
@@ -109,20 +106,20 @@ def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table 
             cells = [*key, used_mark(before), case, used_mark(after), other, change]
             rows.append((-max(before or 0.0, after or 0.0), cells))
     if not rows:
-        return Statement(id="limits", text="They use the same fraction of every limit.")
+        return Statement("limits", "They use the same fraction of every limit.")
     rows.sort(key=lambda pair: pair[0])
-    columns = [Column("limit of", align="left"), Column("where", align="left")]
+    columns = left("limit of", "where")
     for name in names:
-        columns += [Column(name, "%", "z.0f"), Column("in", align="left")]
+        columns += [Column(name, "%", "z.0f"), *left("in")]
     return Table(
-        id="limits", title=f"{several(len(rows), 'limit')} of which they use different fractions",
-        columns=[*columns, Column("change", "%", "+.0f")], rows=[cells for _, cells in rows], shown=_SHOWN,
+        "limits", f"{several(len(rows), 'limit')} of which they use different fractions",
+        [*columns, Column("change", "%", "+.0f")], [cells for _, cells in rows], shown=_SHOWN,
     )  # fmt: skip
 
 
 def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: Inputs) -> Statement:
     """List the inputs of common load cases that differ, those of all cases once."""
-    found: dict[str, list[str]] = {}
+    differences: dict[str, list[str]] = {}
     common = [case for case in first.verdicts if case in second.verdicts]
     for case in common:
         before, after = inputs[names[0]].get(case, {}), inputs[names[1]].get(case, {})
@@ -130,22 +127,15 @@ def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: I
         for key in differ:
             if key not in _DERIVED and not (key == "motion" and _SAID & set(differ)):
                 text = f"{key}: {before.get(key, 'not given')} and {after.get(key, 'not given')}"
-                found.setdefault(text, []).append(case)
-        limits = [
-            {
-                f"limit of {row.criterion} of {row.subject}": with_unit(row.limit, row.unit)
-                for row in job.verdicts[case]
-                if row.limit
-            }
-            for job in (first, second)
-        ]
-        for key in dict.fromkeys((*limits[0], *limits[1])):
-            if limits[0].get(key) != limits[1].get(key):
-                text = f"{key}: {limits[0].get(key, 'none')} and {limits[1].get(key, 'none')}"
-                found.setdefault(text, []).append(case)
-    items = tuple(
-        f"{'every case' if len(cases) == len(common) > 1 else listed(cases)}: {text}" for text, cases in found.items()
-    )
-    return Statement(
-        id="inputs", text="Inputs that differ:" if items else "No input of a common load case differs.", items=items
-    )
+                differences.setdefault(text, []).append(case)
+        before, after = (
+            {f"limit of {row.criterion} of {row.subject}": with_unit(row.limit, row.unit) for row in rows if row.limit}
+            for rows in (first.verdicts[case], second.verdicts[case])
+        )
+        for key in dict.fromkeys((*before, *after)):
+            if before.get(key) != after.get(key):
+                text = f"{key}: {before.get(key, 'none')} and {after.get(key, 'none')}"
+                differences.setdefault(text, []).append(case)
+    texts = {text: "every case" if len(of) == len(common) > 1 else listed(of) for text, of in differences.items()}
+    items = tuple(f"{where}: {text}" for text, where in texts.items())
+    return Statement("inputs", "Inputs that differ:" if items else "No input of a common load case differs.", items=items)

@@ -41,41 +41,38 @@ class RunResult:
     """A response with the verdicts on it: all that peaks, histories and the answer need."""
 
     response: Response
-    # on everything; static loads on the first loading and relaxed, not those at the start of the run
+    # static loads are those on the first loading and relaxed, not at the start of the run
     verdicts: tuple[Verdict, ...]
     # rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
     # else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
     random: tuple[Verdict, ...] | Absent = ()
-    untested: str = ""  # a sentence on the mounts that leave what their laws were identified from; "" where none does
+    untested: str = ""  # on mounts that leave the tests of their laws; "" where none does
 
     @property
     def headline(self) -> str:
-        """The answer in one sentence, as every output says it."""
         return headline(self.verdicts)
 
     @cached_property
     def selection(self) -> Selection:
-        """What is shown of it."""
         return select(self.response, self.verdicts)
 
     @cached_property
     def sweep(self) -> Sweep | None:
-        """The sweep that the base does, None if it does something else."""
-        told = self.response.motion
-        if told.get("kind") != Sweep.kind:
+        """The sweep that the base does; None if it does something else."""
+        motion = self.response.motion
+        if motion.get("kind") != Sweep.kind:
             return None
-        motion = motion_from_dict({name: value for name, value in told.items() if name != "description"})
-        assert isinstance(motion, Sweep)
-        return motion
+        sweep = motion_from_dict({name: value for name, value in motion.items() if name != "description"})
+        assert isinstance(sweep, Sweep)
+        return sweep
 
     @cached_property
     def base_rms(self) -> Array:
-        """Root mean squares of the base's acceleration while all random vibration is stationary [m/s^2], (3,)."""
+        """Rms accelerations of the base while its random vibration is stationary [m/s^2], (3,)."""
         return _base_rms(self.response)
 
     @property
     def validity(self) -> Mapping[str, Validity]:
-        """Cycles that the isolators were identified from, by mount, as far as they are known."""
         return {}
 
 
@@ -86,43 +83,38 @@ class JudgedRun(RunResult):
     system: System  # that was simulated
     motion: BaseMotion
     statics: StaticTable | Absent  # where the system rests, on the first loading and relaxed
-    # what the model says that is perhaps not meant, see `wirerope_mj.engine.statics.model_warnings`
+    # see `wirerope_mj.engine.statics.model_warnings`
     model_warnings: tuple[str, ...] = ()
     inputs: Entries = field(default_factory=dict)  # resolved inputs, the content of the run's scenario.toml
 
     @property
     def acting(self) -> str:
-        """What acts, in words; where these leave out a file, a design spectrum or dwells, the phrase that says them too."""
         options = self.inputs.get("options", {})
         phrases = [f"{kind} {options[kind]}" for kind in _MORE_IN_PHRASES if options.get(kind)]
         return f"{self.motion.description} (from {'; '.join(phrases)})" if phrases else self.motion.description
 
     @property
     def validity(self) -> Mapping[str, Validity]:
-        """Cycles that the isolators were identified from, by mount."""
         return {name: mount.isolator.validity for name, mount in self.system.mounts.items()}
 
     @property
     def title(self) -> str:
-        """The scenario's name as text."""
         return title_of(str(self.inputs.get("name", self.response.scene.name)))
 
     @property
     def model_file(self) -> str:
-        """Name of the model's file."""
         return Path(self.inputs.get("model", {}).get("file", self.response.scene.name)).name
 
     @property
     def written(self) -> str:
-        """When it was simulated."""
         written = self.inputs.get("written")
         return f"{written:%Y-%m-%d %H:%M} UTC" if isinstance(written, datetime) else "at an unknown time"
 
     @property
     def sample_rate(self) -> float:
         """Sampling rate of the response [Hz]."""
-        if (asked := self.inputs.get("simulate", {}).get("sample_rate")) is not None:
-            return float(asked)  # of a single sample there is no other
+        if (rate := self.inputs.get("simulate", {}).get("sample_rate")) is not None:
+            return float(rate)  # of a single sample there is no other
         time = self.response.time
         return (time.size - 1) / float(time[-1] - time[0])
 
@@ -133,17 +125,15 @@ class JudgedRun(RunResult):
 
     @property
     def record_warnings(self) -> tuple[str, ...]:
-        """Warnings of the measured records in the base's motion."""
         return record_warnings(self.motion)
 
     @cached_property
     def spectra(self) -> RunSpectra:
-        """Spectra of the base and of what is drawn."""
         return spectra_of(self.motion, self.response, self.sample_rate)
 
     @cached_property
     def modes(self) -> Mapping[str, Modes | Absent]:
-        """Modes about the equilibria by history; without a load there is nothing to relax."""
+        """Modes about the equilibria by history; without gravity one."""
         histories = HISTORIES if self.gravity else HISTORIES[:1]
         return {history: result_or_absent(partial(modes, self.system, history=history)) for history in histories}
 
@@ -167,30 +157,28 @@ def judged_run(system: System, motion: BaseMotion, response: Response, inputs: E
 
 
 def _beside_the_base(verdicts: Sequence[Verdict], random: Sequence[Verdict], response: Response) -> tuple[Verdict, ...]:
-    """Return verdicts; where the base vibrates at random, the amplification of accelerations is that of their rms values."""
-    rms, found = _base_rms(response) if random else np.zeros(3), dict[str, Amplification]()
+    """Let accelerations under random vibration be amplified as their rms values are."""
+    if not random:
+        return tuple(verdicts)
+    rms, largest = _base_rms(response), dict[str, Amplification]()
     for row in random:
         axis = row.criterion.axis
         if row.criterion.kind == RMS and (base := float(rms["xyz".index(axis)])) > STILL:
-            one = Amplification(measure=f"rms along {axis}", value=row.value, base=base)
-            found[row.subject] = max(one, found.get(row.subject, one), key=lambda each: each.ratio)
-    if not random:
-        return tuple(verdicts)
+            along = Amplification(measure=f"rms along {axis}", value=row.value, base=base)
+            largest[row.subject] = max(along, largest.get(row.subject, along), key=lambda amplification: amplification.ratio)
     accelerations = ACCELERATION, LARGEST
     return tuple(
-        replace(row, amplification=found.get(row.subject)) if row.criterion.kind in accelerations else row for row in verdicts
+        replace(row, amplification=largest.get(row.subject)) if row.criterion.kind in accelerations else row for row in verdicts
     )
 
 
 def _base_rms(response: Response) -> Array:
-    """Compute rms accelerations of the base while all random vibration is stationary [m/s^2], (3,)."""
     _, first, last = steady_interval(response.motion)
     rows = slice(*np.searchsorted(response.time, [first, last]))
     return response.base.acceleration[rows].std(axis=0)
 
 
 def _random(response: Response) -> tuple[Verdict, ...]:
-    """Judge rms and 3-sigma values; the largest of every step is among the other verdicts."""
     alone, first, _ = steady_interval(response.motion)
     if not alone or first == -math.inf:
         return ()
@@ -198,7 +186,6 @@ def _random(response: Response) -> tuple[Verdict, ...]:
 
 
 def result_or_absent(compute: Callable[[], Result]) -> Result | Absent:
-    """Compute a result, or a sentence that says why there is none: a report shows what can be shown."""
     try:
         return compute()
     except (WireRopeError, ValueError) as error:

@@ -9,27 +9,44 @@ from wirerope_mj.content.numbers import fixed, several
 from wirerope_mj.content.scene_outline import axial_direction, crowded_label, flexible_bodies, mount_labels, mount_position
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.response.scene import SceneMount
-from wirerope_mj.foundation.tables import Column, Row, Table
+from wirerope_mj.foundation.tables import Column, Row, Table, left
 from wirerope_mj.mounts.isolator import Isolator
 
 _FEW = 12  # Mounts and stops that are listed in any case
 
 
 def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield scene, masses, mounts, isolators and where their figures come from."""
+    """Yield scene, masses, mounts and isolators with the source of their figures."""
     scene = run.response.scene
-    yield Statement(id="model", text=_summary(run))
+    start = f"Model {run.model_file} with {mounts_and_stops(scene.mounts)}."
+    if bends := " and ".join(body.name for body in scene.bodies if body.bends):
+        start += f" What is called {bends} bends by its modes, and is drawn unbent."
+    driven = f"The base {scene.base} is driven" if scene.base else "Nothing is driven"
+    weight = f"gravity is {run.gravity:g} m/s²" if run.gravity else "there is no gravity"
+    yield Statement(
+        "model", f"{start} {driven}, {weight}. Coordinates are those of the model's world frame, z up."
+    )  # fmt: skip
     if any(body.geoms for body in scene.bodies) or scene.mounts:
         caption = "The modelled, unloaded geometry"
         if scene.mounts:
-            named = any(label != name for name, label in mount_labels(scene).items())
-            caption += ", its mounts with their " + ("numbers (see the table)." if named else "names.")
+            numbered = any(label != name for name, label in mount_labels(scene).items())
+            caption += ", its mounts with their " + ("numbers (see the table)." if numbered else "names.")
             behind = crowded_label(scene)
             caption += f' "{behind[0]}": {behind[1]} mounts behind each other.' if behind else ""
         if flexible := flexible_bodies(scene):
             caption = f"{caption.rstrip('.')}. Outlined in green: {' and '.join(flexible)}, flexible."
         yield SceneView(id="geometry", scene=scene, caption=caption)
-    yield _masses(run)
+    known = next((modes for modes in run.modes.values() if isinstance(modes, Modes)), None)
+    if known is not None and known.payloads:
+        payloads = known.payloads.items()
+        yield Table(
+            "masses", "What the mounts carry, its centre of mass at rest and its moments of inertia about that",
+            (
+                *left("payload"), Column("mass", "kg", 4), *(Column(axis, "m", "z.3f") for axis in "xyz"),
+                *(Column(f"I{axis}{axis}", "kg m²", 4) for axis in "xyz"),
+            ),
+            [(name, payload.mass, *map(float, (*payload.centre, *payload.inertia))) for name, payload in payloads],
+        )  # fmt: skip
     yield _mounts(run)
     devices = devices_of(run)
     if devices:
@@ -38,35 +55,11 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
             yield provenance_statement(device)
 
 
-def _summary(run: JudgedRun) -> str:
-    scene = run.response.scene
-    driven = f"The base {scene.base} is driven" if scene.base else "Nothing is driven"
-    weight = f"gravity is {run.gravity:g} m/s²" if run.gravity else "there is no gravity"
-    start = f"Model {run.model_file} with {mounts_and_stops(scene.mounts)}."
-    bends = " and ".join(body.name for body in scene.bodies if body.bends)
-    start += f" What is called {bends} bends by its modes, and is drawn unbent." if bends else ""
-    return f"{start} {driven}, {weight}. Coordinates are those of the model's world frame, z up."
-
-
 def mounts_and_stops(mounts: Sequence[SceneMount]) -> str:
-    """Return how many mounts there are, stops counted by themselves: "24 mounts and 16 stops"."""
+    """Count mounts and stops: "24 mounts and 16 stops"."""
     stops = sum(mount.stop for mount in mounts)
     count = several(len(mounts) - stops, "mount") if len(mounts) > stops else "no mounts"
     return f"{count} and {several(stops, 'stop')}" if stops else count
-
-
-def _masses(run: JudgedRun) -> Table | None:
-    known = next((modes for modes in run.modes.values() if isinstance(modes, Modes)), None)
-    if known is None or not known.payloads:
-        return None
-    return Table(
-        id="masses", title="What the mounts carry, its centre of mass at rest and its moments of inertia about that",
-        columns=(
-            Column("payload", align="left"), Column("mass", "kg", 4), *(Column(axis, "m", "z.3f") for axis in "xyz"),
-            *(Column(f"I{axis}{axis}", "kg m²", 4) for axis in "xyz"),
-        ),
-        rows=[(name, one.mass, *map(float, (*one.centre, *one.inertia))) for name, one in known.payloads.items()],
-    )  # fmt: skip
 
 
 def _mounts(run: JudgedRun) -> Table | None:
@@ -81,13 +74,12 @@ def _mounts(run: JudgedRun) -> Table | None:
         between = f"{mount.payload_body or 'world'} on {mount.base_body or 'world'}"
         names = (*([labels[mount.name]] if numbered else []), mount.name, mount.isolator, between)
         rows.append((*names, *map(float, mount_position(scene, mount)), direction))
-    headings = [Column(heading, align="left") for heading in ("mount", "isolator", "payload on base")]
-    positions = [Column(axis, "m", "z.3f") for axis in "xyz"]
+    columns = [*left("mount", "isolator", "payload on base"), *(Column(axis, "m", "z.3f") for axis in "xyz")]
     return Table(
-        id="mount-places",
-        title="Mounts",
-        columns=(*([Column("no.")] if numbered else []), *headings, *positions, Column("axial direction")),
-        rows=rows,
+        "mount-places",
+        "Mounts",
+        [*([Column("no.")] if numbered else []), *columns, Column("axial direction")],
+        rows,
         shown=max(len(scene.isolating), _FEW),  # stops are the last, and alike
         note="Positions are the elastic centres at mid-height. Axial points from the base's bar to the payload's; tension "
         "is positive.",
@@ -95,7 +87,6 @@ def _mounts(run: JudgedRun) -> Table | None:
 
 
 def devices_of(run: JudgedRun) -> list[Isolator]:
-    """Return the isolators, each once, in the order of the mounts."""
     devices: list[Isolator] = []
     for mount in run.response.scene.mounts:
         device = run.system.mounts[mount.name].written

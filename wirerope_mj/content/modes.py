@@ -1,8 +1,7 @@
 """The modes of a system about its equilibrium: which frequency to quote, damping, shapes, and what the laws were tested for."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 
 from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
 from wirerope_mj.assessment.criteria.travel import untested
@@ -14,7 +13,7 @@ from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utili
 from wirerope_mj.dynamics.modes.rest import SHARES, strain_energy
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import Absent
-from wirerope_mj.foundation.tables import Cell, Column, Row, Table
+from wirerope_mj.foundation.tables import Cell, Column, Row, Table, left
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.isolator.validity import BELOW
 
@@ -23,7 +22,7 @@ _SHIP_AXES: tuple[Direction, ...] = ("fore-and-aft", "athwartship", "vertical")
 _LEAST_WEIGHT = 1e-3  # fraction of a mode's weight along which it is said to move
 _FREQUENCY, _DAMPING = Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.1f")
 _MASS = [Column(f"mass\n{axis}", "%", "z.1f") for axis in "xyz"]
-_MODE = Column("mode", align="left"), Column("shape", align="text")
+_MODE = *left("mode"), Column("shape", align="text")
 _NOTE = (
     "Frequency and damping: of small amplitude, where friction damps nothing and dampers alone do. Tangent: with the mounts' "
     "stiffness in either direction from rest, which the first quarter cycle feels; no value to quote. Mass: fraction that "
@@ -34,31 +33,45 @@ _NOTE = (
 def modes_content(
     system: System, small: Modes, large: Sequence[Modes] = (), *, ddam: tuple[Ship, Location] | None = None
 ) -> Content:
-    """Describe the modes of a system at small and at other amplitudes, and the design accelerations of DDAM."""
+    """Describe modes at small and other amplitudes, and the design accelerations of DDAM."""
+
+    def at_small() -> Iterator[Block | None]:
+        yield modes_table(small)
+        yield energy_table(system, small)
+        yield _quote(at_amplitudes=bool(large))
+        yield from _statements("small-amplitude", about_small(system, small))
+        yield from _statements("below-tests", below_tests(system))
+
+    def at_large() -> Iterator[Block]:
+        if large:
+            yield amplitudes_table(small, large)
+            yield from _statements("beyond-rating", beyond_rating(system, large), "exceeded")
+            yield from _statements("outside-tests", outside_tests(system, large))
+            yield from _statements("carried", about_carried(system, small, large), "")
+
     stability = list(stability_blocks({small.history: small.stability}))
-    parts: dict[str, Callable[[], Iterable[Block | None]]] = {
-        "modes": partial(_modes_blocks, system, small, bool(large)),
-        "amplitudes": partial(_amplitudes_blocks, system, small, large),
-        "stability": lambda: stability,
-        "ddam": lambda: [_ddam(small, *ddam)] if ddam else [],
-    }
-    sections = [Section(name, "", build, "summary") for name, build in parts.items()]
-    return Content(title=f"{system.name}: modes", verdict=stability[0], sections=tuple(sections))
+    sections = (
+        Section("modes", "", at_small, "summary"),
+        Section("amplitudes", "", at_large, "summary"),
+        Section("stability", "", lambda: stability, "summary"),
+        Section("ddam", "", lambda: [_ddam(small, *ddam)] if ddam else [], "summary"),
+    )
+    return Content(title=f"{system.name}: modes", verdict=stability[0], sections=sections)
 
 
 def run_modes_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield the modes of a run's system about its equilibria at small amplitude, and how stable it stands."""
-    found = {history: modes for history, modes in run.modes.items() if isinstance(modes, Modes)}
+    """Yield the small modes of a run's system about its equilibria, and its stability."""
+    computed = {history: modes for history, modes in run.modes.items() if isinstance(modes, Modes)}
     for history, modes in run.modes.items():
         if isinstance(modes, Absent):
-            yield Statement(id=f"modes-{history}", text=modes.reason, tone="unjudged")
-    for number, modes in enumerate(found.values()):
-        yield modes_table(modes, note=_NOTE if number + 1 == len(found) else "")
+            yield Statement(f"modes-{history}", modes.reason, tone="unjudged")
+    for rank, modes in enumerate(computed.values(), start=1):
+        yield modes_table(modes, note=_NOTE if rank == len(computed) else "")
         yield energy_table(run.system, modes)
-    if found:
+    if computed:
         yield _quote(at_amplitudes=False)
         yield from _statements("below-tests", below_tests(run.system))
-    yield from stability_blocks({history: modes.stability for history, modes in found.items()})
+    yield from stability_blocks({history: modes.stability for history, modes in computed.items()})
 
 
 def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
@@ -71,13 +84,13 @@ def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
         damping = float(modes.damping_ratio[number])
         rows.append((str(number + 1), shape, _hertz(modes.frequencies[number]), damping, *frequencies, *mass))
     return Table(
-        id=f"modes-{modes.history}", title=f"Modes about the equilibrium {HISTORIES[modes.history]}",
-        columns=(*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS), rows=rows, note=note,
+        f"modes-{modes.history}", f"Modes about the equilibrium {HISTORIES[modes.history]}",
+        (*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS), rows, note=note,
     )  # fmt: skip
 
 
 def energy_table(system: System, modes: Modes) -> Table | None:
-    """Tabulate where the strain energy of every mode sits; None where nothing but mounts is elastic."""
+    """Tabulate where strain energy sits; None where nothing but mounts is elastic."""
     shares = strain_energy(system, modes)
     if shares is None:
         return None
@@ -86,8 +99,8 @@ def energy_table(system: System, modes: Modes) -> Table | None:
         for number, shape in enumerate(modes.descriptions)
     ]
     return Table(
-        id=f"strain-energy-{modes.history}", title="Where the strain energy sits",
-        columns=(*_MODE, _FREQUENCY, *(Column(name, "%", "z.1f") for name in SHARES)), rows=rows,
+        f"strain-energy-{modes.history}", "Where the strain energy sits",
+        (*_MODE, _FREQUENCY, *(Column(name, "%", "z.1f") for name in SHARES)), rows,
         note="Mounts: with what weight and contacts do. Deck: what bends or is sprung between base and mounts. Most of it in "
         "the deck: the mode is the deck's own, and moves with the deck's frequency, hardly with the mounts.",
     )  # fmt: skip
@@ -106,61 +119,44 @@ def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
         for result, index in zip(results, indices, strict=True)
     ]  # fmt: skip
     return Table(
-        id="modes-at-amplitudes", title="Natural frequency and damping by amplitude",
-        columns=(*_MODE, Column("amplitude", "mm", ".4g"), _FREQUENCY, _DAMPING), rows=rows,
+        "modes-at-amplitudes", "Natural frequency and damping by amplitude",
+        (*_MODE, Column("amplitude", "mm", ".4g"), _FREQUENCY, _DAMPING), rows,
         note=f"Amplitude: of the mount that moves most, about the equilibrium {HISTORIES[small.history]}.",
     )  # fmt: skip
 
 
 def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
-    """Yield what is known of one mode: frequency to quote, damping, tangents, mass, and deflections of the mounts."""
+    """Yield one mode: frequency, damping, tangents, mass, deflections of the mounts."""
     mass = ", ".join(f"{in_unit(part, '%'):z.1f} % {axis}" for part, axis in zip(modes.participation[mode], "xyz", strict=True))
     yield Statement(
-        id="mode", text=f"Small-amplitude natural frequency {_text(modes.frequencies[mode])}", tone="strong",
+        "mode", f"Small-amplitude natural frequency {_text(modes.frequencies[mode])}", tone="strong",
         items=(
             f"damping {in_unit(float(modes.damping_ratio[mode]), '%'):.1f} %",
             f"tangents at rest: unloading {_text(modes.unloading[mode])}, loading {_text(modes.loading[mode])}",
             f"mass that takes part: {mass}",
         ),
     )  # fmt: skip
-    columns = [Column("mount", align="left"), *(Column(axis, form="+.3f") for axis in ("roll", "shear", "axial"))]
+    columns = [*left("mount"), *(Column(axis, form="+.3f") for axis in ("roll", "shear", "axial"))]
     rows: list[Row] = [(name, *map(float, shape[mode])) for name, shape in modes.mounts.items()]
-    yield Table(id="mode-shape", title="Deflections of the mounts, the largest 1", columns=columns, rows=rows)
-
-
-def _modes_blocks(system: System, small: Modes, at_amplitudes: bool) -> Iterator[Block | None]:
-    yield modes_table(small)
-    yield energy_table(system, small)
-    yield _quote(at_amplitudes=at_amplitudes)
-    yield from _statements("small-amplitude", about_small(system, small))
-    yield from _statements("below-tests", below_tests(system))
-
-
-def _amplitudes_blocks(system: System, small: Modes, large: Sequence[Modes]) -> Iterator[Block]:
-    if large:
-        yield amplitudes_table(small, large)
-        yield from _statements("beyond-rating", beyond_rating(system, large), "exceeded")
-        yield from _statements("outside-tests", outside_tests(system, large))
-        yield from _statements("carried", about_carried(system, small, large), "")
+    yield Table("mode-shape", "Deflections of the mounts, the largest 1", columns, rows)
 
 
 def _statements(name: str, texts: Iterator[str], tone: str = "unjudged") -> Iterator[Statement]:
-    return (Statement(id=name, text=text, tone=tone) for text in texts)
+    return (Statement(name, text, tone=tone) for text in texts)
 
 
 def _quote(*, at_amplitudes: bool) -> Statement:
-    """Return which frequency is quoted for what."""
     where = "listed below" if at_amplitudes else "which `wirerope modes --amplitude-mm` gives"
     return Statement(
-        id="which-frequency",
-        text="Quote the small-amplitude natural frequency for small vibration, and for a shock the frequency at the amplitude "
+        "which-frequency",
+        "Quote the small-amplitude natural frequency for small vibration, and for a shock the frequency at the amplitude "
         f"reached, {where}: mounts soften, and harden towards the end of their travel.",
         tone="strong",
     )
 
 
 def about_small(system: System, small: Modes) -> Iterator[str]:
-    """Yield what is unusual of the frequencies of small amplitude: outside the tangents, or of a law with n < 1."""
+    """Yield what is unusual of small-amplitude frequencies."""
     outside = small.outside_tangents
     if outside.size:
         which = f"{'modes' if outside.size > 1 else 'mode'} {', '.join(str(row + 1) for row in outside)}"
@@ -177,12 +173,12 @@ def about_small(system: System, small: Modes) -> Iterator[str]:
 
 
 def below_tests(system: System) -> Iterator[str]:
-    """Yield a sentence on the isolators whose small cycles lie below what was tested."""
+    """Yield the isolators whose small cycles lie below what was tested."""
     least = {
-        f"{mount.isolator.name} {axis} ({in_unit(one.amplitude[0], 'mm'):.3g} mm)": None
+        f"{mount.isolator.name} {axis} ({in_unit(tested.amplitude[0], 'mm'):.3g} mm)": None
         for mount in system.mounts.values()
-        for axis, one in mount.isolator.validity.stated.items()
-        if one.amplitude[0] > 0.0
+        for axis, tested in mount.isolator.validity.stated.items()
+        if tested.amplitude[0] > 0.0
     }
     if least:
         yield (
@@ -193,7 +189,6 @@ def below_tests(system: System) -> Iterator[str]:
 
 
 def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
-    """Yield for each amplitude a sentence on the mounts that it takes beyond a rated travel in some mode, sag included."""
     for result in large:
         beyond = {name: used for name in system.mounts if (used := travel_utilisation(system, result, name)) > 1.0}
         if beyond:
@@ -205,7 +200,6 @@ def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
 
 
 def outside_tests(system: System, large: Sequence[Modes]) -> Iterator[str]:
-    """Yield for each amplitude a sentence on the mounts that it takes outside what their laws were identified from."""
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     for result in large:
         if where := untested(isolators, {name: reached_in(result, name) for name in system.mounts}):
@@ -214,16 +208,16 @@ def outside_tests(system: System, large: Sequence[Modes]) -> Iterator[str]:
 
 
 def about_carried(system: System, small: Modes, large: Sequence[Modes]) -> Iterator[str]:
-    """Yield for each amplitude a sentence on the modes that lie elsewhere where the cycles' mean force carries the weight."""
+    """Yield for each amplitude the modes that move where cycles carry the weight on average."""
     for result in large:
-        there = carried(system, result)
-        if not there.apart.size:
+        lasting = carried(system, result)
+        if not lasting.apart.size:
             continue
         rows = {index: row + 1 for row, index in enumerate(small.indices_in(result))}
         text = ", ".join(
-            f"mode {rows[int(at)]} at {there.frequencies[at]:.3f} instead of {result.frequencies[at]:.3f} Hz "
-            f"({there.mounts[at]} {in_unit(there.shift[at], 'mm'):.2g} mm away)"
-            for at in there.apart
+            f"mode {rows[int(at)]} at {lasting.frequencies[at]:.3f} instead of {result.frequencies[at]:.3f} Hz "
+            f"({lasting.mounts[at]} {in_unit(lasting.shift[at], 'mm'):.2g} mm away)"
+            for at in lasting.apart
         )
         yield (
             f"Cycles of {_size(result)} about the equilibrium do not carry the weight on average. In lasting vibration the "
@@ -232,7 +226,6 @@ def about_carried(system: System, small: Modes, large: Sequence[Modes]) -> Itera
 
 
 def _ddam(small: Modes, ship: Ship, location: Location) -> Table:
-    """Tabulate modal weight and design acceleration of every mode along the directions in which it takes part."""
     rows: list[Row] = []
     for number, frequency in enumerate(map(float, small.frequencies)):
         weights = STANDARD_GRAVITY * small.moving_mass * small.participation[number]
@@ -246,8 +239,8 @@ def _ddam(small: Modes, ship: Ship, location: Location) -> Table:
         rows.append(cells)
     axes = [column for axis in "xyz" for column in (Column(f"weight {axis}", "kN", ".3f"), Column(f"D {axis}", "g", ".1f"))]
     return Table(
-        id="ddam", title=f"DDAM: design accelerations, {ship}, {location}",
-        columns=(Column("mode", align="left"), _FREQUENCY, *axes), rows=rows,
+        "ddam", f"DDAM: design accelerations, {ship}, {location}",
+        (*left("mode"), _FREQUENCY, *axes), rows,
         note="x fore and aft, y athwartship, z vertical; modal weights at small amplitude. The unclassified interim values of "
         "NRL memorandum 1396, elastic, at least 6 g; a linear method, in which large deflections of mounts have no place.",
     )  # fmt: skip

@@ -1,24 +1,25 @@
 """Curves between two axes, in charts: what pages, pictures, recordings and explore draw of a result."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-WIDTH, LEFT, RIGHT = 760.0, 58.0, 16.0  # of a chart, about pixels of a page, and what is left free beside its panels
-# Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded.
+WIDTH, LEFT, RIGHT = 760.0, 58.0, 16.0  # of a chart, about pixels of a page; margins beside its panels
+# Kinds of curves beside the numbered colours; the last: what must not be exceeded
 BASE, OTHERS, LIMIT = "base", "others", "limit"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Curve:
     """A line, dots, or bars."""
 
     # x, y: positions, (n,)
     x: Array
     y: Array
+    _: KW_ONLY
     name: str  # in the legend; "" for none
     kind: int | str  # number of a colour, `BASE`, `OTHERS` or `LIMIT`
     marks: bool = False  # whether dots are drawn at the positions instead of a line
@@ -27,7 +28,7 @@ class Curve:
     dash: str = ""  # "dashed" or "dotted"
     weight: float = 1.0  # width of the line, size of the dots, times the usual
     opacity: float = 1.0  # from 0 to 1, by which curves of a family are told apart
-    # largest value and where it is, of every step and not of the positions alone; None where nobody asks
+    # largest value of every step and where it is; None if unmarked
     peak: tuple[float, float] | None = None
 
 
@@ -47,13 +48,14 @@ Note = tuple[float, float, str, bool]  # A text beside a position, and whether i
 Ticks = Sequence[tuple[float, str]]  # Positions along an axis with their texts; empty for round numbers
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Panel:
     """Curves between two axes."""
 
     curves: Sequence[Curve]  # the first in front
     # ylabel, xlabel, title: texts; "" for none
     ylabel: str
+    _: KW_ONLY
     xlabel: str = ""
     title: str = ""
     limits: Sequence[tuple[str, float]] = ()  # levels that are dashed, with their names
@@ -91,12 +93,10 @@ _CRESTS = 300  # intervals of an envelope: each should hold a period at least
 
 
 def short(name: str, most: int = _FITS) -> str:
-    """Return a name of at most so many letters, as it fits a legend: without its middle, its end kept, where numbers stand."""
     return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[-most // 2 :]}"
 
 
 def crest(x: Array, values: Array) -> tuple[Array, Array]:
-    """Return positions and sizes of the largest value of each of many intervals: the envelope of what oscillates."""
     length = max(x.size // _CRESTS, 1)
     parts = values[: length * (x.size // length)].reshape(-1, length)
     rows = length * np.arange(parts.shape[0]) + parts.argmax(axis=1)
@@ -104,13 +104,11 @@ def crest(x: Array, values: Array) -> tuple[Array, Array]:
 
 
 def stacked(panels: Sequence[Panel]) -> Chart:
-    """Stack panels over time that are not all zero, at least the last; what their titles say stands in the caption."""
     kept = [one for one in panels if any(np.abs(curve.y).max() > _NOTHING for curve in one.curves)] or panels[-1:]
     rows = [[replace(one, title="", xlabel="time [s]" if one is kept[-1] else "")] for one in kept]
     return Chart(rows=rows, height=190.0 if len(kept) == 1 else 140.0)
 
 
 def with_room(x: Array, part: float = 0.05) -> tuple[float, float]:
-    """Return the range of positions with some room on either side, as a part of it."""
     room = part * float(np.ptp(x)) or 1.0
     return float(x.min()) - room, float(x.max()) + room

@@ -11,17 +11,17 @@ from wirerope_mj.content.base import amplified
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.verdicts import used_mark
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.studies.catalogue import BY, CRITERIA, CatalogueSelection, TriedPart
 
-_FIRST, _NEAREST = 12, 5  # parts shown unless all are asked for: those that keep every limit, those that do not
+_FIRST, _NEAREST = 12, 5  # parts shown by default: that keep every limit, that do not
 _HEADINGS = {"price": Column("price", "", ".2f"), "mass": Column("mass of\nmounts", "kg", ".2f")}
 
 
 def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -> Content:
-    """Compose what a simulated selection says; `every`: whether all parts are shown, and not the first and the nearest."""
-    tried, meeting = [one for one in selection.tried if not one.reason], selection.meeting
-    thing = "part" if len({one.placement for one in tried}) < 2 else "choice"
+    """Compose a simulated selection; `every` part is shown, or the first and the nearest."""
+    tried, meeting = [part for part in selection.tried if not part.reason], selection.meeting
+    thing = "part" if len({part.placement for part in tried}) < 2 else "choice"
     counted = f"{several(len(tried), thing)} simulated under {several(len(selection.cases), 'load case')}"
     values = {"met": float(len(meeting)), "not_met": float(len(tried) - len(meeting))}
     if meeting:
@@ -32,71 +32,72 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
         what = "acceleration of the payload" if "clearance" in limited else "payload"
         text += "" if "fragility" in limited else f"; {what} not judged: no limit stated"
         for case, motion in selection.cases.items():
-            if said := amplified(first.largest("acceleration*", case), motion):
-                text += f"; {said}, under {case}"
+            if clause := amplified(first.largest("acceleration*", case), motion):
+                text += f"; {clause}, under {case}"
         text += "."
     else:
-        nearest = next((one for one in tried), None)
-        beyond = "" if nearest is None else f"; nearest {_called(nearest)}, {_critical(nearest)}"
+        beyond = f"; nearest {_called(tried[0])}, {_critical(tried[0])}" if tried else ""
         text = f"None of {counted} keeps every limit{beyond}." if tried else "No part could be simulated."
     return Content(
         title="Selection of isolators",
-        verdict=Statement(id="headline", text=text, tone="within" if meeting else "exceeded", values=values),
+        verdict=Statement("headline", text, tone="within" if meeting else "exceeded", values=values),
         sections=(Section("parts", "Parts", partial(_parts, selection, every), "summary"),),
     )
 
 
 def _parts(selection: CatalogueSelection, every: bool) -> Iterator[Block]:
     numbered = tuple(f"{number}: {name}" for number, name in enumerate(selection.cases, start=1))
-    yield Statement(id="load-cases", text="Load cases", items=numbered, tone="strong")
-    meeting, rest = selection.meeting, [one for one in selection.tried if not one.meets and not one.reason]
+    yield Statement("load-cases", "Load cases", items=numbered, tone="strong")
+    meeting, rest = selection.meeting, [part for part in selection.tried if not part.meets and not part.reason]
     if meeting:
         title = f"{several(len(meeting), 'part')} keep{'s' if len(meeting) == 1 else ''} every limit"
         yield _table("candidates", title, selection, meeting, None if every else _FIRST)
     if rest and (every or not meeting):
         title = f"{several(len(rest), 'part')} exceed{'s' if len(rest) == 1 else ''} a limit, the nearest first"
         yield _table("rejected", title, selection, rest, None if every else _NEAREST)
-    yield Statement(id="notes", items=tuple(_notes(selection)))
+    yield Statement("notes", items=tuple(_notes(selection)))
 
 
 def _table(
     name: str, title: str, selection: CatalogueSelection, parts: list[TriedPart] | tuple[TriedPart, ...], most: int | None
 ) -> Table:  # fmt: skip
-    """Tabulate parts in their order."""
-    placed = len({one.placement for one in selection.tried if one.placement}) > 1
-    extra = [by for by in ("price", "mass") if any(by in own for own in selection.stated.values())]
+    placed = len({part.placement for part in selection.tried if part.placement}) > 1
+    extra = [by for by in ("price", "mass") if any(by in stated for stated in selection.stated.values())]
     columns = [
-        Column("part", align="left"), *([Column("mounts", align="left")] if placed else []), Column("used", "%", "z.0f"),
-        Column("most critical", align="left"), Column("case"), Column("static\nload", "%", "z.0f"),
+        *left("part"), *(left("mounts") if placed else []), Column("used", "%", "z.0f"),
+        *left("most critical"), Column("case"), Column("static\nload", "%", "z.0f"),
         Column("travel", "%", "z.0f"), Column("peak", "g", ".1f"), Column("moves", "mm", ".1f"),
         Column("height", "mm", ".0f"), *(_HEADINGS[by] for by in extra),
     ]  # fmt: skip
     cases = list(selection.cases)
     rows: list[Row] = []
-    for one in parts:
-        used, criterion, case = one.governing
+    for part in parts:
+        used, criterion, case = part.governing
         number = str(cases.index(case) + 1) if case and criterion != STATIC_LOAD else ""
-        cells: list[Cell] = [one.name, *([one.placement] if placed else []), used_mark(_known(used)), criterion, number]
-        cells += [used_mark(_known(one.used(measure)[0])) for measure in ("static_load", "travel")]
-        cells += [one.acceleration, one.displacement, selection.figure(one, "height")]
-        rows.append([*cells, *(selection.figure(one, by) for by in extra)])
+        cells: list[Cell] = [part.name, *([part.placement] if placed else []), used_mark(_known(used)), criterion, number]
+        cells += [used_mark(_known(part.used(measure)[0])) for measure in ("static_load", "travel")]
+        cells += [part.acceleration, part.displacement, selection.figure(part, "height")]
+        rows.append([*cells, *(selection.figure(part, by) for by in extra)])
     return Table(
-        id=name, title=title, columns=columns, rows=rows, shown=most,
+        name, title, columns, rows, shown=most,
         note="Used: of the limit that is the most critical over all load cases. Peak: largest of any body or point. Moves: "
         "largest displacement of a point from its modelled place along x, y or z, as --travel limits it.",
     )  # fmt: skip
 
 
 def _notes(selection: CatalogueSelection) -> Iterator[str]:
-    """Yield what the table rests on, and what it leaves open."""
-    tried = [one for one in selection.tried if not one.reason]
+    tried = [part for part in selection.tried if not part.reason]
+    reasons: dict[str, list[str]] = {}
+    for part in selection.tried:
+        if part.reason:
+            reasons.setdefault(part.reason.rstrip("."), []).append(part.name)
     for measure, criterion in CRITERIA.items():
-        missing = [one.name for one in tried if math.isnan(one.used(measure)[0])]
+        missing = [part.name for part in tried if math.isnan(part.used(measure)[0])]
         if missing and len(missing) == len(tried):
             yield f"{criterion}: no limit, not judged"
         elif missing:
             yield f"{criterion}: not rated by the vendor, not judged: {listed(missing)}"
-    for why, names in _reasons(selection).items():
+    for why, names in reasons.items():
         yield f"not simulated: {listed(names)}: {why}"
     if len(tried) > len(selection.meeting):
         yield "figures of parts beyond a limit are computed as far as it takes to be certain that it is exceeded"
@@ -104,27 +105,19 @@ def _notes(selection: CatalogueSelection) -> Iterator[str]:
         "the isolators are those of the catalogue, fitted to the vendors' stiffnesses with tension and damping as assumed "
         "there; the payload's side of each mount stays in its place, and the foundation follows the part's height"
     )
-    if selection.by in ("price", "mass") and any(math.isnan(selection.figure(one, selection.by)) for one in tried):
+    if selection.by in ("price", "mass") and any(math.isnan(selection.figure(part, selection.by)) for part in tried):
         yield f"parts without a {selection.by} in the table come last"
     if selection.meeting:
         others = ", ".join(by for by in BY if by != selection.by)
         yield f"ranked by {selection.by}; --by {others}"
 
 
-def _reasons(selection: CatalogueSelection) -> dict[str, list[str]]:
-    reasons: dict[str, list[str]] = {}
-    for one in selection.tried:
-        if one.reason:
-            reasons.setdefault(one.reason.rstrip("."), []).append(one.name)
-    return reasons
+def _called(part: TriedPart) -> str:
+    return f"{part.mounts} {part.name}"
 
 
-def _called(one: TriedPart) -> str:
-    return f"{one.mounts} {one.name}"
-
-
-def _critical(one: TriedPart) -> str:
-    used, criterion, case = one.governing
+def _critical(part: TriedPart) -> str:
+    used, criterion, case = part.governing
     under = f" under {case}" if criterion != STATIC_LOAD else ""
     return f"{100.0 * used:.0f} % of {criterion}{under}" if criterion else "nothing judged"
 
@@ -134,7 +127,7 @@ def _known(value: float) -> float | None:
 
 
 def selection_content(selection: PartSelection, *, every: bool) -> Content:
-    """Compose what a worksheet says; `every`: whether parts that do not meet it are shown with the reasons."""
+    """Compose what a worksheet says; `every` part that does not meet it is shown with reasons."""
     return Content(
         title="Selection of isolators",
         verdict=_verdict(selection),
@@ -157,11 +150,10 @@ def _verdict(selection: PartSelection) -> Statement:
     unlimited = "; acceleration of the payload not judged: no limit stated" if selection.worksheet.fragility is None else ""
     text = f"{', '.join(shown)}{unlimited}." if met or undecided else "No part of the tables meets it."
     tone = "within" if met else "unjudged" if undecided else "exceeded"
-    return Statement(id="headline", text=text, tone=tone, values=values)
+    return Statement("headline", text, tone=tone, values=values)
 
 
 def _worksheet(sheet: Worksheet) -> Statement:
-    """Return what the mounts must be like."""
     rows = [f"{sheet.load:.1f} N on each of {sheet.mounts} mounts, {_loading(sheet.loading)}"]
     rows.append(f"velocity change {sheet.velocity:.3f} m/s, {_loading(sheet.direction)}")
     if sheet.largest_frequency is not None and sheet.largest_vibration_stiffness is not None:
@@ -178,62 +170,48 @@ def _worksheet(sheet: Worksheet) -> Statement:
     if sheet.travel is not None:
         rows.append(f"room for {1e3 * sheet.travel:.4g} mm")
     text = f"Worksheet: {sheet.mass:.6g} kg, g = {sheet.gravity:.6g} m/s^2"
-    return Statement(id="worksheet", text=text, items=tuple(rows), tone="strong")
+    return Statement("worksheet", text, items=tuple(rows), tone="strong")
 
 
 def _worksheet_parts(selection: PartSelection, every: bool) -> Iterator[Block]:
     if selection.candidates:
-        yield _candidates(selection, None if every else _FIRST)
-        yield Statement(id="notes", items=tuple(_worksheet_notes(selection)))
-    if any(part.undecided for part in selection.rejected):
+        rows: list[Row] = []
+        for part in selection.candidates:
+            critical = Mark("nothing judged", "quiet") if part.governing is None else str(part.governing.criterion)
+            peak = f"{_g(part.acceleration):.2f}{'*' if selection.worksheet.amplifies(part.acceleration) else ''}"
+            worst = most_used(part.verdicts)
+            cells: list[Cell] = [part.part.name, used_mark(part.utilisation("static load")), part.frequency, part.travel]
+            cells += [used_mark(part.utilisation("rated travel")), peak, used_mark(worst.utilisation if worst else None)]
+            rows.append([*cells, critical])
+        columns = [
+            *left("part"), Column("load", "%", "z.0f"), Column("f", "Hz", ".2f"), Column("travel", "mm", ".1f"),
+            Column("of rated", "%", "z.0f"), Column("peak\n[g]"), Column("used", "%", "z.0f"), *left("most critical"),
+        ]  # fmt: skip
+        title = f"{several(len(rows), 'part')} meet{'s' if len(rows) == 1 else ''} it"
+        note = "Used: of the limit that is the most critical."
+        yield Table("candidates", title, columns, rows, note=note, shown=None if every else _FIRST)
+        yield Statement("notes", items=tuple(_worksheet_notes(selection)))
+    undecided = any(part.undecided for part in selection.rejected)
+    if undecided:
         text = "The pulse is far too long to count by its velocity change alone: wirerope select --shock simulates it."
-        yield Statement(id="undecided", text=text, tone="unjudged")
+        yield Statement("undecided", text, tone="unjudged")
     if selection.rejected and (every or not selection.candidates):
-        yield _rejected(selection, None if every else _NEAREST)
-
-
-def _candidates(selection: PartSelection, most: int | None) -> Table:
-    """Tabulate the candidates in their order."""
-    columns = [
-        Column("part", align="left"), Column("load", "%", "z.0f"), Column("f", "Hz", ".2f"), Column("travel", "mm", ".1f"),
-        Column("of rated", "%", "z.0f"), Column("peak\n[g]"), Column("used", "%", "z.0f"),
-        Column("most critical", align="left"),
-    ]  # fmt: skip
-    rows: list[Row] = []
-    for one in selection.candidates:
-        critical = Mark("nothing judged", "quiet") if one.governing is None else str(one.governing.criterion)
-        peak = f"{_g(one.acceleration):.2f}{'*' if selection.worksheet.amplifies(one.acceleration) else ''}"
-        worst = most_used(one.verdicts)
-        cells: list[Cell] = [one.part.name, used_mark(one.utilisation("static load")), one.frequency, one.travel]
-        cells += [used_mark(one.utilisation("rated travel")), peak, used_mark(worst.utilisation if worst else None)]
-        cells.append(critical)
-        rows.append(cells)
-    title = f"{several(len(rows), 'part')} meet{'s' if len(rows) == 1 else ''} it"
-    note = "Used: of the limit that is the most critical."
-    return Table(id="candidates", title=title, columns=columns, rows=rows, note=note, shown=most)
-
-
-def _rejected(selection: PartSelection, most: int | None) -> Table:
-    """Tabulate the parts that do not meet the worksheet, nearest first."""
-    undecided = " or are not judged" if any(part.undecided for part in selection.rejected) else ""
-    return Table(
-        id="rejected", title=f"{several(len(selection.rejected), 'part')} do not meet it{undecided}",
-        columns=(Column("part", align="left"), Column("used", "%", "z.0f"), Column("why", align="text")),
-        rows=[
+        unjudged = " or are not judged" if undecided else ""
+        ratios = [None if math.isnan(part.margin) else 1.0 / (1.0 + part.margin) for part in selection.rejected]
+        yield Table(
+            "rejected", f"{several(len(selection.rejected), 'part')} do not meet it{unjudged}",
+            (*left("part"), Column("used", "%", "z.0f"), Column("why", align="text")),
             [
-                part.part.name, used_mark(None if math.isnan(part.margin) else 1.0 / (1.0 + part.margin)),
-                "; ".join(part.reasons),
-            ]
-            for part in selection.rejected
-        ],
-        shown=most,
-    )  # fmt: skip
+                (part.part.name, used_mark(ratio), "; ".join(part.reasons))
+                for part, ratio in zip(selection.rejected, ratios, strict=True)
+            ],
+            shown=None if every else _NEAREST,
+        )  # fmt: skip
 
 
 def _worksheet_notes(selection: PartSelection) -> Iterator[str]:
-    """Yield what the table rests on."""
     sheet = selection.worksheet
-    stiff = sum(sheet.amplifies(one.acceleration) for one in selection.candidates)
+    stiff = sum(sheet.amplifies(part.acceleration) for part in selection.candidates)
     if stiff:
         yield (
             f"* by the worksheet {stiff} of them pass on more than the pulse's own peak of {_g(sheet.peak):.4g} g: too stiff "
@@ -241,15 +219,15 @@ def _worksheet_notes(selection: PartSelection) -> Iterator[str]:
         )
     if sheet.fragility is None:
         yield "without --fragility the part that passes on least, the softest that fits, comes first"
-    longest = max(one.impulse for one in selection.candidates)
-    if not all(one.impulse_holds for one in selection.candidates):
+    longest = max(part.impulse for part in selection.candidates)
+    if not all(part.impulse_holds for part in selection.candidates):
         yield (
             f"the pulse is long for some parts (natural frequency x length up to {longest:.3f}, the rule holds below "
             f"{IMPULSE:g}): their travel and acceleration are on the safe side"
         )
     elif sheet.shock.duration > 0.0:
         yield f"natural frequency x length of the pulse is below {IMPULSE:g} for each: its velocity change alone counts"
-    if any(one.unrated for one in selection.candidates):
+    if any(part.unrated for part in selection.candidates):
         yield "- is not rated by the vendor: not judged; those parts come last"
     options = ((sheet.fragility, "--fragility"), (sheet.travel, "--travel"), (sheet.disturbance, "--disturbance-rpm"))
     yield from (f"{option} is not given: not judged" for value, option in options if value is None)
@@ -265,5 +243,4 @@ def _g(value: float | None) -> float:
 
 
 def _loading(mode: str) -> str:
-    """Return a mode as the worksheet is printed."""
     return "in shear or roll" if mode == "shear" else mode_text(mode)

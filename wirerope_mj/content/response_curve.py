@@ -2,30 +2,29 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 
 import numpy as np
 
 from wirerope_mj.assessment.criteria.travel import untested
-from wirerope_mj.content.blocks import Content, Section, Statement
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import several
-from wirerope_mj.content.orbits import orbit_blocks
-from wirerope_mj.content.panels import BASE, Chart, Curve, Panel
+from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, with_room
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import (
-    BranchCurve,
     LevelSummary,
     OrderBand,
     ResonancePeak,
+    along_resonance,
+    busiest_loops,
     order_statements,
 )
-from wirerope_mj.dynamics.periodic import Branch
-from wirerope_mj.dynamics.sweep import FrequencySweep
+from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.foundation.directions import direction_text
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
+from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.validity import BELOW
 
@@ -35,7 +34,7 @@ _NUMBERS = (Column("frequency", "Hz", ".5g"), Column("amplitude", "m/s²", ".4g"
 
 
 def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = ()) -> Content:
-    """Compose what a frequency response says, level by level, with the orders of a machine against its resonances."""
+    """Compose a frequency response level by level, with the orders of a machine."""
     options, (start, stop) = result.options, result.options.range
     assert options.response_direction is not None
     return Content(
@@ -50,7 +49,7 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
         sections=(
             Section(
                 "answer", "",
-                lambda: (amplitude_chart(result, findings, bands), *_orders(findings, bands), *_outside_tests(result)),
+                lambda: (amplitude_chart(result, findings, bands), *_findings(result, findings, bands)),
                 "headline",
             ),
             Section(
@@ -69,17 +68,16 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
 
 
 def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
-    """Return the conclusion: resonance and transmissibility, over the levels, or what keeps one from being known."""
     early = [one.level.branch for one in findings if one.level.branch is not None and not one.level.branch.complete]
     if early:
         level, text = abs(float(early[0].acceleration[0])), early[0].message
         if all(branch.beyond_travel for branch in early):
             at = float(early[0].frequency[-1])
             return Statement(
-                id="headline", text=f"RATED TRAVEL at {level:.4g} m/s² from {at:.4g} Hz on: {early[0].beyond_travel}; motions "
+                "headline", f"RATED TRAVEL at {level:.4g} m/s² from {at:.4g} Hz on: {early[0].beyond_travel}; motions "
                 "beyond are not followed.", tone="exceeded", values={"acceleration": level, "frequency": at},
             )  # fmt: skip
-        return Statement(id="headline", text=f"ENDED EARLY at {level:.4g} m/s²: {text}.", tone="exceeded")
+        return Statement("headline", f"ENDED EARLY at {level:.4g} m/s²: {text}.", tone="exceeded")
     first, last = _top(findings[0]), _top(findings[-1])
     words = "Resonance" if not (first.at_edge or last.at_edge) else "No resonance peak in the range; largest response"
     levels = [one.level.acceleration for one in findings]
@@ -92,13 +90,12 @@ def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
     folds = sum(len(one.level.branch.jumps) for one in findings if one.level.branch is not None)
     text += f"; {several(folds, 'fold')} where a sweep jumps" if folds else ""
     return Statement(
-        id="headline", text=f"{text}.", tone="unjudged" if folds or first.at_edge or last.at_edge else "",
+        "headline", f"{text}.", tone="unjudged" if folds or first.at_edge or last.at_edge else "",
         values={"frequency": last.frequency, "amplitude": last.amplitude, "transmissibility": last.transmissibility},
     )  # fmt: skip
 
 
 def _top(summary: LevelSummary) -> ResonancePeak:
-    """Return the highest peak of a level's branch; of sweeps alone that of the higher one."""
     if summary.peaks:
         return summary.peaks[0]
     way, seen = max(summary.comparisons.items(), key=lambda item: item[1].peak)
@@ -109,17 +106,12 @@ def _top(summary: LevelSummary) -> ResonancePeak:
     )  # fmt: skip
 
 
-def _orders(findings: Sequence[LevelSummary], bands: Sequence[OrderBand]) -> Iterator[Statement]:
+def _findings(result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand]) -> Iterator[Statement]:
     if bands:
-        yield Statement(id="orders", items=tuple(order_statements(bands, findings)))
-
-
-def _outside_tests(result: FrequencyResponse) -> Iterator[Statement]:
-    """Yield for each level a statement on the mounts whose highest motion is outside what their laws were identified from."""
+        yield Statement("orders", items=tuple(order_statements(bands, findings)))
     isolators = {name: mount.isolator for name, mount in result.system.mounts.items()}
-    if not any(isolator.validity.stated for isolator in isolators.values()):
-        return
-    for level in result.levels:
+    tested = any(isolator.validity.stated for isolator in isolators.values())
+    for level in result.levels if tested else ():
         if level.branch is not None:
             motion = level.branch.orbit(level.branch.peak).response
             paths = {name: motion.mounts[name].deflection for name in isolators}
@@ -127,7 +119,7 @@ def _outside_tests(result: FrequencyResponse) -> Iterator[Statement]:
         else:
             sweep = next(iter(level.sweeps.values()))
             row = int(np.argmax(sweep.amplitude))
-            ends = {name: (one.minimum[row], one.maximum[row]) for name, one in sweep.mounts.items()}
+            ends = {name: (mount.minimum[row], mount.maximum[row]) for name, mount in sweep.mounts.items()}
         if where := untested(isolators, ends):
             below = any(
                 0.5 * (ends[name][1][k] - ends[name][0][k]) < one.amplitude[0]
@@ -137,7 +129,7 @@ def _outside_tests(result: FrequencyResponse) -> Iterator[Statement]:
             )
             end = f" Cycles below the least tested are {BELOW}." if below else ""
             yield Statement(
-                id="outside-tests", tone="unjudged",
+                "outside-tests", tone="unjudged",
                 text=f"At {level.acceleration:.4g} m/s² the highest motion is outside the cycles that isolators were "
                 f"identified from: {where}. Resonance and transmissibility are extrapolated there.{end}",
             )  # fmt: skip
@@ -147,29 +139,27 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
     """Tabulate the peaks of every level's branch, the highest first, and of its sweeps."""
     rows: list[Row] = []
     for summary in findings:
-        level = summary.level
+        level, branch = summary.level, summary.level.branch
         for number, peak in enumerate(summary.peaks):
-            name = _peak_name(peak, first=number == 0, branch=level.branch)
+            if number:
+                name: Cell = f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
+            elif branch is not None and not branch.complete:
+                end = "highest within rated travel" if branch.beyond_travel else "highest before it ended"
+                name = Mark(end, "exceeded")
+            else:
+                name = Mark("highest, at the edge", "unjudged") if peak.at_edge else "resonance peak"
             note = f"{peak.harmonic}, {100.0 * peak.share:.3g} %"
             rows.append((level.acceleration, name, peak.frequency, peak.amplitude, peak.transmissibility, note))
         for way, seen in summary.comparisons.items():
             ratio = level.transmissibility(seen.peak)
             rows.append((level.acceleration, f"peak of the sweep {way}", seen.peak_frequency, seen.peak, ratio, ""))
-    columns = (Column("level", "m/s²", ".4g"), Column("peak", align="left"), *_NUMBERS, Column("harmonic", align="text"))
+    columns = (Column("level", "m/s²", ".4g"), *left("peak"), *_NUMBERS, Column("harmonic", align="text"))
     note = "Harmonic: the largest one besides the fundamental, of which it is so many percent."
-    return Table(id="peaks", title="Peaks", columns=columns, rows=rows, note=note)
-
-
-def _peak_name(peak: ResonancePeak, *, first: bool, branch: Branch | None) -> Cell:
-    if not first:
-        return f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
-    if branch is not None and not branch.complete:
-        return Mark("highest within rated travel" if branch.beyond_travel else "highest before it ended", "exceeded")
-    return Mark("highest, at the edge", "unjudged") if peak.at_edge else "resonance peak"
+    return Table("peaks", "Peaks", columns, rows, note=note)
 
 
 def event_table(findings: Sequence[LevelSummary]) -> Table | None:
-    """Tabulate folds, changes of stability, side branches and jumps of sweeps; None without any."""
+    """Tabulate folds, changes of stability, side branches and jumps; None without any."""
     rows: list[Row] = []
     for summary in findings:
         level = summary.level
@@ -180,13 +170,12 @@ def event_table(findings: Sequence[LevelSummary]) -> Table | None:
                 ratio, note = level.transmissibility(jump.amplitude), f"{100.0 * jump.past_fold:+.2f} % from the fold"
                 name = f"jump of the sweep {way}"
                 rows.append((level.acceleration, name, jump.frequency, jump.amplitude, ratio, note))
-    columns = (Column("level", "m/s²", ".4g"), Column("event", align="left"), *_NUMBERS, Column(align="text"))
+    columns = (Column("level", "m/s²", ".4g"), *left("event"), *_NUMBERS, Column(align="text"))
     title = "Folds, changes of stability and jumps"
-    return Table(id="events", title=title, columns=columns, rows=rows) if rows else None
+    return Table("events", title, columns, rows) if rows else None
 
 
 def _branch_events(branch: Branch) -> Iterator[Row]:
-    """Yield folds and changes of stability in the order of a branch, then its side branches."""
     jumps = {jump.parameter: jump for jump in branch.jumps}
     for event in branch.bifurcations:
         jump = jumps.get(event.frequency) if event.kind == "fold" else None
@@ -203,57 +192,44 @@ def _branch_events(branch: Branch) -> Iterator[Row]:
 
 
 def _level_statement(summary: LevelSummary, rate: float) -> Statement:
-    """Return what a level's computations say of themselves."""
     level, lines = summary.level, []
-    if level.branch is not None:
-        branch = level.branch
+    if (branch := level.branch) is not None:
         start = "continuation" if branch.complete or branch.beyond_travel else "continuation ENDED EARLY"
         lines.append(
             f"{start}: {branch.frequency.size} points, {branch.model_steps} model steps, {level.branch_seconds:.1f} s; "
             f"{branch.message}"
         )
-        lines.append(_stability(branch))
+        neutral = f"; {branch.neutral.max()} neutral directions left out" if branch.neutral.any() else ""
+        unstable = branch.frequency[~branch.stable]
+        span = f"{unstable.min():.5g} and {unstable.max():.5g} Hz" if unstable.size else ""
+        beside = "; on side branches a stable motion is within 1 %" if branch.side_branches else ""
+        text = f"{unstable.size} points between {span} are unstable{beside}" if span else "all motions are stable"
+        lines.append(f"{text}{neutral}")
     for way, sweep in level.sweeps.items():
-        lines += _sweep_sentences(summary, way, sweep, rate)
+        seen = summary.comparisons[way]
+        text = f"sweep {way} at {rate:g} octaves/min: {sweep.frequency.size} cycles, {sweep.model_steps} model steps"
+        if not math.isnan(seen.largest):
+            text += f"; away from jumps within {100.0 * seen.largest:.2g} % of the branch (at {seen.at:.4g} Hz), half of it "
+            text += f"within {100.0 * seen.median:.2g} %"
+        lines += [text, *(f"sweep {way}: {warning}" for warning in sweep.warnings)]
     if level.sweeps:
         lines.append(f"sweeps: {level.sweep_seconds:.1f} s together")
-    tone = "" if level.complete else "exceeded"
     text = f"Level {level.acceleration:.4g} m/s²"
-    return Statement(id=f"level-{level.acceleration:.4g}", text=text, items=tuple(lines), tone=tone)
-
-
-def _stability(branch: Branch) -> str:
-    unstable = int((~branch.stable).sum())
-    neutral = f"; {branch.neutral.max()} neutral directions left out" if branch.neutral.any() else ""
-    if not unstable:
-        return f"all motions are stable{neutral}"
-    range_ = branch.frequency[~branch.stable]
-    beside = "; on side branches a stable motion is within 1 %" if branch.side_branches else ""
-    return f"{unstable} points between {range_.min():.5g} and {range_.max():.5g} Hz are unstable{beside}{neutral}"
-
-
-def _sweep_sentences(summary: LevelSummary, way: str, sweep: FrequencySweep, rate: float) -> list[str]:
-    seen = summary.comparisons[way]
-    text = f"sweep {way} at {rate:g} octaves/min: {sweep.frequency.size} cycles, {sweep.model_steps} model steps"
-    if not math.isnan(seen.largest):
-        text += (
-            f"; away from jumps within {100.0 * seen.largest:.2g} % of the branch (at {seen.at:.4g} Hz), half of it within "
-            f"{100.0 * seen.median:.2g} %"
-        )
-    return [text, *(f"sweep {way}: {warning}" for warning in sweep.warnings)]
+    tone = "" if level.complete else "exceeded"
+    return Statement(f"level-{level.acceleration:.4g}", text, items=tuple(lines), tone=tone)
 
 
 def amplitude_chart(
     result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = (), *, relative: bool = False
 ) -> Chart:
-    """Draw the payload's largest acceleration over frequency for all levels, or its ratio to that of the base."""
+    """Draw the payload's largest acceleration over frequency for all levels, or over that of the base."""
     options = result.options
     assert options.response_direction is not None
     what = f"{options.payload} along {direction_text(options.response_direction)}"
     curves = _curves(findings, relative=relative)
     x, y = (np.concatenate([getattr(curve, part) for curve in curves]) for part in "xy")
     panel = Panel(
-        curves=curves, ylabel=f"transmissibility of {what} [-]" if relative else f"largest acceleration of {what} [m/s²]",
+        curves, f"transmissibility of {what} [-]" if relative else f"largest acceleration of {what} [m/s²]",
         xlabel="frequency of the base [Hz]", xlim=(float(x.min()) / _BESIDE, float(x.max()) * _BESIDE),
         ylim=(float(y.min()) / _ABOVE, float(y.max()) * _ABOVE), log="xy", unit="" if relative else "m/s²", xunit="Hz",
         bands=[(band.label, band.low, band.high) for band in bands],
@@ -268,42 +244,150 @@ def amplitude_chart(
 
 
 def _curves(findings: Sequence[LevelSummary], *, relative: bool) -> list[Curve]:
-    """Return marks of folds and changes of stability, the backbone, the branches and behind them the sweeps."""
+    """Draw folds and changes of stability, backbone, branches, and behind them sweeps."""
     events: dict[str, list[tuple[float, float]]] = {}
     tops, branches, sweeps = [], [], []
     for number, summary in enumerate(findings):
         level, kind = summary.level, number % COLOURS
         name, scale = f"{level.acceleration:.4g} m/s²", 1.0 / level.acceleration if relative else 1.0
-        if level.branch is not None and summary.curve is not None:
-            branches += [_scaled(curve, scale) for curve in _segments(summary.curve, name, kind)]
+        if level.branch is not None and (curve := summary.curve) is not None:
+            # segments that are alike in stability, each with the first point of the next
+            ends = [0, *(np.flatnonzero(np.diff(curve.stable)) + 1).tolist(), max(curve.stable.size - 1, 1)]
+            for a, b in zip(ends[:-1], ends[1:], strict=True):
+                part, stable = slice(a, b + 1), bool(curve.stable[a])
+                branches.append(Curve(
+                    curve.frequency[part], scale * curve.amplitude[part], name=name if stable else f"{name}, unstable",
+                    kind=kind, dash="" if stable else "dashed", marks=curve.stable.size == 1, weight=1.2,
+                ))  # fmt: skip
             for event in level.branch.bifurcations:
                 events.setdefault(event.kind, []).append((event.frequency, scale * event.amplitude))
         for way, sweep in level.sweeps.items():
-            curve = Curve(x=sweep.frequency, y=sweep.amplitude, name=f"{name}, sweep {way}", kind=kind, weight=0.7)
-            sweeps.append(_scaled(replace(curve, dash="dotted" if way == "down" else ""), scale))
+            sweeps.append(Curve(
+                sweep.frequency, scale * sweep.amplitude, name=f"{name}, sweep {way}", kind=kind, weight=0.7,
+                dash="dotted" if way == "down" else "",
+            ))  # fmt: skip
         if summary.peaks and not summary.peaks[0].at_edge:
             tops.append((summary.peaks[0].frequency, scale * summary.peaks[0].amplitude))
-    marks = [replace(_through(at, kind), marks=True, weight=1.8) for kind, at in events.items()]
-    backbone = [replace(_through(tops, "backbone"), dash="dotted", weight=0.9)] if len(tops) > 1 else []
-    return [*marks, *backbone, *branches, *sweeps]
+    marks = [Curve(*np.array(at).T, name=name, kind=BASE, marks=True, weight=1.8) for name, at in events.items()]
+    backbone = Curve(*np.array(tops).T, name="backbone", kind=BASE, dash="dotted", weight=0.9) if len(tops) > 1 else None
+    return [*marks, *([backbone] if backbone else []), *branches, *sweeps]
 
 
-def _segments(curve: BranchCurve, name: str, kind: int) -> Iterator[Curve]:
-    """Yield the segments of a branch that are alike in stability, each with the first point of the next."""
-    changes = np.flatnonzero(np.diff(curve.stable)) + 1
-    ends = [0, *changes.tolist(), max(curve.stable.size - 1, 1)]
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
-        part, stable = slice(a, b + 1), bool(curve.stable[a])
-        yield Curve(
-            x=curve.frequency[part], y=curve.amplitude[part], name=name if stable else f"{name}, unstable", kind=kind,
-            dash="" if stable else "dashed", marks=curve.stable.size == 1, weight=1.2,
+_PANELS = 4  # panels: from the lowest level to the highest
+_MULTIPLIERS = 5
+Motion = tuple[Branch, int, PeriodicOrbit]  # A branch, the number of one of its points, and the motion there
+
+
+def orbit_blocks(branches: Sequence[Branch]) -> Iterator[Block]:
+    """Yield loops and phase portraits of the busiest mount along the resonance, and a table."""
+    if not branches or not branches[0].system.mounts:
+        return
+    rows = np.unique(np.linspace(0, len(branches) - 1, min(len(branches), _PANELS)).round().astype(int))
+    chosen = [branches[row] for row in rows]
+    loops = busiest_loops(chosen[-1].orbit(chosen[-1].peak).response)
+    if not loops:
+        return
+    motions = [[(branch, point, branch.orbit(point)) for point in along_resonance(branch)] for branch in chosen]
+    yield _orbit_chart(motions, *loops[0])
+    yield _orbit_chart(motions, *loops[0], portraits=True)
+    yield orbit_table([motion for level in motions for motion in level], *loops[0])
+
+
+def _orbit_chart(motions: Sequence[Sequence[Motion]], mount: str, axis: int, *, portraits: bool = False) -> Chart:
+    device = motions[0][0][0].system.mounts[mount].isolator.name
+    panels = [_orbit_panel(level, mount, axis, portraits=portraits) for level in motions]
+    across = 2 if len(panels) == _PANELS else len(panels)
+    what = "Phase portraits" if portraits else "Loops"
+    more = " A dot marks where a period of the base begins." if portraits else ""
+    return Chart(
+        id="orbit-portraits" if portraits else "orbit-loops", height=260.0,
+        rows=[panels[first : first + across] for first in range(0, len(panels), across)],
+        caption=f"{what} of {mount} ({device}), {AXES[axis]}, along the resonance of each level: the highest motion bold, "
+        f"unstable ones dashed.{more}",
+        alt=f"{what} of {mount} along the resonance.",
+    )  # fmt: skip
+
+
+def _orbit_panel(level: Sequence[Motion], mount: str, axis: int, *, portraits: bool) -> Panel:
+    unit, curves, dots = "m/s" if portraits else _force_unit(level, mount, axis), [], []
+    for number, (branch, point, orbit) in enumerate(level):
+        loop, highest = orbit.response.mounts[mount], point == branch.peak
+        name = f"{orbit.frequency:.4g} Hz" + (" highest" if highest else "") + ("" if orbit.stable else ", unstable")
+        upward = orbit.deflection_rate(mount) if portraits else loop.force
+        curve = Curve(
+            in_unit(loop.deflection[:, axis], "mm"), in_unit(upward[:, axis], unit), name=name,
+            kind=BASE if highest else number, dash="" if orbit.stable else "dashed", weight=1.8 if highest else 1.0,
         )  # fmt: skip
+        curves.append(curve)
+        begins = orbit.steps // orbit.periods * np.arange(orbit.periods if portraits else 0)
+        dots += [(float(curve.x[row]), float(curve.y[row])) for row in begins]
+    curves.sort(key=lambda curve: (curve.kind == BASE, not curve.dash))  # dashed ones in front of what they run along
+    return Panel(
+        curves, f"its rate [{unit}]" if portraits else f"force [{unit}]", dots=dots,
+        xlabel="deflection [mm], tension positive" if AXES[axis] == "axial" else "deflection [mm]",
+        title=f"{abs(float(level[0][0].acceleration[0])):.4g} m/s²",
+        xlim=with_room(np.concatenate([curve.x for curve in curves])), unit=unit, xunit="mm",
+    )  # fmt: skip
 
 
-def _scaled(curve: Curve, scale: float) -> Curve:
-    return replace(curve, y=scale * curve.y)
+def _force_unit(motions: Sequence[Motion], mount: str, axis: int) -> str:
+    largest = max(float(np.abs(orbit.response.mounts[mount].force[:, axis]).max()) for *_, orbit in motions)
+    return force_unit(largest)
 
 
-def _through(points: Sequence[tuple[float, float]], name: str) -> Curve:
-    x, y = np.array(points).T
-    return Curve(x=x, y=y, name=name, kind=BASE)
+def orbit_table(motions: Sequence[Motion], mount: str, axis: int) -> Table:
+    """Tabulate motions: amplitude, stability, range of a mount's loop, work per repetition."""
+    rows: list[Row] = []
+    for branch, point, orbit in motions:
+        state: Cell = "stable" if orbit.stable else Mark("UNSTABLE", "unjudged")
+        amplitude, ratio = float(branch.amplitude[point]), float(branch.transmissibility[point])
+        level = abs(float(branch.acceleration[point]))
+        rows.append((level, orbit.frequency, state, amplitude, ratio, *_ranges(orbit, mount, axis)))
+    unit = _force_unit(motions, mount, axis)
+    columns = (
+        Column("level", "m/s²", ".4g"), Column("frequency", "Hz", ".5g"), *left("motion"),
+        Column("amplitude", "m/s²", ".4g"), Column("transmissibility", form=".4g"),
+        Column("deflection from", "mm", "z.4g"), Column("to", "mm", "z.4g"),
+        Column("force from", unit, "z.4g"), Column("to", unit, "z.4g"), Column("work", "J", ".3g"),
+    )  # fmt: skip
+    title = f"Motions, with the loop of mount {mount}, {AXES[axis]}; work: of one repetition"
+    return Table("orbits", title, columns, rows)
+
+
+def _ranges(orbit: PeriodicOrbit, mount: str, axis: int) -> tuple[float, float, float, float, float]:
+    """Find the range of a mount's deflection [m] and force [N], and the work of a repetition [J]."""
+    loop = orbit.response.mounts[mount]
+    x, force = loop.deflection[:, axis], loop.force[:, axis]
+    work = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
+    return float(x.min()), float(x.max()), float(force.min()), float(force.max()), work
+
+
+def motion_blocks(motion: Motion, until: int, loop: tuple[str, int] | None) -> Iterator[Block]:
+    """Yield a motion: stability, multipliers, events up to the point `until`, and a mount's loop."""
+    branch, point, orbit = motion
+    level, state = abs(float(branch.acceleration[point])), "stable" if orbit.stable else "UNSTABLE"
+    yield Statement("motion", f"{orbit.frequency:.5g} Hz, {level:.4g} m/s²: {state}", tone="strong")
+    near = [event.description for event in branch.bifurcations if point <= event.index < max(until, point + 1)]
+    yield Statement("events", items=tuple(near))
+    yield Statement(
+        "amplitude",
+        f"Amplitude {branch.amplitude[point]:.4g} m/s², transmissibility {branch.transmissibility[point]:.4g}",
+        tone="strong",
+    )
+    yield Table(
+        "multipliers", "", (Column("Floquet multiplier"), Column("modulus", form=".4f")),
+        [
+            (f"{value.real:+.4f} {value.imag:+.4f} i", float(abs(value)))
+            for value in orbit.floquet_multipliers[:_MULTIPLIERS]
+        ],
+    )  # fmt: skip
+    if loop is not None:
+        low, high, least, most, work = _ranges(orbit, *loop)
+        yield Statement(
+            "loop",
+            f"Mount {loop[0]}, {AXES[loop[1]]}: {in_unit(low, 'mm'):.4g} to {in_unit(high, 'mm'):.4g} mm, "
+            f"{in_unit(least, 'kN'):.4g} to {in_unit(most, 'kN'):.4g} kN, {work:.3g} J per repetition",
+        )
+    neutral = f", {orbit.neutral} neutral directions" if orbit.neutral else ""
+    text = f"point {point + 1} of {branch.frequency.size}, residual {orbit.residual:.1e}{neutral}"
+    yield Statement("point", text, tone="quiet")

@@ -22,7 +22,7 @@ Q = 10.0  # Amplification of the oscillators: the convention where nothing else 
 _LOWEST, _HIGHEST = 1.0, 1000.0  # [Hz]
 _FINE = 10_000.0  # [Hz], at which a base whose motion is known in closed form is sampled
 _MOST_FINE = 200_000  # samples of it: twenty seconds
-_LONG = 200_000  # samples from which spectra have fewer lines: each takes a hundredth of a second for a million samples
+_LONG = 200_000  # samples from which spectra have fewer lines: each takes 10 ms for a million samples
 _LINES, _FEW_LINES = 12, 6  # to an octave
 _STEADY = ("sweep", "sine", "vibration-lines")
 _LEAST_STEADY = 1.0  # [s] of stationary vibration below which a density is too uncertain to be shown
@@ -44,26 +44,26 @@ class RunSpectra:
 
 
 def spectra_of(motion: BaseMotion, response: Response, sample_rate: float) -> RunSpectra:
-    """Return the spectra of a run's base and of the bodies and points that are drawn."""
+    """Compute the spectra of a run's base and of the bodies and points that are drawn."""
     names = worst_names(response)
     shock = run_spectra(motion, response, names, sample_rate)
-    found = math.nan
+    held_to = math.nan
     if aliasing([motion], sample_rate):  # a sine that is as fast as the samples looks slow in them, and smooth
-        found = 0.0
+        held_to = 0.0
     elif not isinstance(shock, Absent):
-        found = min(
+        held_to = min(
             held(response.time, acceleration_along(response, name, "xyz".index(axis)), spectrum)
             for axis, lines in shock.items()
             for name, spectrum in lines.items()
             if name != BASE or len(lines) == 1
         )
-    return RunSpectra(shock=shock, densities=run_densities(motion, response, names), held=found)
+    return RunSpectra(shock=shock, densities=run_densities(motion, response, names), held=held_to)
 
 
 def run_spectra(
     motion: BaseMotion, response: Response, names: Sequence[str], sample_rate: float
 ) -> Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent:
-    """Return the spectra along every axis in which the base moves, by axis and name, the base first; or why there are none."""
+    """Compute spectra along every axis in which the base moves, by axis and name; or why there are none."""
     terms = motion.parts
     axes = moving_axes(response)
     if not axes:
@@ -76,17 +76,25 @@ def run_spectra(
     if highest < 2.0 * _LOWEST:
         return Absent(reason=f"At {sample_rate:g} samples a second there is no shock response spectrum worth showing.")
     if motion.velocity_jumps:
+        # An oscillator's first extreme is exp(-zeta t) of the jump with t = arccos(zeta) / sqrt(1 - zeta^2), in radians of its
+        # undamped frequency.
+        zeta = 0.5 / Q
+        of_jump = math.exp(-zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta))
         return Absent(
             reason="The base's velocity jumps: its acceleration is not finite, and a single jump has the same "
-            f"pseudo-velocity at every frequency, {_of_a_jump(Q):.3g} of it at Q = {Q:g} (the jump itself without damping). "
+            f"pseudo-velocity at every frequency, {of_jump:.3g} of it at Q = {Q:g} (the jump itself without damping). "
             "No shock response spectrum is shown."
         )
     frequencies = octave_grid(_LOWEST, highest, per_octave=_LINES if response.time.size <= _LONG else _FEW_LINES)
+    fine = fine_base(motion, response)
     spectra: dict[str, dict[str, ShockResponseSpectrum]] = {}
     for axis in axes:
-        spectra["xyz"[axis]] = {BASE: _of_base(motion, response, axis, frequencies)}
-        for name in names:
-            spectra["xyz"[axis]][name] = _spectrum(response, name, axis, frequencies)
+        along = spectra["xyz"[axis]] = {}
+        for name in (BASE, *names):
+            time, acceleration, lines = response.time, acceleration_along(response, name, axis), frequencies
+            if name == BASE and fine is not None:
+                time, acceleration, lines = fine[0], fine[1][:, axis], octave_grid(_LOWEST, _HIGHEST, per_octave=_LINES)
+            along[name] = shock_response_spectrum(time, acceleration, lines, q=Q)
     return spectra
 
 
@@ -118,7 +126,6 @@ def _long_enough(time: Array) -> bool:
 def _densities(
     response: Response, names: Sequence[str], axes: Sequence[int], rows: slice
 ) -> dict[str, dict[str, PowerSpectralDensity]]:
-    """Return the densities of some samples, by axis and name, the base first."""
     return {
         "xyz"[axis]: {
             name: power_spectral_density(response.time[rows], acceleration_along(response, name, axis)[rows])
@@ -126,26 +133,6 @@ def _densities(
         }
         for axis in axes
     }
-
-
-def _of_a_jump(q: float) -> float:
-    """Return the pseudo-velocity of an oscillator whose base jumps in velocity, over the jump."""
-    # Its first extreme is exp(-zeta t) with t = arccos(zeta) / sqrt(1 - zeta^2), in radians of its undamped frequency.
-    zeta = 0.5 / q
-    return math.exp(-zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta))
-
-
-def _spectrum(response: Response, name: str, axis: int, frequencies: Array) -> ShockResponseSpectrum:
-    return shock_response_spectrum(response.time, acceleration_along(response, name, axis), frequencies, q=Q)
-
-
-def _of_base(motion: BaseMotion, response: Response, axis: int, frequencies: Array) -> ShockResponseSpectrum:
-    fine = fine_base(motion, response)
-    if fine is None:
-        return _spectrum(response, BASE, axis, frequencies)
-    time, acceleration = fine
-    grid = octave_grid(_LOWEST, _HIGHEST, per_octave=_LINES)
-    return shock_response_spectrum(time, acceleration[:, axis], grid, q=Q)
 
 
 def fine_base(motion: BaseMotion, response: Response) -> tuple[Array, Array] | None:
@@ -161,16 +148,15 @@ def fine_base(motion: BaseMotion, response: Response) -> tuple[Array, Array] | N
 
 
 def held_text(held: float) -> str:
-    """Say up to which frequency samples hold a spectrum; `held` [Hz] is a bound on the safe side, 0 where no line is sure."""
+    """Write up to which frequency [Hz] samples hold a spectrum, 0 where no line is sure."""
     return f"within 1 % {f'up to {held:.3g} Hz' if held else 'at no frequency for certain'}"
 
 
 def moving_axes(response: Response) -> list[int]:
-    """Return the axes along which the base moves, 0 = x; none if it rests."""
     return [axis for axis in range(3) if np.abs(response.base.displacement[:, axis]).max(initial=0.0) > _STILL]
 
 
 def acceleration_along(response: Response, name: str, axis: int) -> Array:
-    """Return the sampled acceleration of a body, a point or the "base" along an axis, 0 = x [m/s^2], (n_t,)."""
+    """Read the acceleration of a body, a point or the "base" along an axis [m/s^2], (n_t,)."""
     room = "base" if name == "base" else f"bodies/{name}" if name in response.bodies else f"points/{name}"
     return response.column(f"{room}/acceleration/{'xyz'[axis]}")

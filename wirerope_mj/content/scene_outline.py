@@ -1,16 +1,26 @@
-"""Outlines of a scene in a plan and an elevation, and the labels of its mounts: what is drawn, before it is."""
+"""Scenes before they are drawn: outlines in a plan and an elevation, labels of mounts, and the worst instant of a run."""
 
-from dataclasses import dataclass
+import math
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
+from wirerope_mj.assessment.criteria import EXCEEDED
+from wirerope_mj.assessment.criteria.summary import against_limit
+from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.content.blocks import SceneView
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import with_unit
+from wirerope_mj.content.verdicts import ordered
 from wirerope_mj.engine.flexible.panel import NAME
+from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
 
-LONGEST_LABEL = 5  # Letters of a mount's name that fit beside its mark; where one is longer, all mounts are numbered
+LONGEST_LABEL = 5  # letters of a mount's name beside its mark; if one is longer, all mounts are numbered
 _AROUND = 16  # corners of a circle that is drawn as a polygon
 _PALE = 0.62  # fraction of white in a body's colour, so that the mounts stand out
 _COINCIDENT = 0.02  # of the drawing's width: mounts closer than this have one label
@@ -27,7 +37,7 @@ class View:
     sign: float  # of what comes towards the eye, along `towards`
 
     def seen(self, points: Array) -> Array:
-        """Return where points (.., 3) lie in the drawing [m], (.., 2)."""
+        """Project points (.., 3) into the drawing [m], (.., 2)."""
         return np.asarray(points)[..., [self.right, self.up]]
 
 
@@ -55,7 +65,6 @@ class DrawnScene:
 
 
 def mount_labels(scene: Scene) -> dict[str, str]:
-    """Return what mounts are called in the drawing: their names if these are short, or numbers in the order of the model."""
     short = all(len(mount.name) <= LONGEST_LABEL for mount in scene.mounts)
     return {mount.name: mount.name if short else str(number + 1) for number, mount in enumerate(scene.mounts)}
 
@@ -70,12 +79,11 @@ class Outline:
 
 
 def flexible_bodies(scene: Scene) -> list[str]:
-    """Return the names of the bodies that bend by their modes, and of a panel on its spring."""
     return [body.name for body in scene.bodies if body.bends or body.name == NAME]
 
 
 def crowded_label(scene: Scene) -> tuple[str, int] | None:
-    """Return the first label in the drawing that stands for more mounts than it names, as "m1 +2", and for how many."""
+    """Find the first label for more mounts than it names, as "m1 +2", and for how many."""
     for view in drawn_scene(scene).views:
         for _, names in label_groups(scene, view):
             if len(names) > 2:
@@ -84,24 +92,23 @@ def crowded_label(scene: Scene) -> tuple[str, int] | None:
 
 
 def mount_position(scene: Scene, mount: SceneMount) -> Array:
-    """Return the position of a mount in the modelled geometry, world frame [m], (3,)."""
+    """Find the position of a mount in the modelled geometry, world frame [m], (3,)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
     return np.asarray(body.position + rotation_matrices(body.orientation) @ mount.base_point)
 
 
 def axial_direction(scene: Scene, mount: SceneMount) -> Array:
-    """Return a mount's axial direction in the world frame of the modelled geometry, (3,)."""
+    """Find a mount's axial direction in the world frame of the modelled geometry, (3,)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
     return np.asarray(rotation_matrices(body.orientation) @ mount.axes[:, 2])
 
 
 def mount_positions(scene: Scene) -> dict[str, Array]:
-    """Return the positions of the mounts by name, world frame of the modelled geometry [m], (3,) each."""
+    """Find the positions of the mounts by name, world frame [m], (3,) each."""
     return {mount.name: mount_position(scene, mount) for mount in scene.mounts}
 
 
 def drawn_scene(scene: Scene) -> DrawnScene:
-    """Return the shapes of a scene with their points; a plane has no end and is left out."""
     shapes = []
     for body in scene.bodies:
         for geom in (geom for geom in body.geoms if geom.shape != "plane"):
@@ -113,24 +120,27 @@ def drawn_scene(scene: Scene) -> DrawnScene:
 
 
 def outlines(drawn: DrawnScene, view: View) -> list[Outline]:
-    """Return the outlines of all shapes as they are seen, what is behind first."""
+    """Outline all shapes as they are seen, what is behind first."""
     nearer = sorted(drawn.shapes, key=lambda entry: float((view.sign * entry[2][:, view.towards]).max()))
     seen, flexible = [], flexible_bodies(drawn.scene)
     for body, geom, points in nearer:
         paint = np.array([0.86, 0.88, 0.90]) if body.on_base or not body.moves else geom.rgba[:3]
         colour = (*(_PALE + (1.0 - _PALE) * paint).tolist(), max(float(geom.rgba[3]), 0.15))
-        seen.append(Outline(_outline(view.seen(points)), colour, body.name in flexible))
+        corners = view.seen(points)
+        with suppress(scipy.spatial.QhullError):  # of what is flat, the points themselves
+            corners = np.asarray(corners[scipy.spatial.ConvexHull(corners).vertices])
+        seen.append(Outline(corners, colour, body.name in flexible))
     return seen
 
 
 def label_groups(scene: Scene, view: View) -> list[tuple[Array, list[str]]]:
-    """Return positions in the drawing with the labels of the mounts that stand behind each other there."""
+    """Group the labels of mounts that stand behind each other, by position in the drawing."""
     labels, positions = mount_labels(scene), mount_positions(scene)
     spread = float(np.ptp([position[view.right] for position in positions.values()])) if positions else 0.0
     groups: list[tuple[Array, list[str]]] = []
     for mount in scene.mounts:
         at = view.seen(positions[mount.name])
-        near = next((names for there, names in groups if np.abs(at - there).max() <= _COINCIDENT * spread), None)
+        near = next((names for position, names in groups if np.abs(at - position).max() <= _COINCIDENT * spread), None)
         if near is None:
             groups.append((at, [labels[mount.name]]))
         else:
@@ -139,7 +149,7 @@ def label_groups(scene: Scene, view: View) -> list[tuple[Array, list[str]]]:
 
 
 def shared_label(names: list[str]) -> str:
-    """Return one label for mounts behind each other: "m1, m2", or "m1 +2" for three."""
+    """Make one label for mounts behind each other: "m1, m2", or "m1 +2" for three."""
     return ", ".join(names) if len(names) < 3 else f"{names[0]} +{len(names) - 1}"
 
 
@@ -164,9 +174,67 @@ def _ring(radius: float, height: float) -> Array:
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(_AROUND, height)], axis=1)
 
 
-def _outline(points: Array) -> Array:
-    """Return the corners of the convex hull in the plane, in order; of what is flat, the points themselves."""
-    try:
-        return np.asarray(points[scipy.spatial.ConvexHull(points).vertices])
-    except scipy.spatial.QhullError:
-        return points
+_SEEN = 0.06  # of the drawing's extent, which the largest displacement may take
+_FACTORS = (100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)
+_STILL = 1e-6  # [m]: what moves less is not worth a picture
+
+
+def worst_instant(run: JudgedRun) -> SceneView | None:
+    """Return the scene at the worst instant of what is most critical, displacements enlarged; None where nothing moves.
+
+    What is most critical at rest, by its static load, is shown when it uses most of its other limits.
+    """
+    critical = most_used(run.verdicts)
+    rows = [(row, row.time) for row in ordered(run.verdicts) if row.time is not None and math.isfinite(row.value)]
+    rows = [pair for pair in rows if critical is not None and pair[0].subject == critical.subject] or rows
+    if not rows:
+        return None
+    worst, instant = rows[0]
+    unlimited = f"{worst.criterion} of {worst.subject}, {with_unit(worst.value, worst.unit)}"
+    title = f"The worst instant, {instant:.4f} s: {unlimited if worst.limit is None else against_limit(worst)}"
+    view = scene_at(run.response, instant, title=title)
+    if view is None or view.moved is None:
+        return None
+    bodies = {body.name: body for body in view.moved.bodies}
+    ring = (worst.subject, bodies[worst.subject].position) if worst.subject in bodies else None
+    for mount in view.moved.mounts:
+        if mount.name == worst.subject:
+            body = bodies[mount.payload_body]
+            ring = mount.name, np.asarray(body.position + rotation_matrices(body.orientation) @ mount.payload_point)
+    return replace(view, id="worst-instant", ring=ring, exceeded=worst.verdict == EXCEEDED)
+
+
+def scene_at(response: Response, instant: float, *, title: str = "") -> SceneView | None:
+    """Show the scene at the sample nearest to an instant [s], displacements enlarged; None where nothing is seen to move."""
+    scene = response.scene
+    if not any(body.geoms for body in scene.bodies):
+        return None
+    number = int(np.abs(response.time - instant).argmin())
+    base = response.base.displacement[number]
+    travels = {  # from the modelled geometry, relative to the base [m], (3,) each
+        body.name: response.bodies[body.name].position[number] - base - body.position
+        for body in scene.bodies
+        if body.moves and not body.on_base
+    }
+    largest = max((float(np.linalg.norm(travel)) for travel in travels.values()), default=0.0)
+    if largest < _STILL:
+        return None
+    drawn = drawn_scene(scene)
+    allowed = _SEEN * float((drawn.high - drawn.low).max())
+    factor = next((factor for factor in _FACTORS if factor * largest <= allowed), 1.0)
+    bodies, rotation = [], scipy.spatial.transform.Rotation
+    for body in scene.bodies:
+        if body.name in travels:
+            start = rotation.from_quat(body.orientation, scalar_first=True)
+            now = rotation.from_quat(response.bodies[body.name].orientation[number], scalar_first=True)
+            turned = rotation.from_rotvec(factor * (now * start.inv()).as_rotvec()) * start
+            position = body.position + factor * travels[body.name]
+            bodies.append(replace(body, position=position, orientation=turned.as_quat(scalar_first=True)))
+        else:
+            bodies.append(body)
+    enlarged = f", displacements {factor:g} times as large" if factor > 1.0 else ""
+    caption = (
+        f"{title or f'At {response.time[number]:.4f} s'}. Everything as it stands from the base{enlarged}; pale or dashed: "
+        "the modelled, unloaded geometry. Lines: mounts from the base's site to the payload's."
+    )
+    return SceneView(id="instant", scene=scene, caption=caption, moved=replace(scene, bodies=tuple(bodies)))

@@ -10,7 +10,7 @@ from wirerope_mj.content.panels import OTHERS, Chart, Curve, Note, Panel
 from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question, varied_table
 from wirerope_mj.content.study_statements import travel_statements
 from wirerope_mj.foundation.arrays import Array, Integers
-from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.foundation.tables import Column, Table, left
 from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, row_of, values_of
 from wirerope_mj.studies.search.result import GENERATION, SearchResult
 
@@ -24,50 +24,53 @@ _LEFT = 0.15  # of the chart's width: nearer to its edge labels have no room on 
 
 def search_content(result: SearchResult) -> Content:
     """Compose what a search that is complete says."""
-    study = result.study
+    study, count = result.study, result.front.num_rows
+    text = f"{several(count, 'design')} on the front, within the limits" if count else "No design within the limits was found"
+    values = {"front": float(count)} if count else {}
     return Content(
         title=study.name.replace("_", " ").capitalize(),
         facts=study_facts(result, "Designs", str(result.inputs["search"]["optimiser"])),
         question=study_question(result, "search"),
-        verdict=_verdict(result),
+        verdict=Statement("headline", text, tone="within" if count else "exceeded", values=values),
         sections=(
             Section("answer", "", lambda: _answer(result), "headline"),
-            Section("sought", "Objectives and limits", lambda: (_sought(result), varied_table(study))),
+            Section("sought", "Objectives and limits", lambda: _objectives(result)),
             Section("results", "Results", lambda: _results(result), "summary"),
             Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
     )
 
 
-def _verdict(result: SearchResult) -> Statement:
-    count = result.front.num_rows
-    if not count:
-        return Statement(id="headline", text="No design within the limits was found", tone="exceeded")
-    text = f"{several(count, 'design')} on the front, within the limits"
-    return Statement(id="headline", text=text, tone="within", values={"front": float(count)})
-
-
 def _answer(result: SearchResult) -> Iterator[Block]:
     notes = travel_statements(result.study.base) if "travel" in result.shown and COMBINED not in result.shown else []
-    yield Statement(id="answer", text=" ".join([result.message, *notes]))
+    yield Statement("answer", " ".join([result.message, *notes]))
     yield from failed_blocks(result, "design")
 
 
-def _sought(result: SearchResult) -> Statement:
+def _objectives(result: SearchResult) -> Iterator[Block]:
     items = [f"Least: {measure_of(name).text}." for name in result.minimise]
     for name, largest in result.limits.items():
         measure = measure_of(name)
         items.append(f"Limit: {measure.text} at most {number(measure.factor * largest)} {measure.unit}.")
-    return Statement(id="objectives", items=tuple(items))
+    yield Statement("objectives", items=tuple(items))
+    yield varied_table(result.study)
 
 
 def _results(result: SearchResult) -> Iterator[Block]:
     yield front_chart(result)
-    if not result.front.num_rows:
+    front = result.front["variant"].to_pylist()
+    if not front:
         return
-    if any(column.places_mounts for one in result.study.quantities for column in one.columns):
-        for variant in _drawn(result):
-            caption = f"{_title(result, variant)}; marks are mounts, crosses empty places."
+    if any(column.places_mounts for varied in result.study.quantities for column in varied.columns):
+        # the given design, and the front's ends, knee and middle
+        wanted = list(dict.fromkeys([*range(min(result.start, 1)), *result.chosen]))[:_DRAWN]
+        for variant in sorted(wanted, key=lambda n: (n >= result.start, front.index(n) if n in front else -1)):
+            row = row_of(result.table, variant)
+            measures = [measure_of(name) for name in result.minimise if name != "mounts"]
+            parts = [f"{row['mounts']:.0f} mounts"]
+            parts += [f"{measure.heading} {measure.factor * row[measure.name]:.3g} {measure.unit}" for measure in measures]
+            remark = f" ({remark})" if (remark := result.remark(variant)) else ""
+            caption = f"Design {variant}{remark}: {', '.join(parts)}; marks are mounts, crosses empty places."
             scene, absent = result.scene(variant), tuple(result.absent(variant))
             yield SceneView(id=f"placement-{variant}", scene=scene, caption=caption, absent=absent)
     yield front_table(result)
@@ -77,27 +80,20 @@ def _results(result: SearchResult) -> Iterator[Block]:
 def front_table(result: SearchResult, most: int | None = None) -> Table:
     """Tabulate the designs that were given, and those of the front."""
     measures = [measure_of(name) for name in result.shown]
-    rows = result.table.slice(0, result.start).to_pylist() + result.front.to_pylist()
+    designs = {row["variant"]: row for row in result.table.slice(0, result.start).to_pylist() + result.front.to_pylist()}
+    rows = []
+    for variant, row in list(designs.items())[:most]:
+        values = (row[measure.name] for measure in measures)
+        rows.append((str(variant), *values, str(row[GENERATION]), result.remark(variant)))
+    columns = [*left("design"), *(measure.column for measure in measures), Column("generation"), *left("")]
     return Table(
-        id="front-designs", title="The front: designs within the limits that no other one beats",
-        columns=[
-            Column("design", align="left"), *(measure.column for measure in measures), Column("generation"),
-            Column("", align="left"),
-        ],
-        rows=[
-            (
-                str(row["variant"]), *(row[measure.name] for measure in measures), str(row[GENERATION]),
-                result.remark(row["variant"]),
-            )
-            for row in list({row["variant"]: row for row in rows}.values())[:most]
-        ],
+        "front-designs", "The front: designs within the limits that no other one beats", columns, rows, shown=_SHOWN,
         note="Other designs of the search may come close to these, and better ones may exist: an evolution proves nothing.",
-        shown=_SHOWN,
     )  # fmt: skip
 
 
 def designs_table(result: SearchResult) -> Table:
-    """Tabulate each design of the front: the mounts that are not fitted, and its other inputs."""
+    """Tabulate the mounts that are not fitted and other inputs of each design of the front."""
     others = [name for name in input_names(result.table) if not name.endswith("/fitted")]
     rows = []
     for row in result.front.to_pylist():
@@ -106,24 +102,25 @@ def designs_table(result: SearchResult) -> Table:
         values = (f"{row[name]:.4g}" if isinstance(row[name], float) else str(row[name]) for name in others)
         inputs = ", ".join(f"{name} {value}" for name, value in zip(others, values, strict=True))
         rows.append((str(row["variant"]), names or "none", inputs or "-"))
-    heads = (("design", "left"), ("places without a mount", "text"), ("other inputs", "text"))
-    columns = [Column(head, align=align) for head, align in heads]  # type: ignore[arg-type]
-    return Table(id="designs", title="These designs", columns=columns, rows=rows, shown=_SHOWN)
+    columns = [*left("design"), *(Column(head, align="text") for head in ("places without a mount", "other inputs"))]
+    return Table("designs", "These designs", columns, rows, shown=_SHOWN)
 
 
 def front_chart(result: SearchResult) -> Chart:
-    """Draw all designs by the first two measures that were minimised; of one measure, in the order of the designs."""
+    """Draw all designs by the first two measures, or one measure in the order of the designs."""
     names = result.minimise[:2]
     across, up = (measure_of(names[1]) if len(names) > 1 else None), measure_of(names[0])
     x, y = (
-        np.arange(result.table.num_rows, dtype=np.float64) if one is None else one.factor * values_of(result.table, one.name)
-        for one in (across, up)
+        np.arange(result.table.num_rows, dtype=np.float64)
+        if measure is None
+        else measure.factor * values_of(result.table, measure.name)
+        for measure in (across, up)
     )
     within, front, given = result.feasible, np.asarray(result.front["variant"]), np.arange(result.start)
     known = np.isfinite(x) & np.isfinite(y)
     knee = np.array([] if result.knee is None else [result.knee], dtype=np.int64)
     curves = [
-        Curve(x=x[rows], y=y[rows], name=name, kind=kind, marks=True)
+        Curve(x[rows], y[rows], name=name, kind=kind, marks=True)
         for name, kind, rows in (
             ("knee of the front", 2, knee), ("given", 1, given), ("front", 0, front),
             ("within the limits", 3, np.flatnonzero(known & within)),
@@ -132,7 +129,7 @@ def front_chart(result: SearchResult) -> Chart:
         if rows.size
     ]  # fmt: skip
     if front.size > 1 and len(result.minimise) == 2:
-        curves.append(Curve(x=x[front], y=y[front], name="", kind=0))
+        curves.append(Curve(x[front], y[front], name="", kind=0))
     wanted = np.array(result.chosen if front.size else result.chosen[:_NEAREST], dtype=np.int64)
     shown = np.concatenate([wanted, given])
     xlim, ylim = (
@@ -142,7 +139,7 @@ def front_chart(result: SearchResult) -> Chart:
     outside = int((known & ((x < xlim[0]) | (x > xlim[1]) | (y < ylim[0]) | (y > ylim[1]))).sum())
     left_out = [f"{outside} designs farther out"] * bool(outside) + [f"{len(result.failed)} failed"] * bool(result.failed)
     panel = Panel(
-        curves=curves, ylabel=up.column.title(), xlabel="design" if across is None else across.label,
+        curves, up.column.title(), xlabel="design" if across is None else across.label,
         limits=_limit(result, up), xlimits=[] if across is None else _limit(result, across),
         notes=_labels(result, front, (x, y), (xlim, ylim)), xlim=xlim, ylim=ylim,
         title=f"not shown: {'; '.join(left_out)}" if left_out else "", unit=up.unit,
@@ -159,7 +156,6 @@ def _limit(result: SearchResult, measure: Measure) -> list[tuple[str, float]]:
 
 
 def _range(values: Array, limit: float | None, measure: Measure | None) -> tuple[float, float]:
-    """Return what is shown of an axis: some designs with some room around, and the limit, but not what lies far away."""
     ends = values[np.isfinite(values)]
     ends = ends if ends.size else np.zeros(1)
     if measure is not None and limit is not None:
@@ -179,26 +175,10 @@ def _labels(
         x, y = at[0][variant], at[1][variant]
         across, up = ((value - low) / (high - low) for value, (low, high) in zip((x, y), limits, strict=True))
         inside = 0.0 <= across <= 1.0 and 0.0 <= up <= 1.0
-        if not inside or len(notes) == _NAMED or any(abs(up - other) < _APART for other in heights):
+        if not inside or len(notes) == _NAMED or any(abs(up - height) < _APART for height in heights):
             continue
         heights.append(up)
         label = f"{mounts[variant]:.0f} mounts" + (f", design {variant}" if variant in first else "")
-        # On the left of a front there is nothing; beyond the given design there is room on the right.
+        # On the left of a front there is room; beyond the given design on the right.
         notes.append((float(x), float(y), label, across > _LEFT and variant >= result.start))
     return notes
-
-
-def _drawn(result: SearchResult) -> list[int]:
-    """Return the designs that are drawn: the given one, and the front's ends, knee and middle."""
-    front = result.front["variant"].to_pylist()
-    wanted = list(dict.fromkeys([*range(min(result.start, 1)), *result.chosen]))[:_DRAWN]
-    return sorted(wanted, key=lambda one: (one >= result.start, front.index(one) if one in front else -1))
-
-
-def _title(result: SearchResult, variant: int) -> str:
-    row = row_of(result.table, variant)
-    measures = [measure_of(name) for name in result.minimise if name != "mounts"]
-    parts = [f"{row['mounts']:.0f} mounts"]
-    parts += [f"{one.heading} {one.factor * row[one.name]:.3g} {one.unit}" for one in measures]
-    remark = result.remark(variant)
-    return f"Design {variant}{f' ({remark})' if remark else ''}: {', '.join(parts)}"

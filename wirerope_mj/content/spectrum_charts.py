@@ -19,7 +19,7 @@ from wirerope_mj.content.run_spectra import held_text
 from wirerope_mj.content.selection import COLOURS, Selection, kind_of
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import Absent
-from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.foundation.tables import Cell, Column, Table, left
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 
@@ -30,13 +30,24 @@ _ALIKE = 1e-6  # fraction by which two spectra differ that are one line
 
 
 def spectra_blocks(run: JudgedRun) -> Iterator[Block]:
-    """Yield shock response spectra, or power spectral densities and their rms values, of payload and base."""
     shock = run.spectra.shock
     if not isinstance(shock, Absent) and len(next(iter(shock.values()))) > 1:  # not of the base alone
         yield shock_chart(run)
     if run.spectra.densities:
         yield densities_chart(run)
-        yield _rms(run)
+        rows: list[tuple[Cell, ...]] = []
+        for name in next(iter(run.spectra.densities.values())):
+            for axis in "xyz":
+                density = run.spectra.densities.get(axis, {}).get(name)
+                if (rms := rms_along(run, name, axis)) > STILL:
+                    rows.append((name, axis, rms, SIGMAS * rms, float(density.rms_error) if density else None))
+        error = Column("error of the rms", "%", "z.1f")
+        yield Table(
+            "rms", "Root mean squares, once the response has settled",
+            (*left("where", "axis"), Column("rms", "g"), Column("3 sigma", "g"), error), rows,
+            note="Along every axis that is moved. Error: one standard deviation of the estimate, from bandwidth and length; "
+            "it is known along the base's motion.",
+        )  # fmt: skip
 
 
 def _srs_label(q: float) -> str:
@@ -44,22 +55,22 @@ def _srs_label(q: float) -> str:
 
 
 def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
-    """Return the base's spectra by axis: absolute acceleration and pseudo-velocity over frequency, a line for each axis."""
+    """Draw absolute acceleration and pseudo-velocity of the base over frequency, by axis."""
     q = next(iter(spectra.values())).q
     parts = ((_srs_label(q), "g"), (f"pseudo-velocity, Q = {q:g} [m/s]", "m/s"))
     equal: dict[str, list[str]] = {}  # axes along which the base moves alike, by the first of them
-    for axis, one in spectra.items():
-        same = (other for other in equal if np.allclose(one.maximax, spectra[other].maximax, rtol=_ALIKE, atol=0.0))
+    for axis, spectrum in spectra.items():
+        same = (other for other in equal if np.allclose(spectrum.maximax, spectra[other].maximax, rtol=_ALIKE, atol=0.0))
         equal.setdefault(next(same, axis), []).append(axis)
     row = []
     for number, (label, unit) in enumerate(parts):
         curves = [
             Curve(
-                x=one.frequencies, y=one.pseudo_velocity if number else in_unit(one.maximax, "g"), name=listed(axes),
+                spectrum.frequencies, spectrum.pseudo_velocity if number else in_unit(spectrum.maximax, "g"), name=listed(axes),
                 kind="xyz".index(axis),
             )
             for axis, axes in equal.items()
-            for one in [spectra[axis]]
+            for spectrum in [spectra[axis]]
         ]  # fmt: skip
         row.append(spectrum_panel(curves, label, unit))
     return Chart(
@@ -71,7 +82,7 @@ def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
 
 
 def shock_chart(run: JudgedRun) -> Chart:
-    """Draw the shock response spectra of base and payload, a panel for each axis."""
+    """Draw shock response spectra of base and payload, a panel for each axis."""
     assert not isinstance(run.spectra.shock, Absent)
     first = next(iter(run.spectra.shock.values()))
     names = [name for name in first if name != BASE]
@@ -92,10 +103,10 @@ def shock_chart(run: JudgedRun) -> Chart:
 
 
 def densities_chart(run: JudgedRun) -> Chart:
-    """Draw the power spectral densities of base and payload, a panel for each axis."""
+    """Draw power spectral densities of base and payload, a panel for each axis."""
     densities = run.spectra.densities
     lines = {
-        # Without the line at 0 Hz, which cannot stand on a logarithmic axis, and where means are removed.
+        # Without the line at 0 Hz, which has no place on a logarithmic axis.
         axis: {name: (one.frequency[1:], one.density[1:] / STANDARD_GRAVITY**2) for name, one in along.items()}
         for axis, along in densities.items()
     }
@@ -111,30 +122,8 @@ def densities_chart(run: JudgedRun) -> Chart:
     )
 
 
-def _rms(run: JudgedRun) -> Table:
-    return Table(
-        id="rms",
-        title="Root mean squares, once the response has settled",
-        columns=(
-            Column("where", align="left"), Column("axis", align="left"), Column("rms", "g"), Column("3 sigma", "g"),
-            Column("error of the rms", "%", "z.1f"),
-        ),
-        rows=[row for name in next(iter(run.spectra.densities.values())) for row in _rms_rows(run, name)],
-        note="Along every axis that is moved. Error: one standard deviation of the estimate, from bandwidth and length; "
-        "it is known along the base's motion.",
-    )  # fmt: skip
-
-
-def _rms_rows(run: JudgedRun, name: str) -> Iterator[tuple[Cell, ...]]:
-    """Yield the root mean square along every axis."""
-    for axis in "xyz":
-        density = run.spectra.densities.get(axis, {}).get(name)
-        if (rms := rms_along(run, name, axis)) > STILL:
-            yield name, axis, rms, SIGMAS * rms, float(density.rms_error) if density else None
-
-
 def rms_along(run: JudgedRun, name: str, axis: str) -> float:
-    """Return a root mean square [m/s^2]: that which is judged, of the base its stationary part's, else that of a density."""
+    """Find a root mean square [m/s^2]: the one that is judged, or that of the density."""
     if name == THE_BASE:
         return float(run.base_rms["xyz".index(axis)])
     verdicts, criterion = () if isinstance(run.random, Absent) else run.random, Criterion(RMS, axis=axis)
@@ -147,11 +136,10 @@ def _panels(
     lines: Mapping[str, Mapping[str, tuple[Array, Array]]], label: str, selection: Selection, *, unit: str,
     decades: float = _DECADES,
 ) -> Chart:  # fmt: skip
-    """Return frequencies and values by axis and name, a panel for each axis."""
     row: list[Panel] = []
     for axis, along in lines.items():
         curves = [
-            Curve(x=f, y=y, name=short(name), kind=BASE if name == "base" else kind_of(selection, name, number))
+            Curve(f, y, name=short(name), kind=BASE if name == "base" else kind_of(selection, name, number))
             for number, (name, (f, y)) in enumerate(along.items())
         ]
         curves.sort(key=lambda curve: curve.kind == BASE)  # which lies behind
@@ -160,18 +148,17 @@ def _panels(
 
 
 def spectrum_panel(curves: list[Curve], label: str, unit: str, *, title: str = "", decades: float = _DECADES) -> Panel:
-    """Return a panel with logarithmic axes, as far down as matters."""
     high = _ABOVE * max(float(curve.y.max()) for curve in curves) or 1.0  # nothing moved: an empty paper
     low = max(min(float(curve.y.min()) for curve in curves) / _ABOVE, high * 10.0**-decades)
     ends = _end(min(float(curve.x[0]) for curve in curves)), _end(min(float(curve.x[-1]) for curve in curves))
     return Panel(
-        curves=curves, ylabel=label, xlabel="frequency [Hz]", title=title, xlim=ends, ylim=(low, high), log="xy",
+        curves, label, xlabel="frequency [Hz]", title=title, xlim=ends, ylim=(low, high), log="xy",
         unit=unit, xunit="Hz",
     )  # fmt: skip
 
 
 def _end(frequency: float) -> float:
-    """Return where an axis ends: at a power of ten that is near, so that it is named."""
+    """End an axis at a power of ten that is near, so that it is named."""
     power = 10.0 ** round(math.log10(frequency))
     return power if abs(frequency / power - 1.0) < _NEAR_DECADE else frequency
 
@@ -187,9 +174,9 @@ def four_way_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
 
     On this paper a shock is a trapezoid: its displacement on the left, its velocity change at the top, its acceleration on
     the right. Displacements are read exactly; accelerations are 2 pi f times the pseudo-velocity, which the absolute
-    acceleration exceeds a little where there is damping. Of the spectra, each of one acceleration, "base" is grey.
+    acceleration exceeds a little where there is damping. Of the spectra, each of spectrum acceleration, "base" is grey.
     """
-    curves = _curves(spectra, lambda one: (one.frequencies, one.pseudo_velocity))
+    curves = _curves(spectra, lambda spectrum: (spectrum.frequencies, spectrum.pseudo_velocity))
     panel = _over_all(spectrum_panel(curves, f"pseudo-velocity{_q(spectra)} [m/s]", "m/s"))
     assert panel.xlim is not None
     assert panel.ylim is not None
@@ -209,35 +196,37 @@ def shock_spectra_chart(
 
     `test` are frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.
     """
-    curves = _curves(spectra, lambda one: (one.frequencies, in_unit(one.maximax, "g")))
+    curves = _curves(spectra, lambda spectrum: (spectrum.frequencies, in_unit(spectrum.maximax, "g")))
     if test is not None:
         f, a = (np.asarray(part, dtype=np.float64) for part in test)
-        curves.append(Curve(x=f, y=in_unit(a, "g"), name="test spectrum", kind=len(curves) % COLOURS, dash="dashed"))
+        curves.append(Curve(f, in_unit(a, "g"), name="test spectrum", kind=len(curves) % COLOURS, dash="dashed"))
     panel = _over_all(spectrum_panel(curves, f"SRS{_q(spectra)}: peak acceleration [g]", "g"))
     return Chart(id="shock-spectra", rows=[[panel]], height=_HEIGHT, alt="Shock response spectra.")
 
 
 def power_densities_chart(densities: Mapping[str, PowerSpectralDensity]) -> Chart:
-    """Return power spectral densities over frequency, named with their rms and the standard error of each line."""
-    curves = _curves(densities, lambda one: (one.frequency[1:], one.density[..., 1:] / STANDARD_GRAVITY**2))
+    curves = _curves(densities, lambda spectrum: (spectrum.frequency[1:], spectrum.density[..., 1:] / STANDARD_GRAVITY**2))
     curves = [
-        replace(curve, name=f"{name}: {in_unit(float(one.rms), 'g'):.3g} g rms, ±{in_unit(one.standard_error, '%'):.0f} %")
-        for curve, (name, one) in zip(curves, densities.items(), strict=True)
+        replace(curve, name=f"{name}: {in_unit(float(psd.rms), 'g'):.3g} g rms, ±{in_unit(psd.standard_error, '%'):.0f} %")
+        for curve, (name, psd) in zip(curves, densities.items(), strict=True)
     ]
     panel = _over_all(spectrum_panel(curves, "PSD [g²/Hz]", "g²/Hz", decades=POWER_DECADES))
     return Chart(id="power-densities", rows=[[panel]], height=_HEIGHT, alt="Power spectral densities.")
 
 
 def _curves(spectra: Mapping[str, Any], values_of: Callable[[Any], tuple[Array, Array]]) -> list[Curve]:
-    """Return the curves of spectra of one acceleration each; the base is grey, and no colour is lost to it."""
-    others, curves = [name for name in spectra if name != BASE], []
+    curves: list[Curve] = []
+    number = 0
     for name, spectrum in spectra.items():
         x, y = values_of(spectrum)
         if y.ndim != 1:
             raise ValueError(f"the spectrum {name!r} must be of one acceleration, got the shape {y.shape}.")
-        number = 0 if name == BASE else others.index(name)
-        dash, kind = "dashed" if number >= COLOURS else "", BASE if name == BASE else number % COLOURS
-        curves.append(Curve(x=x, y=y, name=name, kind=kind, dash=dash))
+        if name == BASE:  # no colour is lost to it
+            curves.append(Curve(x, y, name=name, kind=BASE))
+            continue
+        dash = "dashed" if number >= COLOURS else ""
+        curves.append(Curve(x, y, name=name, kind=number % COLOURS, dash=dash))
+        number += 1
     return curves
 
 
@@ -247,8 +236,7 @@ def _q(spectra: Mapping[str, ShockResponseSpectrum]) -> str:
 
 
 def _over_all(panel: Panel) -> Panel:
-    """Return a panel over all frequencies of its curves."""
-    first, last = min(float(one.x[0]) for one in panel.curves), max(float(one.x[-1]) for one in panel.curves)
+    first, last = min(float(curve.x[0]) for curve in panel.curves), max(float(curve.x[-1]) for curve in panel.curves)
     return replace(panel, xlim=(first, last) if first < last else (first / 2.0, 2.0 * last))
 
 
@@ -256,20 +244,20 @@ def _diagonals(across: tuple[float, float], upward: tuple[float, float]) -> Iter
     """Yield the lines of equal displacement, rising, and of equal acceleration, falling, with their names at an end."""
     (f0, f1), (v0, v1) = across, upward
     middle = math.sqrt(f0 * f1)
+
+    def line(first: float, last: float, start: float, end: float) -> Curve:
+        return Curve(np.array([first, last]), np.array([start, end]), name="", kind=OTHERS, weight=0.7)
+
     for d in _round_numbers(v0 / (_TURN * f1), v1 / (_TURN * f0), scale=1e-3):
         first, last = max(f0, v0 / (_TURN * d)), min(f1, v1 / (_TURN * d))
         f = _INSIDE * first  # where it comes in
         notes = [(f, _TURN * f * d, f"{d / 1e-3:.4g} mm", False)] if f < middle and _TURN * f * d < v1 / 1.5 else []
-        yield _diagonal(first, last, _TURN * first * d, _TURN * last * d), notes
+        yield line(first, last, _TURN * first * d, _TURN * last * d), notes
     for a in _round_numbers(_TURN * f0 * v0, _TURN * f1 * v1, scale=STANDARD_GRAVITY):
         first, last = max(f0, a / (_TURN * v1)), min(f1, a / (_TURN * v0))
         f = last / _INSIDE  # where it leaves
         notes = [(f, a / (_TURN * f), f"{in_unit(a, 'g'):.4g} g", True)] if f > middle and a / (_TURN * f) < v1 / 1.5 else []
-        yield _diagonal(first, last, a / (_TURN * first), a / (_TURN * last)), notes
-
-
-def _diagonal(first: float, last: float, start: float, end: float) -> Curve:
-    return Curve(x=np.array([first, last]), y=np.array([start, end]), name="", kind=OTHERS, weight=0.7)
+        yield line(first, last, a / (_TURN * first), a / (_TURN * last)), notes
 
 
 def _round_numbers(low: float, high: float, *, scale: float) -> Sequence[float]:

@@ -12,9 +12,9 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.content.verdicts import TONE
 from wirerope_mj.dynamics.modes import TippingStability
-from wirerope_mj.engine.statics import Sag, StaticTable
+from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.errors import Absent
-from wirerope_mj.foundation.tables import Column, Mark, Row, Table
+from wirerope_mj.foundation.tables import Column, Mark, Row, Table, left
 
 # What the two equilibria are.
 HISTORIES = {"virgin": "on the first loading, as after installation", "relaxed": "after long vibration (friction relaxed)"}
@@ -26,12 +26,12 @@ _MORE_THAN_ALL = 1.000001  # times what the lowest mounts carry, rounding includ
 def statics_content(
     name: str, table: StaticTable, verdicts: Sequence[Verdict], stability: Mapping[str, TippingStability]
 ) -> Content:
-    """Describe the equilibrium of a system: sag and loads of its mounts, verdicts on them, and its stability."""
+    """Describe the equilibrium of a system: sag, loads, verdicts, and stability."""
     return Content(
         title=f"{name}: at rest under gravity",
         verdict=_rested(verdicts)
         or _static_load(verdicts)
-        or Statement(id="static-load", text="Static load: not judged.", tone="unjudged"),
+        or Statement("static-load", "Static load: not judged.", tone="unjudged"),
         sections=(
             Section("rested", "", lambda: [_rested(verdicts)], "summary"),
             Section("statics", "", partial(statics_blocks, table, verdicts), "summary"),
@@ -41,71 +41,81 @@ def statics_content(
 
 
 def run_statics_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield sag and load of every mount and payload of a run's system under gravity."""
     if not run.response.scene.mounts:
         return
     if not run.gravity:
-        yield Statement(id="statics", text="The model has no gravity: the mounts carry nothing at rest.")
+        yield Statement("statics", "The model has no gravity: the mounts carry nothing at rest.")
     elif isinstance(run.statics, Absent):
-        yield Statement(id="statics", text=run.statics.reason, tone="unjudged")
+        yield Statement("statics", run.statics.reason, tone="unjudged")
     else:
         yield from statics_blocks(run.statics, [row for row in run.verdicts if row.criterion.kind == STATIC_LOAD])
 
 
 def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[Block | None]:
-    """Yield sag and load of every mount and payload, what carries the weight, and the static loads against their ratings."""
+    """Yield sag and load of every mount and payload, what carries the weight, and verdicts."""
     for history, reason in table.missing.items():
-        yield Statement(id=f"statics-{history}", text=f"{history.capitalize()}: {reason}", tone="unjudged")
+        yield Statement(f"statics-{history}", f"{history.capitalize()}: {reason}", tone="unjudged")
     static = {(row.subject, row.criterion.sense): row for row in verdicts if row.criterion.kind == STATIC_LOAD}
     yield _mounts(table, static)
-    yield _payloads(table)
+    payloads: list[Row] = [
+        (name, history, row.mass, *map(float, (*row.displacement, *row.rotation)))
+        for history, sag in table.sags.items()
+        for name, row in sag.payloads.items()
+    ]
+    axes = [Column(axis, "mm", "z.3f") for axis in "xyz"] + [Column(f"about {axis}", "mrad", "z.3f") for axis in "xyz"]
+    columns = [*left("payload", "history"), Column("mass", "kg", ".5g"), *axes]
+    yield Table("payload-sag", "Displacement of the payloads' centres of mass, and their tilt", columns, payloads)
     for history, sag in table.sags.items():
-        yield Statement(id=f"weight-{history}", text=_carried(history, sag), values={"weight_N": sag.weight})
+        text = f"{history.capitalize()}: of {with_unit(sag.weight, 'N', digits=4)} of weight the mounts carry "
+        text += with_unit(sag.on_mounts, "N", digits=4)
+        for load, what in ((sag.on_contacts, "contacts"), (sag.elsewhere, "joints and their springs")):
+            if abs(load) > _BALANCED * sag.weight:
+                text += f", {what} {with_unit(load, 'N')}"
+        yield Statement(f"weight-{history}", f"{text}.", values={"weight_N": sag.weight})
     if any(sum(row.carries for row in sag.mounts.values()) > _MORE_THAN_ALL * sag.on_mounts for sag in table.sags.values()):
         text = (
             "Payloads stand on payloads: fractions are of the weight of all of them, and the lower mounts carry what stands "
             "above as well, so they add up to more than 100 %."
         )
-        yield Statement(id="stacked", text=text)
+        yield Statement("stacked", text)
     yield _static_load(verdicts)
     if rest := single_travel_lines(verdicts) + pressed_lines(verdicts):
-        yield Statement(id="rest-travel", text=" ".join(rest), tone="exceeded" if _beyond(verdicts) else "within")
+        yield Statement("rest-travel", " ".join(rest), tone="exceeded" if _beyond(verdicts) else "within")
     unjudged: dict[str, dict[str, None]] = {}  # names without repetition, in the order of the model
     for (subject, _), row in static.items():
         if row.limit is None and not math.isnan(row.value):
             unjudged.setdefault(row.note, {})[subject] = None
     for reason, names in unjudged.items():
-        yield Statement(id="static-not-judged", text=f"Not judged, because {reason}: {', '.join(names)}.")
+        yield Statement("static-not-judged", f"Not judged, because {reason}: {', '.join(names)}.")
 
 
 def stability_blocks(stability: Mapping[str, TippingStability], verdicts: Sequence[Verdict] = ()) -> Iterator[Statement]:
-    """Yield how far a system is from tipping over, once where all its equilibria say the same, and if it is extrapolated."""
+    """Yield how far a system is from tipping over, and if that is extrapolated."""
     beyond = _beyond(verdicts)
     texts = {history: one.description for history, one in stability.items()}
     same = len(set(texts.values())) == 1
     for history, text in list(texts.items())[: 1 if same else None]:
         one = stability[history]
         yield Statement(
-            id="stability" if same else f"stability-{history}",
-            text=f"Stability: {text}" if same else f"Stability, {history}: {text}",
+            "stability" if same else f"stability-{history}",
+            f"Stability: {text}" if same else f"Stability, {history}: {text}",
             tone="unjudged" if beyond else _TONES.get(one.word, "exceeded"),
             values={"gravity_factor": one.gravity_factor, "rise_m": one.rise},
         )
     if beyond:
         text = "Position of rest and stability are extrapolated: mounts rest beyond the travel that they are rated for."
-        yield Statement(id="rest-extrapolated", text=text, tone="exceeded")
+        yield Statement("rest-extrapolated", text, tone="exceeded")
 
 
 def _beyond(verdicts: Sequence[Verdict]) -> bool:
-    """Return whether mounts rest beyond their rated travel, or where their bars meet."""
     return any(row.verdict == EXCEEDED for row in verdicts if row.criterion.kind in (TRAVEL, BOTTOMING))
 
 
 def _mounts(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) -> Table:
     columns = (
-        Column("mount", align="left"), Column("history", align="left"), Column("axial", "mm", "z.3f"),
+        *left("mount", "history"), Column("axial", "mm", "z.3f"),
         Column("across", "mm", "z.3f"), Column("axial\nload", "kN", "z.3f"), Column("carries", "kN", "z.3f"),
-        Column("of the\nweight", "%", "z.1f"), Column("used", "%", "z.1f"), Column("verdict", align="left"),
+        Column("of the\nweight", "%", "z.1f"), Column("used", "%", "z.1f"), *left("verdict"),
     )  # fmt: skip
     rows: list[Row] = []
     for name in next(iter(table.sags.values())).mounts:
@@ -118,47 +128,21 @@ def _mounts(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) -> 
             cells = axial, across, float(row.force[2]), row.carries, row.split, row.utilisation
             rows.append((name, history, *cells, Mark(verdict, TONE[verdict])))
     return Table(
-        id="sag", title="Sag and load of every mount", columns=columns, rows=rows,
+        "sag", "Sag and load of every mount", columns, rows,
         note="Axial: along the mount's own axis, negative in compression. Carries: what the mount pushes up with. Used: axial "
         "load over the rated static load, which is one in compression. "
         + " ".join(f"{history.capitalize()}: {HISTORIES[history]}." for history in table.sags),
     )  # fmt: skip
 
 
-def _payloads(table: StaticTable) -> Table:
-    rows: list[Row] = [
-        (name, history, row.mass, *map(float, (*row.displacement, *row.rotation)))
-        for history, sag in table.sags.items()
-        for name, row in sag.payloads.items()
-    ]
-    axes = [Column(axis, "mm", "z.3f") for axis in "xyz"] + [Column(f"about {axis}", "mrad", "z.3f") for axis in "xyz"]
-    names = Column("payload", align="left"), Column("history", align="left"), Column("mass", "kg", ".5g")
-    return Table(
-        id="payload-sag", title="Displacement of the payloads' centres of mass, and their tilt", columns=(*names, *axes),
-        rows=rows,
-    )  # fmt: skip
-
-
-def _carried(history: str, sag: Sag) -> str:
-    """Return a sentence on what carries the weight."""
-    text = f"{history.capitalize()}: of {with_unit(sag.weight, 'N', digits=4)} of weight the mounts carry "
-    text += with_unit(sag.on_mounts, "N", digits=4)
-    for load, what in ((sag.on_contacts, "contacts"), (sag.elsewhere, "joints and their springs")):
-        if abs(load) > _BALANCED * sag.weight:
-            text += f", {what} {with_unit(load, 'N')}"
-    return f"{text}."
-
-
 def _rested(verdicts: Sequence[Verdict]) -> Statement | None:
-    """Return that stops or contacts carry weight at rest, which short-circuits isolation; None where none does."""
     lines = rested_lines(verdicts)
     text = "The base moves the payload through them; give them a larger gap, or the mounts more stiffness."
-    return Statement(id="rested", text=" ".join([*lines, text]), tone="exceeded") if lines else None
+    return Statement("rested", " ".join([*lines, text]), tone="exceeded") if lines else None
 
 
 def _static_load(verdicts: Sequence[Verdict]) -> Statement | None:
-    """Return which mount uses most of its rated static load; None where none is judged."""
     worst = most_used(row for row in verdicts if row.criterion.kind == STATIC_LOAD)
     if worst is None:
         return None
-    return Statement(id="static-load", text=static_load_lines(verdicts)[0], tone=TONE[worst.verdict])
+    return Statement("static-load", static_load_lines(verdicts)[0], tone=TONE[worst.verdict])

@@ -1,8 +1,9 @@
 """What a study says: how often limits are exceeded, the inputs that matter, the worst variants."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -20,10 +21,10 @@ from wirerope_mj.content.study_statements import (
     percent,
     statements,
 )
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, SobolIndices
+from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.measure import (
     ALL,
     CONFIDENCE,
@@ -35,7 +36,7 @@ from wirerope_mj.studies.results.measure import (
     worst,
 )
 from wirerope_mj.studies.results.stated_limits import limits_of
-from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary, any_exceeded
+from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary, any_exceeded
 from wirerope_mj.studies.results.varied import varied_of
 
 _FAILED = 20  # messages that are read
@@ -48,8 +49,7 @@ _METHODS = {
 
 def study_content(summary: StudySummary) -> Content:
     """Compose what a study that is complete says."""
-    result = summary.result
-    study = result.study
+    result, study = summary.result, summary.result.study
     return Content(
         title=study.name.replace("_", " ").capitalize(),
         facts=study_facts(result, "Variants", _METHODS.get(study.sampling, study.sampling)),
@@ -68,84 +68,74 @@ def study_content(summary: StudySummary) -> Content:
 
 
 def study_facts(result: StudyResult, things: str, how: str) -> tuple[tuple[str, str], ...]:
-    """Return what stands below the title of a study or a search."""
-    content = result.inputs
+    names, content = set(input_names(result.table)), result.inputs
+    varies = ["direction"] * bool({AZIMUTH, ELEVATION} & names) + ["level"] * ("motion/level" in names)
+    motions = " | ".join(motion.description for motion in result.study.motions)
+    if varies:
+        motions += f"; its {' and '.join(varies)} {'vary' if len(varies) > 1 else 'varies'}"
     return (
-        ("Model", content["model"]["file"].rpartition("/")[2]), ("Base motion", _motion_text(result)),
+        ("Model", content["model"]["file"].rpartition("/")[2]), ("Base motion", motions),
         (things, f"{result.variants}, {how}"), ("By", f"wirerope-mj {content['versions'].get('wirerope-mj', 'unknown')}"),
     )  # fmt: skip
 
 
 def study_question(result: StudyResult, kind: str) -> tuple[str, ...]:
-    """Return what a study or a search asks, a text for each paragraph."""
     return tuple(paragraphs(result.study.question)) or (f"The {kind} asks no question.",)
 
 
-def _motion_text(result: StudyResult) -> str:
-    """Return the base motions of a study, and what of them varies."""
-    names = set(input_names(result.table))
-    varies = ["direction"] * bool({AZIMUTH, ELEVATION} & names) + ["level"] * ("motion/level" in names)
-    motions = " | ".join(motion.description for motion in result.study.motions)
-    return f"{motions}; its {' and '.join(varies)} {'vary' if len(varies) > 1 else 'varies'}" if varies else motions
-
-
 def _verdict(summary: StudySummary) -> Statement:
-    if not summary.beyond or not (summary.stated or any(one.beyond for one in summary.statistics)):
-        return Statement(id="headline", text="Not judged: no limit is stated", tone="unjudged")
+    if not summary.beyond or not (summary.stated or any(measured.beyond for measured in summary.statistics)):
+        return Statement("headline", "Not judged: no limit is stated", tone="unjudged")
     most, ratio = any_exceeded([summary]), summary.ratio_beyond
-    rest = not_counted(most)
+    rest = uncounted = not_counted(most)
     if not most.judged:
-        return Statement(id="headline", text=f"Not judged{rest}", tone="unjudged")
+        return Statement("headline", f"Not judged{rest}", tone="unjudged")
     values: dict[str, float | None] = {"beyond": float(most.count), "of": float(most.n), "ratio": ratio}
-    limits, table = limits_of(summary.stated), summary.result.independent
-    name, used = most_critical(table, limits) or ("", math.nan)
-    if name:
-        values["used"] = used
-        rest += f"; worst {100.0 * used:.3g} % of {measure_of(name, limits).heading}, in variant {worst(table, name, 1)[0]}"
+    limits, table, motions = limits_of(summary.stated), summary.result.independent, summary.result.study.motions
+    if critical := most_critical(table, limits):
+        name, values["used"] = critical
+        worst_variant = worst(table, name, 1)[0]
+        rest += f"; worst {100.0 * critical[1]:.3g} % of {measure_of(name, limits).heading}, in variant {worst_variant}"
     of, missing = payload_scope([summary])
     rest += missing
-    if len(summary.result.study.motions) == 1 and "motion/level" not in input_names(table):
-        largest = max(
-            float(np.nanmax(values_of(table, one), initial=0.0)) for one in known_measures(table, ("acceleration", ALL))
-        )
-        said = amplified(largest, summary.result.study.motions[0])
-        rest += f"; {said}" if said else ""
+    if len(motions) == 1 and "motion/level" not in input_names(table):
+        accelerations = (values_of(table, name) for name in known_measures(table, ("acceleration", ALL)))
+        text = amplified(max(float(np.nanmax(peaks, initial=0.0)) for peaks in accelerations), motions[0])
+        rest += f"; {text}" if text else ""
     if most.count:
-        share = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
-        text = f"A limit is exceeded in {most.count} of {most.n} variants{share}{rest}"
-        return Statement(id="headline", text=text, tone="exceeded", values=values)
-    if most.failed:
+        of_all = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
+        text, tone = f"A limit is exceeded in {most.count} of {most.n} variants{of_all}{rest}", "exceeded"
+    elif most.failed:
         kept = f"{most.judged} {'is' if most.judged == 1 else 'are'} within the limits{not_counted(replace(most, failed=0))}"
-        text = f"{most.failed} of {most.n + most.failed} variants could not be simulated, {kept}"
-        return Statement(id="headline", text=text, tone="unjudged", values=values)
-    tone = "unjudged" if not_counted(most) or missing else "within"
-    text = f"Within the limits{of} in all {most.judged} variants{rest}"
-    return Statement(id="headline", text=text, tone=tone, values=values)
+        text, tone = f"{most.failed} of {most.n + most.failed} variants could not be simulated, {kept}", "unjudged"
+    else:
+        text = f"Within the limits{of} in all {most.judged} variants{rest}"
+        tone = "unjudged" if uncounted or missing else "within"
+    return Statement("headline", text, tone=tone, values=values)
 
 
 def payload_scope(summaries: Sequence[StudySummary]) -> tuple[str, str]:
-    """Say what limits are of, " of the mounts", and as a clause what is not judged; "" where the payload's acceleration is."""
+    """Write what limits are of, " of the mounts", and what is not judged; "" where the payload's acceleration is."""
     limited: set[str] = set()
     for summary in summaries:
         limits = limits_of(summary.stated)
-        names = {one.measure.name for one in summary.statistics} | set(limits)
+        names = {measured.measure.name for measured in summary.statistics} | set(limits)
         limited |= {name.partition("/")[0] for name in names if measure_of(name, limits).limit is not None}
     if limited & {"fragility", "acceleration"}:
         return "", ""
-    moves = bool(limited & {"clearance", "displacement"})
-    clause = f"; {'acceleration of the ' if moves else ''}payload not judged: no limit stated"
-    return f" of the mounts{' and displacements' if moves else ''}", clause
+    if limited & {"clearance", "displacement"}:
+        return " of the mounts and displacements", "; acceleration of the payload not judged: no limit stated"
+    return " of the mounts", "; payload not judged: no limit stated"
 
 
 def _answer(summary: StudySummary) -> Iterator[Block]:
     result = summary.result
-    stated = [limit_statement(one, result.independent, sampled=result.is_sampled) for one in summary.stated]
-    yield Statement(id="answer", items=(*stated, *statements(result)))
+    limits = [limit_statement(limit, result.independent, sampled=result.is_sampled) for limit in summary.stated]
+    yield Statement("answer", items=(*limits, *statements(result)))
     yield from failed_blocks(result, "variant")
 
 
 def failed_blocks(result: StudyResult, noun: str) -> Iterator[Block]:
-    """Yield the variants that failed and their messages; nothing if none did."""
     if not result.failed:
         return
     of_message = list(failures(result.failed).items())
@@ -154,7 +144,7 @@ def failed_blocks(result: StudyResult, noun: str) -> Iterator[Block]:
         lines.append(f"{len(of_message) - _FAILED} other messages: see the column message of the table.")
     stand = "stands" if len(result.failed) == 1 else "stand"
     text = f"{several(len(result.failed), noun)} could not be simulated and {stand} in no statistic:"
-    yield Statement(id="failed", text=text, items=tuple(lines), tone="unjudged")
+    yield Statement("failed", text, items=tuple(lines), tone="unjudged")
 
 
 def numerics_table(result: StudyResult) -> Table:
@@ -168,8 +158,8 @@ def numerics_table(result: StudyResult) -> Table:
         ("study", content["id"]),
     ]
     rows += [(f"version of {name}", str(version)) for name, version in content["versions"].items()]
-    columns = [Column("item", align="left"), Column("value", align="text")]
-    return Table(id="settings", title="How it was computed", columns=columns, rows=rows)
+    columns = [*left("item"), Column("value", align="text")]
+    return Table("settings", "How it was computed", columns, rows)
 
 
 _WORST, _COLUMNS, _EFFECTS, _FEW = 10, 6, 15, 8  # rows and columns that are read, and effects at once
@@ -177,72 +167,61 @@ _LONG = 11  # letters of a heading that stands on two lines where lines are shor
 
 
 def varied_table(study: StudyDefinition) -> Table:
-    """Tabulate the quantities that vary: kinds and units, what the model says of them, and their distributions."""
+    """Tabulate the quantities that vary, what the model says of them, and their distributions."""
     rows = []
-    for one in varied_of(study):
-        group = one.distribution.group
-        rows.append((
-            f"{one.name} ({group})" if group else one.name, f"{one.kind} [{one.unit}]" if one.unit else one.kind, one.model,
-            one.distribution_text, f"independent per {one.name.partition('/')[0]}" if one.distribution.each else "common",
-        ))  # fmt: skip
-    heads = ("quantity", "is a", "in the model", "values", "sampling")
-    return Table(
-        id="varied", title=f"Quantities that vary in {study.name}", columns=[Column(head, align="text") for head in heads],
-        rows=rows,
-        note="A value replaces what the model says, a shift is added to it, a factor multiplies it. SI: as the law states.",
-    )  # fmt: skip
+    for varied in varied_of(study):
+        group, each = varied.distribution.group, varied.distribution.each
+        name = f"{varied.name} ({group})" if group else varied.name
+        kind = f"{varied.kind} [{varied.unit}]" if varied.unit else varied.kind
+        sampling = f"independent per {varied.name.partition('/')[0]}" if each else "common"
+        rows.append((name, kind, varied.model, varied.distribution_text, sampling))
+    columns = [Column(head, align="text") for head in ("quantity", "is a", "in the model", "values", "sampling")]
+    note = "A value replaces what the model says, a shift is added to it, a factor multiplies it. SI: as the law states."
+    return Table("varied", f"Quantities that vary in {study.name}", columns, rows, note=note)
 
 
 def measures_table(summary: StudySummary) -> Table:
-    """Tabulate the statistics of each measure: percentiles of sampled variants, smallest and median of listed ones."""
+    """Tabulate the statistics of each measure."""
     sampled = summary.result.is_sampled
+    rows: list[list[Cell]] = []
+    for measured in summary.statistics:
+        column, beyond = measured.measure.column, measured.beyond
+        between = measured.quantiles if sampled else (measured.smallest, measured.median)
+        values = [measured.nominal, *between, measured.largest]
+        texts = [column.text(value) if math.isfinite(value) else None for value in values]
+        judged: list[Cell] = [None, None]
+        if beyond is not None:
+            mark = Mark(exceedance_text(beyond, measured.ratio), "exceeded" if beyond.count else "within")
+            judged = [column.text(measured.measure.limit), mark]
+        rows.append([column.title(), *texts, str(measured.variant), *judged])
     heads = [f"{100.0 * q:.0f} %" for q in QUANTILES] if sampled else ["smallest", "median"]
-    meanings = "; ".join(f"{one.heading}: {one.text}" for one in summary.measures)
+    heads = ["nominal", *heads, "largest", "in\nvariant", "limit"]
+    meanings = "; ".join(f"{measure.heading}: {measure.text}" for measure in summary.measures)
     percentiles = " A percentile is given if at least five variants lie beyond it." if sampled else ""
     return Table(
-        id="measures", title="Measures and their percentiles" if sampled else "Measures",
-        columns=[
-            Column("measure", align="left"), *map(Column, ("nominal", *heads)),
-            *map(Column, ("largest", "in\nvariant", "limit")), Column("beyond it", align="text"),
-        ],
-        rows=[_measure_row(one, sampled) for one in summary.statistics],
+        "measures", "Measures and their percentiles" if sampled else "Measures",
+        (*left("measure"), *map(Column, heads), Column("beyond it", align="text")), rows,
         note=f"{meanings[0].upper()}{meanings[1:]}.{percentiles}",
     )  # fmt: skip
 
 
-def _measure_row(one: Statistics, sampled: bool) -> list[Cell]:
-    column = one.measure.column
-    values = [one.nominal, *(one.quantiles if sampled else (one.smallest, one.median)), one.largest]
-    texts = [column.text(value) if math.isfinite(value) else None for value in values]
-    row: list[Cell] = [column.title(), *texts, str(one.variant)]
-    if one.beyond is None:
-        return [*row, None, None]
-    tone = "exceeded" if one.beyond.count else "within"
-    return [*row, column.text(one.measure.limit), Mark(exceedance_text(one.beyond, one.ratio), tone)]
-
-
 def indices_tables(summary: StudySummary) -> list[Table]:
-    """Return Sobol's indices of each measure; none of a study that was not sampled for them."""
-    return [_indices_table(indices) for indices in summary.indices]
-
-
-def _indices_table(indices: SobolIndices) -> Table:
-    dropped = f"; {indices.dropped} more were dropped, because variants of them failed" if indices.dropped else ""
-    few = " So few base rows say nothing: take more." if indices.too_few else ""
-    rows = "1 base row" if indices.rows == 1 else f"{indices.rows} base rows"
-    return Table(
-        id=f"indices-{indices.measure}",
-        title=f"Variance explained of: {measure_of(indices.measure).text}",
-        columns=[
-            Column("factor", align="text"),
-            *(Column(head, "%", "z.1f") for head in ("alone", "from", "to", "with others", "from", "to")),
-        ],
-        rows=[(one.name, one.first, *one.first_interval, one.total, *one.total_interval) for one in indices.factors],
-        note=f"Sobol's first-order and total indices with bounds of {100.0 * CONFIDENCE:.0f} % confidence (bootstrap) from "
-        f"{rows}{dropped}. A factor may be several quantities of one group. Indices lie between 0 and 100 %: one that is "
-        "estimated below or above them is so by chance. Those with others may add up to more than 100 %, because "
-        f"what factors do together counts for each of them.{few}",
-    )
+    """Tabulate Sobol's indices of each measure that was sampled for them."""
+    heads = ("alone", "from", "to", "with others", "from", "to")
+    columns = [Column("factor", align="text"), *(Column(head, "%", "z.1f") for head in heads)]
+    tables = []
+    for indices in summary.indices:
+        dropped = f"; {indices.dropped} more were dropped, because variants of them failed" if indices.dropped else ""
+        few = " So few base rows say nothing: take more." if indices.too_few else ""
+        tables.append(Table(
+            f"indices-{indices.measure}", f"Variance explained of: {measure_of(indices.measure).text}", columns,
+            [(row.name, row.first, *row.first_interval, row.total, *row.total_interval) for row in indices.factors],
+            note=f"Sobol's first-order and total indices with bounds of {100.0 * CONFIDENCE:.0f} % confidence (bootstrap) from "
+            f"{several(indices.rows, 'base row')}{dropped}. A factor may be several quantities of one group. Indices lie "
+            "between 0 and 100 %: one that is estimated below or above them is so by chance. Those with others may add up to "
+            f"more than 100 %, because what factors do together counts for each of them.{few}",
+        ))  # fmt: skip
+    return tables
 
 
 def effects_table(summary: StudySummary) -> Table | None:
@@ -251,13 +230,13 @@ def effects_table(summary: StudySummary) -> Table | None:
         return None
     significant = {True: Mark("yes", "strong"), False: Mark("no", "quiet")}
     return Table(
-        id="effects", title=f"Variance explained by each input alone of: {measure_of(summary.by).text}",
-        columns=[
-            Column("input", align="text"), Column("first-order index", "%", ".1f"), Column("significant", align="left"),
+        "effects", f"Variance explained by each input alone of: {measure_of(summary.by).text}",
+        [
+            Column("input", align="text"), Column("first-order index", "%", ".1f"), *left("significant"),
             Column("rank correlation", form="+.2f"),
         ],
-        rows=[
-            (one.name, max(one.index, 0.0), significant[one.certain], one.rank) for one in summary.effects[:_EFFECTS]
+        [
+            (row.name, max(row.index, 0.0), significant[row.certain], row.rank) for row in summary.effects[:_EFFECTS]
         ],
         shown=_FEW,
         note="Estimated from the variants as they are. Significant: an input without any effect would hardly reach such an "
@@ -268,19 +247,19 @@ def effects_table(summary: StudySummary) -> Table | None:
 
 
 def worst_table(summary: StudySummary) -> Table:
-    """Tabulate the variants with the largest values of the measure that is looked at most, with their strongest inputs."""
+    """Tabulate the variants with the largest values of the main measure."""
     names = [measure.name for measure in summary.measures]
     # Of accelerations those of bodies, of points or of both.
-    measures = [one for one in summary.measures if one.name != "acceleration" or ALL not in names]
+    measures = [measure for measure in summary.measures if measure.name != "acceleration" or ALL not in names]
     names = list(summary.ranked_inputs[: max(_COLUMNS - len(measures), 2)])
     return Table(
-        id="worst-variants", title=f"Worst variants by {measure_of(summary.by).heading}, with the inputs that matter most",
-        columns=[
-            Column("variant", align="left"),
+        "worst-variants", f"Worst variants by {measure_of(summary.by).heading}, with the inputs that matter most",
+        [
+            *left("variant"),
             *(replace(measure.column, heading=two_lines(measure.heading)) for measure in measures),
             *(Column(two_lines(summary.labels[name]), form=4) for name in names),
         ],
-        rows=[
+        [
             (
                 str(row["variant"]), *(row[measure.name] for measure in measures),
                 *(row[name] if isinstance(row[name], float) else str(row[name]) or "none" for name in names),
@@ -292,10 +271,69 @@ def worst_table(summary: StudySummary) -> Table:
 
 
 def two_lines(name: str) -> str:
-    """Break a heading that is long: "mount m16", "axial k1", "[factor]"; "combined", "travel"."""
+    """Break a long heading: "mount m16", "axial k1", "[factor]"; "combined", "travel"."""
     name, bracket, unit = name.partition(" [")
     words = name.split(" ")
     if len(name) > _LONG and len(words) > 1:
         half = len(words) // 2
         name = " ".join(words[:half]) + "\n" + " ".join(words[half:])
     return f"{name}\n[{unit}" if bracket else name
+
+
+def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary]) -> Content:
+    """Compose how often limits of each load case are exceeded; variant k is one system in all cases."""
+
+    def case_blocks(summary: StudySummary) -> list[Block]:
+        motion = summary.result.study.motions[0].description
+        return [Statement("motion", f"Base motion: {motion}."), measures_table(summary)]
+
+    first, studies = next(iter(cases.values())).result, cases.values()
+    sections = [
+        Section(
+            "answer", "", lambda: (block for case in studies for block in failed_blocks(case.result, "variant")), "headline"
+        ),
+        Section("cases", "Load cases", lambda: [_cases_table(cases)], "summary"),
+        Section("varied", "Varied quantities", lambda: [varied_table(first.study)]),
+    ]
+    for number, (title, summary) in enumerate(cases.items(), start=1):
+        sections.append(Section(f"case-{number}", title, partial(case_blocks, summary)))
+    facts = ("Load cases", str(len(cases))), ("Variants", f"{first.variants} of each")
+    verdict = _job_headline(cases)
+    return Content(title=name, facts=facts, question=(question,), verdict=verdict, sections=tuple(sections))
+
+
+def _job_headline(cases: Mapping[str, StudySummary]) -> Statement:
+    studies = list(cases.values())
+    most, sampled, (limits, missing) = any_exceeded(studies), studies[0].result.is_sampled, payload_scope(studies)
+    rest = not_counted(most)
+    if not most.judged:
+        return Statement("headline", f"Not judged{rest}", tone="unjudged")
+    values, of = {"beyond": float(most.count), "of": float(most.n)}, ""
+    if sampled:
+        values |= {"probability": most.ratio, "low": most.low, "high": most.high, "confidence": CONFIDENCE}
+        of = f" ({percent(most.ratio)}; {percent(most.low)} to {percent(most.high)} at {percent(CONFIDENCE)} confidence)"
+    if most.count:
+        worst_case = max(cases, key=lambda name: any_exceeded([cases[name]]).count)
+        text = f"A limit of a load case is exceeded in {most.count} of {most.n} variants{of}, most often in {worst_case}"
+        return Statement("headline", f"{text}{rest}{missing}", tone="exceeded", values=values)
+    text = f"Within the limits{limits} in {several(len(cases), 'load case')} and all {most.judged} variants{of}{rest}{missing}"
+    return Statement("headline", text, tone="unjudged" if rest or missing else "within", values=values)
+
+
+def _cases_table(cases: Mapping[str, StudySummary]) -> Table:
+    """Tabulate how often limits are exceeded in each case, and which of them most often; the last row is any case."""
+    rows: list[Row] = []
+    for name, summary in (*cases.items(), ("any of them", None)):
+        studies = list(cases.values()) if summary is None else [summary]
+        beyond, sampled = any_exceeded(studies), studies[0].result.is_sampled
+        counts = {} if summary is None else {text: int(mask.sum()) for text, mask in summary.beyond.items()}
+        most = max(counts, key=lambda text: counts[text], default="")
+        often = f"{most}, {counts[most]}" if counts and counts[most] else ""
+        tone = "exceeded" if beyond.count else "within" if beyond.judged == beyond.n else "unjudged"
+        bounds = f"{percent(beyond.low)} to {percent(beyond.high)}" if sampled and beyond.n else ""
+        rows.append([name, Mark(exceedance_text(beyond, beyond.ratio if sampled else None), tone), bounds, often])
+    columns = [
+        Column("load case", align="text"), *left("variants beyond a limit"),
+        Column(f"probability,\n{percent(CONFIDENCE)} confidence", align="left"), Column("most often beyond", align="text"),
+    ]  # fmt: skip
+    return Table("cases", "How often a limit is exceeded", columns, rows)

@@ -41,7 +41,7 @@ SLIGHT = 0.01  # Total index below which a factor is only named
 
 
 def statements(result: StudyResult) -> list[str]:
-    """Return a statement on every measure with a limit, and what must be known to read them."""
+    """State how every measure with a limit fares, and what must be known to read that."""
     # A mount that keeps its static load is not mentioned.
     overloaded = np.nanmax(values_of(result.table, "static_load"), initial=0.0) > 1.0
     measures = map(measure_of, [*headlines(result.table), *(["static_load"] if overloaded else [])])
@@ -54,18 +54,16 @@ def statements(result: StudyResult) -> list[str]:
     texts += specimen_messages(result.study.quantities)
     if result.study.sampling == OF_INDICES:
         every = (sobol_indices(result, name) for name in drawn_measures(result.table))
-        texts += [of_indices(one) for one in every if one.factors]
+        texts += [of_indices(indices) for indices in every if indices.factors]
     return texts
 
 
 def percent(probability: float) -> str:
-    """Return a probability in per cent, to two digits."""
     value = 100.0 * probability
     return f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{value:.1f} %" if value >= 0.095 else f"{value:.2g} %"
 
 
 def failures(failed: Mapping[int, str]) -> dict[str, list[int]]:
-    """Return the messages of the variants that failed with their numbers; of those that differ in numbers alone the first."""
     variants: dict[str, list[int]] = {}
     first: dict[str, str] = {}
     for number, message in failed.items():
@@ -74,7 +72,7 @@ def failures(failed: Mapping[int, str]) -> dict[str, list[int]]:
 
 
 def numbered(numbers: Sequence[int], noun: str = "variant") -> str:
-    """Return which variants there are, for a message: "variant 3", or "17 variants (3, 8, 9, ...)"."""
+    """List variants for a message: "variant 3", or "17 variants (3, 8, 9, ...)"."""
     if len(numbers) == 1:
         return f"{noun} {numbers[0]}"
     shown = ", ".join(map(str, numbers[:_NUMBERED])) + (", ..." if len(numbers) > _NUMBERED else "")
@@ -82,7 +80,6 @@ def numbered(numbers: Sequence[int], noun: str = "variant") -> str:
 
 
 def struck_statements(table: pa.Table) -> list[str]:
-    """Return in how many variants stops were struck; nothing of none, and of tables of older versions, which do not say it."""
     struck = struck_variants(table)
     if not struck:
         return []
@@ -93,7 +90,6 @@ def struck_statements(table: pa.Table) -> list[str]:
 
 
 def travel_statements(system: System) -> list[str]:
-    """Return what a run judges of travel beside each axis; nothing unless a mount is rated along several axes."""
     for mount in system.mounts.values():
         if len({RATINGS[rating][0] for rating in mount.isolator.limits.travel.stated}) > 1:
             return [
@@ -104,7 +100,7 @@ def travel_statements(system: System) -> list[str]:
 
 
 def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> str:
-    """Return in one sentence how often a limit is exceeded; bounds of the probability where variants are a sample."""
+    """State how often a limit is exceeded, with bounds where variants are a sample."""
     beyond = stated.exceedance(table)
     several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
     failed = not_counted(beyond)
@@ -119,7 +115,7 @@ def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> s
 
 
 def exceedance_text(exceedance: Exceedance, ratio: float | None) -> str:
-    """Return an exceedance for a cell: "88 of 325 (27 %), 17 failed"; without the ratio if it is None."""
+    """Write an exceedance for a cell: "88 of 325 (27 %), 17 failed"."""
     of = "" if ratio is None or math.isnan(ratio) else f" ({percent(ratio)})"
     failed = f", {exceedance.failed} failed" if exceedance.failed else ""
     failed += f", {exceedance.early} not judged" if exceedance.early else ""
@@ -127,7 +123,6 @@ def exceedance_text(exceedance: Exceedance, ratio: float | None) -> str:
 
 
 def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
-    """Return how often a measure is beyond its limit, and its largest value."""
     table, independent, inputs = result.table, result.independent, input_names(result.table)
     beyond, top = exceedance_of(independent, measure.name, limit), worst(independent, measure.name, 1)[0]
     values = values_of(independent, measure.name)
@@ -147,15 +142,13 @@ def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
 
 
 def not_counted(beyond: Exceedance) -> str:
-    """Return how many variants are not judged, and how many not counted; "" if all are."""
+    """Write how many variants are not judged or not counted; "" without any."""
     early = f"; {beyond.early} ended too early to be judged" if beyond.early else ""
     are = "is" if beyond.failed == 1 else "are"
     return early + (f"; {beyond.failed} more could not be simulated and {are} not counted" if beyond.failed else "")
 
 
 def early_statements(table: pa.Table) -> list[str]:
-    """Return how many variants' runs end before their peaks are over or while they grow; nothing of none."""
-
     def which(count: int) -> str:
         return "Every variant" if count == table.num_rows else f"{count} of {table.num_rows} variants"
 
@@ -168,13 +161,13 @@ def early_statements(table: pa.Table) -> list[str]:
 
 
 def of_indices(indices: SobolIndices) -> str:
-    """Return what the factors explain of a measure."""
+    """State what the factors explain of a measure."""
     measure = measure_of(indices.measure)
     begin = capital(measure.text if measure.limit is None else measure.heading)
     dropped = f" {indices.dropped} of {indices.rows + indices.dropped} base rows were dropped: variants of them failed."
     end = dropped if indices.dropped else ""
     if indices.too_few:
-        reach = max(one.reach for one in indices.factors)
+        reach = max(factor.reach for factor in indices.factors)
         return (
             f"{begin}: {indices.rows} base rows are too few to say what explains its variance (total indices are known to "
             f"within {100.0 * reach:.0f} % of it).{end}"
@@ -185,8 +178,8 @@ def of_indices(indices: SobolIndices) -> str:
         f"{first.name} explains {_index(first.first)} of its variance alone, {_index(first.total)} with what it does together "
         f"with others ({low:.0f} to {high:.0f} % at {percent(CONFIDENCE)} confidence)"
     ]
-    parts += [f"{one.name} {_index(one.first)} and {_index(one.total)}" for one in others if one.total >= SLIGHT]
-    slight = [one.name for one in others if one.total < SLIGHT]
+    parts += [f"{factor.name} {_index(factor.first)} and {_index(factor.total)}" for factor in others if factor.total >= SLIGHT]
+    slight = [factor.name for factor in others if factor.total < SLIGHT]
     if slight:
         parts.append(f"less than {percent(SLIGHT)}: {', '.join(slight)}")
     return f"{begin}: {'; '.join(parts)}.{end}"
@@ -197,7 +190,6 @@ def _index(index: float) -> str:
 
 
 def capital(text: str) -> str:
-    """Return a text or the name of a measure as it begins a sentence."""
     return f"{text[0].upper()}{text[1:].replace('_', ' ')}"
 
 
@@ -212,27 +204,21 @@ def exceeding_inputs(table: pa.Table, inputs: Sequence[str], values: Array, limi
     (name,) = inputs
     kind = table.schema.field(name).type
     if pa.types.is_floating(kind):
-        return _crossing(name, np.asarray(table[name], dtype=np.float64), values, limit)
+        known = np.isfinite(values)
+        order = np.argsort(np.asarray(table[name], dtype=np.float64)[known], kind="stable")
+        x, y = np.asarray(table[name], dtype=np.float64)[known][order], values[known][order]
+        first = int(np.argmax(y > limit))
+        if first == 0:
+            return f", already at {name} {x[0]:.4g}"
+        at = x[first - 1] + (limit - y[first - 1]) / (y[first] - y[first - 1]) * (x[first] - x[first - 1])
+        return f", first at {name} {at:.3g} (interpolated between {x[first - 1]:.4g} and {x[first]:.4g})"
     texts = [value_text(value) for value, is_beyond in zip(table[name].to_pylist(), beyond, strict=True) if is_beyond]
     rest = len(texts) - _CHOICES
     return f" ({name}: {', '.join(texts[:_CHOICES])}{f' and {rest} more' if rest > 0 else ''})"
 
 
 def inputs_text(row: Entries, inputs: Sequence[str]) -> str:
-    """Return the inputs of a variant; "" if there are more than two."""
+    """Write the inputs of a variant; "" if there are more than two."""
     if not 1 <= len(inputs) <= _INPUTS:
         return ""
     return f" ({', '.join(f'{name} {value_text(row[name])}' for name in inputs)})"
-
-
-def _crossing(name: str, x: Array, values: Array, limit: float) -> str:
-    known = np.isfinite(values)
-    x, values = x[known], values[known]
-    order = np.argsort(x, kind="stable")
-    x, values = x[order], values[order]
-    first = int(np.argmax(values > limit))
-    if first == 0:
-        return f", already at {name} {x[0]:.4g}"
-    fraction = (limit - values[first - 1]) / (values[first] - values[first - 1])
-    at = x[first - 1] + fraction * (x[first] - x[first - 1])
-    return f", first at {name} {at:.3g} (interpolated between {x[first - 1]:.4g} and {x[first]:.4g})"

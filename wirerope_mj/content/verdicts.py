@@ -12,60 +12,57 @@ from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_amplified
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed, shown, shown_unit
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
 
 TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
 NEAR = 0.9  # Utilisation from which it is set as a warning
 _ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 _COLUMNS = (
-    *(Column(heading, align="left") for heading in ("criterion", "verdict", "where")), Column("value"), Column("limit"),
-    Column("unit", align="left"), Column("used", "%", "z.0f"), Column("at", "s", "z.4f"),
+    *left("criterion", "verdict", "where"), Column("value"), Column("limit"),
+    *left("unit"), Column("used", "%", "z.0f"), Column("at", "s", "z.4f"),
 )  # fmt: skip
 _LONG = 20  # letters of a note that takes more than a line
 _WORST = 10  # verdicts that are shown beside those that fail; the others are folded away
 
 
 def headline(verdicts: Sequence[Verdict]) -> Statement:
-    """Return the answer in one sentence, in the tone of the worst that it says."""
+    """State the answer in one sentence, in the tone of the worst that it says."""
     worst, present = most_used(verdicts), {row.verdict for row in verdicts}
     text = verdicts_headline(verdicts)
     # A stop that was struck is a warning: what fails alone has the colour of failure.
-    said = ((EXCEEDED, "exceeded"), (STRUCK, "near"), (WITHIN, "within"))
-    tone = next((tone for verdict, tone in said if verdict in present), "unjudged")
+    tones = ((EXCEEDED, "exceeded"), (STRUCK, "near"), (WITHIN, "within"))
+    tone = next((tone for verdict, tone in tones if verdict in present), "unjudged")
     tone = "unjudged" if tone == "within" and not text.startswith(f"{PASS}:") else tone  # of a part alone it is no green
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0]}
     if worst is not None:
         values |= {"most_critical": worst.subject, "criterion": str(worst.criterion), "utilisation": worst.utilisation}
     if (amplified := most_amplified(verdicts)) is not None:
         values |= {"amplified": amplified[0], "amplification": amplified[1].ratio}
-    return Statement(id="headline", text=text, tone=tone, values=values)
+    return Statement("headline", text, tone=tone, values=values)
 
 
 def answer_blocks(run: RunResult) -> Iterator[Statement | None]:
-    """Yield the verdicts in a few sentences, and whose rule is exceeded where it is our own."""
     lines = [*verdict_lines(run.response, run.verdicts), *rule_lines(run.verdicts)]
-    yield Statement(id="verdicts", items=tuple(lines))
-    yield Statement(id="untested", text=run.untested, tone="unjudged") if run.untested else None
+    yield Statement("verdicts", items=tuple(lines))
+    yield Statement("untested", run.untested, tone="unjudged") if run.untested else None
 
 
 def most_critical(verdicts: Sequence[Verdict]) -> Statement | None:
-    """Return what uses most of its limit; None where nothing is judged."""
+    """State what uses most of its limit; None where nothing is judged."""
     most = most_used(verdicts)
     if most is None:
         return None
     when = "" if most.time is None else f", at {most.time:.4f} s"
-    return Statement(id="most-critical", text=f"Most critical: {against_limit(most)}{when}.", tone=TONE[most.verdict])
+    return Statement("most-critical", f"Most critical: {against_limit(most)}{when}.", tone=TONE[most.verdict])
 
 
 def grounds_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield the worst verdict of every criterion, and what is not judged with the reasons."""
     yield worst_table(run.verdicts)
     reasons = unjudged(run.verdicts)
-    yield Statement(id="not-judged", text="Not judged:", items=reasons, tone="unjudged") if reasons else None
+    yield Statement("not-judged", "Not judged:", items=reasons, tone="unjudged") if reasons else None
 
 
 def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
-    """Return a sentence for each criterion that is not judged, with the reason; subjects of the same reason together."""
     groups: dict[tuple[str, str], list[str]] = {}
     for row in verdicts:
         if row.verdict == NOT_JUDGED:
@@ -78,18 +75,17 @@ def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
 
 
 def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
-    """Return the worst verdict of every criterion; None without verdicts."""
-    # Where nothing is judged the largest value is the worst; an unknown one, NaN, is none.
+    """Tabulate the worst verdict of every criterion; None without verdicts."""
+    # Where nothing is judged the largest value is the worst.
     by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(_known(row).value) else row.value, reverse=True)
     first: dict[str, Verdict] = {}
     for row in ordered(by_size):
         first.setdefault(row.criterion, row)
-    rows = list(first.values())
-    if not rows:
+    if not first:
         return None
     return Table(
-        id="worst-of-criteria", title="The worst of every criterion", columns=(*_COLUMNS, Column("values", form="d")),
-        rows=[(*_cells(row), sum(other.criterion == row.criterion for other in verdicts)) for row in rows],
+        "worst-of-criteria", "The worst of every criterion", (*_COLUMNS, Column("values", form="d")),
+        [(*_cells(row), sum(other.criterion == row.criterion for other in verdicts)) for row in first.values()],
         note="Used: value over limit, above 100 % where it is exceeded. Values: how many the row is the worst of.",
     )  # fmt: skip
 
@@ -103,44 +99,39 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
         return None
     rows = ordered(verdicts)
     notes = [row.note for row in rows]
-    said = [
+    shortened = [
         "as above" if len(note) > _LONG and note == before else note for before, note in zip(["", *notes], notes, strict=False)
     ]
     return Table(
-        id="all-verdicts",
-        title="Every value against its limit: the largest utilisation first, what is not judged last",
-        columns=(*_COLUMNS, Column("note", align="text")),
-        rows=[(*_cells(row), note) for row, note in zip(rows, said, strict=True)],
+        "all-verdicts",
+        "Every value against its limit: the largest utilisation first, what is not judged last",
+        (*_COLUMNS, Column("note", align="text")),
+        [(*_cells(row), note) for row, note in zip(rows, shortened, strict=True)],
         shown=sum(row.verdict in (EXCEEDED, STRUCK) for row in rows) + _WORST,
     )
 
 
 def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    """Sort verdicts: what is exceeded or struck first, then the largest utilisation, those not judged last."""
     return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.utilisation or 0.0)))
 
 
 def acceleration_limits(verdicts: Sequence[Verdict]) -> dict[str, Verdict]:
-    """Return the most critical verdict on the acceleration of each body and point that has a limit, by its name."""
     judged = [row for row in verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
     return {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
 
 
 def used_mark(utilisation: float | None) -> Mark:
-    """Return a utilisation in the tone of what it means."""
     if utilisation is None:
         return Mark(None, "quiet")
     return Mark(utilisation, "exceeded" if utilisation > 1.0 else "near" if utilisation > NEAR else "")
 
 
 def _known(row: Verdict) -> Verdict:
-    """Return the verdict; without value and instant if it is a sum of shares of which none is rated, which says nothing."""
     nothing = row.criterion == COMBINED and row.limit is None and (row.value == 0.0 or math.isnan(row.value))
     return replace(row, value=math.nan, time=None) if nothing else row
 
 
 def _cells(row: Verdict) -> tuple[Cell, ...]:
-    """Return criterion, verdict, subject, value, limit, unit, utilisation and instant."""
     return (
         str(row.criterion), Mark(content=row.verdict, tone=TONE[row.verdict]), row.subject,
         shown(_known(row).value, row.unit), shown(row.limit, row.unit), shown_unit(row.unit), used_mark(row.utilisation),

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from wirerope_mj.foundation.arguments import one_of
@@ -53,16 +53,21 @@ class Column:
         return significant(shown, self.form) if isinstance(self.form, int) else format(shown, self.form)
 
 
-@dataclass(frozen=True, kw_only=True)
+def left(*headings: str) -> list[Column]:
+    """Make columns of names, which stand to the left on one line."""
+    return [Column(heading, align="left") for heading in headings]
+
+
+@dataclass(frozen=True)
 class Table:
     """Rows under headings; every row has as many cells as there are columns. Forces below 1 kN are displayed in N."""
 
-    title: str  # what it shows, above it
-    columns: Sequence[Column]
-    rows: Sequence[Row]
-    note: str = ""  # what must be known to read it, below it
     id: str = ""  # the same in every output; "" for a table that only one output has
-    shown: int | None = None  # rows that are shown at once, where others can be folded away; None for all
+    title: str = ""  # what it shows, above it
+    columns: Sequence[Column] = ()
+    rows: Sequence[Row] = ()
+    note: str = field(default="", kw_only=True)  # what must be known to read it, below it
+    shown: int | None = field(default=None, kw_only=True)  # rows at once, where others can be folded away; None for all
 
     def __post_init__(self) -> None:
         for row in self.rows:

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from wirerope_mj.content.blocks import Content
-from wirerope_mj.content.job_study import job_study_content
+from wirerope_mj.content.study import job_study_content
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries

@@ -90,7 +90,7 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
     RecordError if the folder is no run, or the file is there and must not be replaced; ValueError if the instant is no time
     within the run, or nothing has moved at it.
     """
-    from wirerope_mj.content.worst import scene_at, worst_instant
+    from wirerope_mj.content.scene_outline import scene_at, worst_instant
     from wirerope_mj.views.pictures import save_pictures
 
     check_writable(out, force=force)

@@ -39,12 +39,10 @@ LIGHT = Colours(
 
 
 def hexadecimal(colour: Color) -> str:
-    """Return a colour as pages and pictures take it, #rrggbb."""
     return f"#{bytes(colour).hex()}"
 
 
 def colour_of(selection: Selection, name: str) -> Color:
-    """Return the colour of a mount, a body or a point: grey if it is not among those that are named."""
     if selection.run_color is not None:
         return selection.run_color
     return DARK.series[selection.numbers[name]] if name in selection.numbers else DARK.others
@@ -55,14 +53,13 @@ _LEVELS = 6  # colours in the key of a field
 
 
 def field_colours(field: Field) -> list[list[str]]:
-    """Return the colours of a field's cells, "" where there is no value: blue, the deeper the larger; red beyond the limit."""
+    """Colour a field's cells, "" without a value: blue, the deeper the larger; red beyond the limit."""
     finite = field.values[np.isfinite(field.values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     return [[_shade(value, low, high, field.limit) for value in row] for row in field.values.tolist()]
 
 
 def field_key(field: Field) -> list[tuple[str, str]]:
-    """Return colours of a field with the values that they stand for, the least first."""
     finite = field.values[np.isfinite(field.values)]
     if not finite.size:
         return []

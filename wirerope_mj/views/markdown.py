@@ -11,7 +11,6 @@ _BOLD = ("exceeded", "strong")
 
 
 def markdown_blocks(blocks: Iterable[Block | None]) -> str:
-    """Write statements and tables below each other; charts and scenes have views of their own."""
     parts = []
     for block in blocks:
         if isinstance(block, Statement):
@@ -22,7 +21,6 @@ def markdown_blocks(blocks: Iterable[Block | None]) -> str:
 
 
 def markdown_statement(statement: Statement) -> str:
-    """Write a sentence and the list below it."""
     items = "\n".join(f"- {markdown(item)}" for item in statement.items)
     return "\n\n".join(filter(None, (_toned(markdown(statement.text), statement.tone), items)))
 

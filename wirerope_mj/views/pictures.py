@@ -5,7 +5,7 @@ those of this machine's fonts that these lack.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from textwrap import wrap
 
@@ -41,7 +41,12 @@ def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
         if kind == ".svg":
             temporary.write_text(picture, encoding="utf-8")
         elif kind == ".png":
-            temporary.write_bytes(_png(picture))
+            from resvg_py import svg_to_bytes
+
+            temporary.write_bytes(svg_to_bytes(
+                svg_string=picture, background="#fff", zoom=_ZOOM, skip_system_fonts=True, font_family=FAMILY,
+                font_files=fonts_for(text_of(picture)), sans_serif_family=FAMILY,
+            ))  # fmt: skip
         else:
             from wirerope_mj.views.report.pdf import write_pdf
 
@@ -49,47 +54,33 @@ def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
 
 
 def _picture(blocks: Sequence[Chart | SceneView], title: str) -> tuple[str, float]:
-    """Return all drawings as one, and its height."""
+    """Draw all drawings as one, narrow ones beside each other; return it and its height."""
     lines = wrap(title, _TITLE)
-    parts = [_text(0.5 * WIDTH, _LINE * (n + 1), one, 'font-size="14" font-weight="bold"') for n, one in enumerate(lines)]
+    parts = [_text(_LINE * (n + 1), line, 'font-size="14" font-weight="bold"') for n, line in enumerate(lines)]
     y = _LINE * len(lines) + _EDGE if lines else 0.0
     for block in blocks:
         if isinstance(block, SceneView):
             for line in wrap(block.caption, _NOTE):
                 y += _LINE
-                parts.append(_text(0.5 * WIDTH, y - 5.0, line, 'font-size="11"'))
-        for drawing, x, top, below in _placed(block, y):
-            parts.append(drawing.replace("<svg ", f'<svg x="{x:.1f}" y="{top:.1f}" ', 1))
-            y = max(y, below)
+                parts.append(_text(y - 5.0, line, 'font-size="11"'))
+            drawings, scale = scene_svg.scene_svgs(block), WIDTH / scene_svg.WIDTH
+        else:
+            drawings, scale = [chart_svg(block)], 1.0
+        left, top = 0.0, y
+        for drawing in drawings:
+            box = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawing)
+            assert box is not None
+            width, height = scale * float(box[1]), scale * float(box[2])
+            if left + width > WIDTH + 1.0:
+                left, top = 0.0, y
+            y = max(y, top + height)
+            place = f'x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{height:.1f}"'
+            parts.append(drawing.replace("<svg ", f"<svg {place} ", 1))
+            left += width
     y += _EDGE
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {y:g}" width="{WIDTH:g}" height="{y:g}"'
     return f'{head} font-family="Helvetica, Arial, sans-serif"><style>{_STYLE}</style>{"".join(parts)}</svg>', y
 
 
-def _placed(block: Chart | SceneView, top: float) -> Iterator[tuple[str, float, float, float]]:
-    """Yield the drawings of a block with where they stand: left, top and bottom; narrow ones beside each other."""
-    chart = isinstance(block, Chart)
-    scale = 1.0 if chart else WIDTH / scene_svg.WIDTH
-    left = below = 0.0
-    for drawing in [chart_svg(block)] if isinstance(block, Chart) else scene_svg.scene_svgs(block):
-        found = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawing)
-        assert found is not None
-        width, height = scale * float(found[1]), scale * float(found[2])
-        if left + width > WIDTH + 1.0:
-            left, top = 0.0, below
-        below = max(below, top + height)
-        yield drawing.replace("<svg ", f'<svg width="{width:.1f}" height="{height:.1f}" ', 1), left, top, below
-        left += width
-
-
-def _text(x: float, y: float, text: str, look: str) -> str:
-    return f'<text x="{x:g}" y="{y:g}" text-anchor="middle" fill="#1c2430" {look}>{safe_text(text)}</text>'
-
-
-def _png(picture: str) -> bytes:
-    from resvg_py import svg_to_bytes
-
-    return svg_to_bytes(
-        svg_string=picture, background="#fff", zoom=_ZOOM, skip_system_fonts=True, font_files=fonts_for(text_of(picture)),
-        font_family=FAMILY, sans_serif_family=FAMILY,
-    )  # fmt: skip
+def _text(y: float, text: str, look: str) -> str:
+    return f'<text x="{0.5 * WIDTH:g}" y="{y:g}" text-anchor="middle" fill="#1c2430" {look}>{safe_text(text)}</text>'

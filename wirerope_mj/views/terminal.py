@@ -27,22 +27,19 @@ class _Screen(Console):
     """A console on which control characters, markup and emoji codes in texts are made harmless."""
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Return text for the screen, its invisible characters spelled out; all that is printed passes here."""
         return super().render_str(plain_lines(text), **options)
 
     def on_broken_pipe(self) -> None:
-        """Let the command end as at any other broken pipe: a reader that has seen enough is no error."""
         raise BrokenPipeError
 
 
 def console() -> Console:
-    """Return the console for tables: as wide as the terminal, or as `WIDTH`."""
+    """Make the console for tables: as wide as the terminal, or as `WIDTH`."""
     screen = _Screen(highlight=False, emoji=False)
     return screen if screen.is_terminal else _Screen(highlight=False, emoji=False, width=WIDTH)
 
 
 def show(content: Content, *sections: str) -> None:
-    """Print sections of a result by their ids, or its title and all; those without blocks are left out."""
     if not sections:
         console().print(Text(plain_lines(content.title), style="bold"), soft_wrap=True)
     for section in content.sections:
@@ -70,36 +67,35 @@ def _(block: Table) -> None:
 
 
 def print_headline(statement: Statement) -> None:
-    """Print the conclusion of a result, set apart from what stands above it."""
     print()
     print_lines([Text(plain_lines(statement.text), style=f"bold {_STYLES.get(statement.tone, '')}".strip())])
 
 
 def print_title(title: str) -> None:
-    """Print what a result is of, set apart from what stands above it."""
     print()
     print_lines([Text(plain_lines(title), style="bold")], indent="")
 
 
 def show_answer(content: Content, *sections: str, last: str = "answer") -> None:
-    """Print sections of a result, its conclusion, and the section that says more of that."""
     show(content, *sections)
     print_headline(content.verdict)
     show(content, last)
 
 
 def print_table(table: Table) -> None:
-    """Print a table with its title and note; columns for which a line is too short stand below, the first beside them again."""
+    """Print a table; columns for which a line is too short stand below, the first beside them again."""
     screen = console()
     if table.title:
         print_lines([Text(plain_lines(table.title), style="bold")], indent="")
     rows = table.marks()[: table.shown]
     left = [*range(1, len(table.columns))]
     while True:
-        count = len(left)
-        while count > 1 and _least_width(screen, _columns(screen, table, rows, [0, *left[:count]])) > screen.width:
+        count, unbounded = len(left), screen.options.update_width(_UNBOUNDED)
+        shown = _columns(screen, table, rows, [0, *left])
+        while count > 1 and Measurement.get(screen, unbounded, shown).minimum > screen.width:  # of what cuts no word
             count -= 1
-        screen.print(_columns(screen, table, rows, [0, *left[:count]]))
+            shown = _columns(screen, table, rows, [0, *left[:count]])
+        screen.print(shown)
         left = left[count:]
         if not left:
             break
@@ -111,7 +107,6 @@ def print_table(table: Table) -> None:
 
 
 def _columns(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str, str]]], chosen: Sequence[int]) -> RichTable:
-    """Make some columns of a table; in a narrow terminal they move together."""
     shown = RichTable(box=box.SIMPLE_HEAD, show_edge=False)
     shown.padding = (0, 1, 0, 0) if screen.width >= _ROOMY else 0
     for index in chosen:
@@ -128,13 +123,7 @@ def _columns(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str, s
     return shown
 
 
-def _least_width(screen: Console, shown: RichTable) -> int:
-    """Return the width of a table none of whose words is cut [characters]."""
-    return Measurement.get(screen, screen.options.update_width(_UNBOUNDED), shown).minimum
-
-
 def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:
-    """Print lines, which break between words on a terminal; elsewhere they stay as they are, however long they are."""
     screen = console()
     for line in lines:
         text = line if isinstance(line, Text) else Text(plain_lines(line))
@@ -145,7 +134,6 @@ def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:
 
 
 def print_warnings(warnings: Iterable[str]) -> None:
-    """Print what a model says that is perhaps not meant, before anything that rests on it."""
     print_lines([Text(f"warning: {plain_lines(warning)}", style="yellow") for warning in warnings], indent="")
 
 

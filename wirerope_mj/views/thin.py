@@ -6,10 +6,10 @@ import numpy.typing as npt
 from wirerope_mj.foundation.arrays import Array, Booleans
 
 Rows = npt.NDArray[np.intp]
-# Rows of a drawn series; a plot is a few thousand pixels wide, and the viewer slows down far above this.
+# of a drawn series: a plot is a few thousand pixels wide, and the viewer slows down above this
 MOST_ROWS = 20_000
-_LONGEST = 128  # Longest interval of rows that is replaced by its ends; it bounds the passes over the data
-# Rows that are looked at together: it bounds the memory, and is a multiple of the longest intervals.
+_LONGEST = 128  # longest interval of rows that is replaced by its ends
+# rows at once: it bounds the memory, and is a multiple of the longest intervals
 _PART = 128 * _LONGEST
 
 
@@ -18,7 +18,7 @@ _INTERVALS = 400  # Of an envelope, each a few points of a plot wide
 
 
 def is_dense(time: Array, values: Array, tolerance: Array | float) -> bool:
-    """Return whether series (n_t, k) oscillate too often for lines."""
+    """Check whether series (n_t, k) oscillate too often for lines."""
     return time.size > DENSE and rows_of_line(time, values, tolerance, limit=time.size).size > DENSE
 
 
@@ -32,13 +32,13 @@ def rows_of_line(time: Array, values: Array, tolerance: Array | float, *, limit:
 
 
 def rows_of_steps(time: Array, values: Array, tolerance: Array | float, *, limit: int = MOST_ROWS) -> Rows:
-    """Return the rows of a staircase (each value holds until the next row) that stays within `tolerance`."""
+    """Find the rows of a staircase (each value holds until the next row) within `tolerance`."""
     rows = _needed(time, values, tolerance, hold=True)
     return rows[rows_of_extremes(values[rows], limit)]
 
 
 def rows_of_extremes(values: Array, limit: int) -> Rows:
-    """Return at most about `limit` rows: first, last, and where each series is lowest and highest in each interval."""
+    """Keep about `limit` rows: first, last, lowest and highest of each series in each interval."""
     n, k = values.shape
     if n <= limit:
         return np.arange(n)
@@ -52,7 +52,6 @@ def rows_of_extremes(values: Array, limit: int) -> Rows:
 
 
 def _needed(time: Array, values: Array, tolerance: Array | float, *, hold: bool) -> Rows:
-    """Return the rows that remain when intervals of 2, 4, 8... rows are replaced by their ends where these suffice."""
     keep = np.ones(time.size, dtype=bool)
     for first in range(0, time.size, _PART):
         part = slice(first, first + _PART + 1)  # with the first row of the next part, where the last interval ends

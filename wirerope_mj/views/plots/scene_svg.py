@@ -42,38 +42,35 @@ Place = Callable[[Array], Array]
 
 
 def scene_svgs(view: SceneView) -> list[str]:
-    """Return a scene as SVG elements: plan, elevation and key, or plan and elevation at its instant."""
-    return _modelled(view.scene, view.absent) if view.moved is None else _at_instant(view, view.moved)
-
-
-def _modelled(scene: Scene, absent: tuple[str, ...] | None) -> list[str]:
-    """Draw plan, elevation and key of the modelled geometry, mounts with their labels, or beside crossed empty places."""
+    """Draw plan, elevation and key of a modelled geometry, or plan and elevation at an instant over it, pale."""
+    scene, moved, whole = view.scene, view.moved, view.moved is None and view.absent is None
     drawn, parts = drawn_scene(scene), []
-    width, tallest = (WIDTH, _TALLEST) if absent is None else (WIDTH / 2.0, _TALLEST_HALF)
-    for view in drawn.views:
-        place, size = _frame(drawn, view, width, tallest)
-        shown = [*_shapes(outlines(drawn, view), place), *_mounts(scene, view, place, absent or ())]
-        shown += _labels(scene, view, place) if absent is None else ()
-        parts.append(_svg(scene, view, size, place, width, shown))
-    return [*parts, _key(scene)] if scene.mounts else parts
-
-
-def _at_instant(block: SceneView, moved: Scene) -> list[str]:
-    """Draw plan and elevation of a scene at an instant, over the pale modelled geometry."""
-    before, after, parts = drawn_scene(block.scene), drawn_scene(moved), []
-    for view in before.views:
-        place, size = _frame(before, view, WIDTH / 2.0, _TALLEST_HALF)
-        shown = [*_shapes(outlines(before, view), place, pale=True), *_shapes(outlines(after, view), place)]
-        shown += _stretched(moved, view, place)
-        if block.ring is not None:
-            name, position = block.ring
-            shown.append(_ring(name, place(view.seen(position)), _RATED if block.exceeded else _INK))
-        parts.append(_svg(block.scene, view, size, place, WIDTH / 2.0, shown))
-    return parts
+    after = None if moved is None else drawn_scene(moved)
+    width, tallest = (WIDTH, _TALLEST) if whole else (WIDTH / 2.0, _TALLEST_HALF)
+    for side in drawn.views:
+        place, size = _frame(drawn, side, width, tallest)
+        shown = [*_shapes(outlines(drawn, side), place, pale=moved is not None)]
+        if moved is None or after is None:
+            shown += _mounts(scene, side, place, view.absent or ())
+            shown += _labels(scene, side, place) if whole else ()
+        else:
+            shown += [*_shapes(outlines(after, side), place), *_stretched(moved, side, place)]
+            if view.ring is not None:
+                (x, y), colour = place(side.seen(view.ring[1])).tolist(), _RATED if view.exceeded else _INK
+                aside, anchor = (8.0, "start") if x < WIDTH / 4.0 - _LEFT else (-8.0, "end")
+                circle = f'cx="{x:.1f}" cy="{y:.1f}" r="6" fill="none" stroke="{colour}" stroke-width="1.6"'
+                text = f'x="{x + aside:.1f}" y="{y - 7:.1f}" text-anchor="{anchor}" fill="{colour}" font-weight="bold"'
+                name = safe_text(short(view.ring[0]))
+                shown.append(f'<circle class="{"over" if view.exceeded else "ring"}" {circle}/>')
+                shown.append(f'<text class="name" {text}>{name}</text>')
+        shift = _LEFT + 0.5 * (width - _LEFT - _RIGHT - size[0])
+        head = _opening(width, size[1] + _TOP + _BOTTOM, f"{scene.name} {side.title}", int(WIDTH / width))
+        content = "".join([*_axes(side, size, place), *shown])
+        parts.append(f'{head}<g transform="translate({shift:.1f} {_TOP:g})">{content}</g></svg>')
+    return [*parts, _key(scene)] if moved is None and scene.mounts else parts
 
 
 def _opening(width: float, height: float, what: str, columns: int) -> str:
-    """Return the opening tag of a drawing; `what` it shows is for who cannot see it."""
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="scene in{columns}" viewBox="0 0 {width:g} {height:.1f}" role="img" '
         f'aria-label="{safe_text(what)}" font-family="Helvetica, Arial, sans-serif" font-size="9" fill="{_INK}">'
@@ -81,7 +78,7 @@ def _opening(width: float, height: float, what: str, columns: int) -> str:
 
 
 def _frame(drawn: DrawnScene, view: View, width: float, tallest: float) -> tuple[Place, tuple[float, float]]:
-    """Return where points of a view [m] stand in a drawing with equal scales, (.., 2) both, and the size of its axes."""
+    """Map points of a view [m], (.., 2), into a drawing of equal scales; find the size of its axes."""
     low, high = (view.seen(end) for end in (drawn.low, drawn.high))
     room = _ROOM * max(float((high - low).max()), 1e-3)
     low, high = low - room, high + room
@@ -96,16 +93,7 @@ def _frame(drawn: DrawnScene, view: View, width: float, tallest: float) -> tuple
     return place, (float(size[0]), float(size[1]))
 
 
-def _svg(scene: Scene, view: View, size: tuple[float, float], place: Place, width: float, parts: Sequence[str]) -> str:
-    shift = _LEFT + 0.5 * (width - _LEFT - _RIGHT - size[0])
-    what = f"{scene.name} {view.title}"
-    head = _opening(width, size[1] + _TOP + _BOTTOM, what, int(WIDTH / width))
-    axes = "".join(_axes(view, size, place))
-    return f'{head}<g transform="translate({shift:.1f} {_TOP:g})">{axes}{"".join(parts)}</g></svg>'
-
-
 def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
-    """Yield the frame of a view with its numbers and names."""
     zero, one = place(np.zeros(2)), place(np.ones(2))
     scale = float(one[0] - zero[0])
     across = linear_ticks(-zero[0] / scale, (size[0] - zero[0]) / scale, most=min(8, max(2, int(size[0] / 28.0))))
@@ -126,18 +114,17 @@ def _shapes(drawn: Sequence[Outline], place: Place, *, pale: bool = False) -> It
     """Yield outlines as polygons in their order; pale ones without fill."""
     stroke = 'fill="none" stroke="#b9c0c8" stroke-dasharray="3 2"' if pale else 'stroke="#8b8f94"'
     yield f'<g {stroke} stroke-width="0.5">'
-    for one in drawn:
-        corners = np.rint(_STEPS * place(one.corners)) / _STEPS
+    for outline in drawn:
+        corners = np.rint(_STEPS * place(outline.corners)) / _STEPS
         points = " ".join(f"{x:g},{y:g}" for x, y in corners.tolist())
-        colour = "".join(f"{round(255 * part):02x}" for part in one.colour[:3])
-        fill = "" if pale else f' fill="#{colour}" fill-opacity="{one.colour[3]:.3g}"'
-        edge = f' stroke="{_COLOURS[3]}" stroke-width="1.6"' if one.flexible and not pale else ""
+        colour = "".join(f"{round(255 * part):02x}" for part in outline.colour[:3])
+        fill = "" if pale else f' fill="#{colour}" fill-opacity="{outline.colour[3]:.3g}"'
+        edge = f' stroke="{_COLOURS[3]}" stroke-width="1.6"' if outline.flexible and not pale else ""
         yield f'<polygon points="{points}"{fill}{edge}/>'
     yield "</g>"
 
 
 def _mounts(scene: Scene, view: View, place: Place, absent: Sequence[str]) -> Iterator[str]:
-    """Yield a mark for every mount, another for each isolator, and a cross where it is not fitted."""
     for number, device in enumerate(_devices(scene)):
         for mount in scene.mounts:
             if mount.isolator == device:
@@ -161,17 +148,16 @@ def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:
         width = _LETTER * _NAME * len(text)
         corners = [(left, base) for base in (y - 4.0, y + 4.0 + _NAME) for left in (x + 4.0, x - 4.0 - width)]
         boxes = [(left, base - _NAME, left + width, base) for left, base in corners]
-        best = min(boxes, key=lambda box: sum(_overlap(box, other) for other in taken))
+        covered = []
+        for box in boxes:
+            shared = (np.minimum(box[2:], before[2:]) - np.maximum(box[:2], before[:2]) for before in taken)
+            covered.append(sum(float(np.maximum(size, 0.0).prod()) for size in shared))
+        best = boxes[covered.index(min(covered))]
         taken.append(best)
         yield f'<text class="name" x="{best[0]:.1f}" y="{best[3]:.1f}" font-size="{_NAME}">{safe_text(text)}</text>'
 
 
-def _overlap(box: tuple[float, float, float, float], other: tuple[float, float, float, float]) -> float:
-    return max(min(box[2], other[2]) - max(box[0], other[0]), 0.0) * max(min(box[3], other[3]) - max(box[1], other[1]), 0.0)
-
-
 def _stretched(scene: Scene, view: View, place: Place) -> Iterator[str]:
-    """Yield the mounts as lines from the base's site to the payload's."""
     bodies = {body.name: body for body in scene.bodies}
     for mount in scene.mounts:
         payload = bodies[mount.payload_body]
@@ -181,19 +167,7 @@ def _stretched(scene: Scene, view: View, place: Place) -> Iterator[str]:
         yield f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="1.6" fill="{_COLOURS[0]}"/>'
 
 
-def _ring(name: str, at: Array, colour: str) -> str:
-    x, y = at.tolist()
-    side, anchor = (8.0, "start") if x < WIDTH / 4.0 - _LEFT else (-8.0, "end")
-    text = f'<text class="name" x="{x + side:.1f}" y="{y - 7:.1f}" text-anchor="{anchor}" fill="{colour}" font-weight="bold">'
-    kind = "over" if colour == _RATED else "ring"
-    return (
-        f'<circle class="{kind}" cx="{x:.1f}" cy="{y:.1f}" r="6" fill="none" stroke="{colour}" stroke-width="1.6"/>'
-        f"{text}{safe_text(short(name))}</text>"
-    )
-
-
 def _key(scene: Scene) -> str:
-    """Return the marks of the isolators with their names."""
     parts = []
     devices, columns = _devices(scene), 3
     for number, device in enumerate(devices):

@@ -4,7 +4,7 @@ Written here and not by a library: matplotlib draws letters as outlines and take
 charts in a browser comes as a script of megabytes, which a PDF does not run.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from html import escape
 from math import isfinite, log10
 
@@ -31,7 +31,7 @@ _ROOM = 0.05  # of the range, left free above and below
 
 
 def chart_svg(chart: Chart) -> str:
-    """Return a chart as an <svg> element; the curves' names stand above, each once."""
+    """Draw a chart as an <svg> element, each curve named once above it."""
     legend, top = _legend([panel for row in chart.rows for panel in row])
     names = [text for row in chart.rows for _, text in row[0].yticks]  # of bars, on the left of the panels
     parts, y, room = [legend], top, max(LEFT, _LETTER * max(map(len, names), default=0) + 28.0)
@@ -51,7 +51,6 @@ def chart_svg(chart: Chart) -> str:
 
 
 def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
-    """Return the names of all curves and limits above the chart, and the height that they take."""
     entries: dict[str, tuple[str, str]] = {}
     for panel in panels:
         for curve in panel.curves:
@@ -73,12 +72,19 @@ def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
 
 
 def _panel(panel: Panel, left: float, top: float, width: float, height: float, away: float, *, labelled: bool) -> str:
-    """Return the frame, the ticks and the curves of a panel at a place."""
     (x0, x1), (y0, y1) = _ranges(panel)
     logs = "x" in panel.log, "y" in panel.log
     across = _Scale(x0, x1, left, left + width, logs[0])
     upward = _Scale(y0, y1, top + height, top, logs[1])
-    parts = [*_bands(panel, across, top, height), _grid(across, upward, panel, labelled=labelled)]
+    parts = []
+    for number, (name, low, high) in enumerate(panel.bands):  # names stand below those of the bands that they overlap
+        start, end = across(max(low, x0)), across(min(high, x1))
+        if start <= end:
+            over = sum(before[1] <= high and low <= before[2] for before in panel.bands[:number])
+            rect = f'x="{start:.1f}" y="{top:.1f}" width="{max(end - start, 1.0):.1f}" height="{height:.1f}"'
+            parts.append(f'<rect fill="#888" fill-opacity="0.18" {rect}/>')
+            parts.append(_text(0.5 * (start + end), top + 12.0 * (1 + over), name, anchor="middle"))
+    parts.append(_grid(across, upward, panel, labelled=labelled))
     drawn, filled = [], ""
     if panel.field:
         parts.insert(0, _cells(panel.field, across, upward))
@@ -89,7 +95,9 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
         paths = _paths(curve, across, upward)
         drawn += [f'<path {_look(curve)} data-name="{safe_text(curve.name)}" d="{d}"/>' for d in paths]
         if len(paths) > 1:
-            drawn.append(f'<path fill="{hexadecimal(_color(curve))}" fill-opacity="0.3" d="{_between(*paths)}"/>')
+            numbers = paths[1][1:].split(" ")
+            back = " ".join(f"{a} {b}" for a, b in zip(numbers[-2::-2], numbers[::-2], strict=True))
+            drawn.append(f'<path fill="{hexadecimal(_color(curve))}" fill-opacity="0.3" d="{paths[0]}L{back}Z"/>')
             filled = _text(left + width, top - 3.0, "filled: lowest to highest", anchor="end")
     parts += reversed(drawn)  # the first in front
     parts.append(filled)
@@ -117,17 +125,6 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
     return f'<g class="panel" {data}>{"".join(parts)}</g>'
 
 
-def _bands(panel: Panel, across: "_Scale", top: float, height: float) -> Iterator[str]:
-    """Yield shaded ranges across with their names at the upper end, each below those that it overlaps."""
-    for number, (name, low, high) in enumerate(panel.bands):
-        left, right = across(max(low, across.low)), across(min(high, across.high))
-        if left <= right:
-            over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
-            rect = f'x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 1.0):.1f}" height="{height:.1f}"'
-            yield f'<rect fill="#888" fill-opacity="0.18" {rect}/>'
-            yield _text(0.5 * (left + right), top + 12.0 * (1 + over), name, anchor="middle")
-
-
 class _Scale:
     """Places of values along an axis."""
 
@@ -138,11 +135,10 @@ class _Scale:
         self._first = first
 
     def __call__(self, value: float) -> float:
-        """Return the place of one value."""
+        """Place one value."""
         return self._first + ((log10(value) if self.log else value) - self._from) * self._scale
 
     def of(self, values: Array) -> Array:
-        """Return the places of many; of a logarithmic axis those below its end at its end."""
         bounded = np.log10(np.maximum(values, self.low)) if self.log else values
         return np.asarray(self._first + (bounded - self._from) * self._scale)
 
@@ -183,19 +179,16 @@ def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> st
 
 
 def _lines(frame: tuple[float, float, float, float], xs: Sequence[float], ys: Sequence[float]) -> str:
-    """Return lines across a frame (left, right, bottom, top) as a path."""
     left, right, bottom, top = frame
     return "".join([*(f"M{x:.1f} {bottom:.1f}V{top:.1f}" for x in xs), *(f"M{left:.1f} {y:.1f}H{right:.1f}" for y in ys)])
 
 
 def _fine_lines(scale: _Scale) -> list[float]:
-    """Place lines at 2, 3, .. 9 of each decade of a logarithmic scale that has room for them."""
     decade = abs(scale(scale.high) - scale(scale.low)) / log10(scale.high / scale.low) if scale.log else 0.0
     return scale.of(log_lines(scale.low, scale.high)).tolist() if decade > _DECADE else []
 
 
 def _cells(field: Field, across: _Scale, upward: _Scale) -> str:
-    """Return the cells of a field as rectangles."""
     xs, ys, parts = across.of(field.x), upward.of(field.y), []
     for row, colours in enumerate(field_colours(field)):
         for column, colour in enumerate(colours):
@@ -206,7 +199,6 @@ def _cells(field: Field, across: _Scale, upward: _Scale) -> str:
 
 
 def _bars(curve: Curve, across: _Scale, upward: _Scale) -> str:
-    """Return bars from zero as thick lines, with the intervals across their ends."""
     zero, ys = across(max(across.low, 0.0)), upward.of(curve.y)
     d = "".join(f"M{zero:.1f} {y:.1f}H{x:.1f}" for x, y in zip(across.of(curve.x), ys, strict=True))
     bars = f'<path {_look(curve, abs(upward(curve.bars) - upward(0.0)))} d="{d}"/>'
@@ -223,7 +215,7 @@ def _ticks(scale: _Scale, *, most: int) -> list[tuple[float, str]]:
 
 
 def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
-    """Return a curve as a path, or as the upper and the lower end of the band that it fills where it oscillates too often."""
+    """Draw a curve as a path, or as both ends of the band that it fills where it oscillates too often."""
     keep = (curve.x >= across.low) & (curve.x <= across.high) if (np.diff(curve.x) >= 0.0).all() else slice(None)
     x, y = curve.x[keep], curve.y[keep]
     if curve.marks:
@@ -250,15 +242,7 @@ def _path(x: Array, y: Array) -> str:
     return "M" + " ".join(f"{a:g} {b:g}" for a, b in _points(x, y))
 
 
-def _between(high: str, low: str) -> str:
-    """Return the path about the band between two paths that `_path` made."""
-    numbers = low[1:].split(" ")
-    back = " ".join(f"{a} {b}" for a, b in zip(numbers[-2::-2], numbers[::-2], strict=True))
-    return f"{high}L{back}Z"
-
-
 def _points(x: Array, y: Array) -> list[list[float]]:
-    """Return positions to a tenth of a unit, which is less than a page shows."""
     return (np.round(np.column_stack([x, y]), 1) + 0.0).tolist()
 
 
@@ -273,7 +257,6 @@ def _color(curve: Curve) -> Color:
 
 
 def _look(curve: Curve, bar: float = 0.0) -> str:
-    """Return class and colour of a curve: a page's style may change the colour, a PDF takes it as it is."""
     kind, color = curve.kind, _color(curve)
     name = str(kind) if isinstance(kind, str) else f"c{kind}"
     width = round(bar, 1) or curve.weight * (_MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5)
@@ -294,11 +277,9 @@ def _text(
 
 
 def safe_text(text: str) -> str:
-    """Return text that someone wrote as it may stand in an element or an attribute."""
     return escape(plain_lines(text), quote=True)
 
 
 def number_text(value: float) -> str:
-    """Return the number at a tick."""
     assert isfinite(value)
     return f"{value + 0.0:.6g}".replace("-", "\N{MINUS SIGN}")

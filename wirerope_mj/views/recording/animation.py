@@ -14,7 +14,7 @@ from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.directions import unit_vector
 from wirerope_mj.views.recording.paths import TIMELINE, Columns, Stream, nanoseconds
 
-MOST_POINTS = 60  # Motions of a branch that are recorded: a step of one is small, and the file stays small too
+MOST_POINTS = 60  # motions of a branch that are recorded: small steps, a small file
 ROWS = 36  # Rows of a period of the base: ten degrees each
 
 
@@ -49,11 +49,10 @@ class Animation:
 
     strip: Strip
     starts: Array  # instant at which each begins [s], (n,)
-    response: Response  # all of them, one after the other; its peaks are those of the motion with the largest amplitude
+    response: Response  # all in succession; its peaks are those of the largest amplitude
 
 
 def strips_of(findings: list[LevelSummary]) -> list[Strip]:
-    """Return the motions that are shown of every level with a branch."""
     strips = []
     for number, summary in enumerate(findings):
         branch, curve = summary.level.branch, summary.curve
@@ -88,18 +87,17 @@ def animation_of(strip: Strip) -> Animation:
 
 
 def with_values(like: Response, values: Array) -> Response:
-    """Return a response of other samples, (n_t, n_columns), with the same columns, scene and peaks."""
+    """Give a response other samples, (n_t, n_columns), with the same columns, scene and peaks."""
     samples = MemorySamples(names=like.samples.names, values=values)
     return replace(like, time=values[:, 0].copy(), **like.plan.parts(samples), events=(), samples=samples)
 
 
-# Timelines over the branch: the number of the motion, and its frequency in integer millihertz, as rerun has no other numbers
-# for a timeline. Where a branch folds, the point tells its motions apart.
+# Timelines over the branch: the number of the motion, and its frequency in integer millihertz, as rerun takes integers alone.
+# Where a branch folds, the point tells its motions apart.
 POINT, FREQUENCY = "point", "frequency_mHz"
 
 
 def at_points(animation: Animation, strip: Strip) -> list[rr.TimeColumn]:
-    """Return the index columns of one row for every motion of a strip: they stand beside those of the animation."""
     columns = [rr.TimeColumn(name, sequence=numbers) for name, numbers in _numbers(strip).items()]
     return [*columns, rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))]
 
@@ -116,7 +114,6 @@ class Along(Stream):
         self._starts = nanoseconds(starts).astype(np.int64)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
-        """Send rows whose index is the timeline in time alone."""
         time = index[0].as_arrow_array().cast("int64").to_numpy()
         motion = np.clip(np.searchsorted(self._starts, time, side="right") - 1, 0, None)
         more = [rr.TimeColumn(name, sequence=numbers[motion]) for name, numbers in self._numbers.items()]
@@ -124,7 +121,6 @@ class Along(Stream):
 
 
 def timelines(rec: Stream, animation: Animation) -> Along:
-    """Return a stream whose rows in time stand on the branch too."""
     return Along(rec, animation.starts, _numbers(animation.strip))
 
 

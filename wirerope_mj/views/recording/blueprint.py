@@ -1,26 +1,37 @@
 """Layout of the viewer, the same for one run and for several: the answer above scenes and tabs, texts and events below."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import rerun.blueprint as rrb
 
 from wirerope_mj.assessment.criteria.judge import limit_of
 from wirerope_mj.assessment.criteria.verdict import by_use
-from wirerope_mj.content.histories import TOTAL
+from wirerope_mj.content.histories import TOTAL, USED
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
-from wirerope_mj.views.recording.frame import GROUND, fitting_width
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
-from wirerope_mj.views.recording.loops import LoopPlot, grid_shape
+from wirerope_mj.views.recording.ghosts import ghost_factor
+from wirerope_mj.views.recording.loops import LoopPlot, drawn_loops, grid_shape, loop_plots
 from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
 from wirerope_mj.views.recording.now import CURSOR, PLAN, plan_bounds
 from wirerope_mj.views.recording.over_frequency import over_frequency_view
 from wirerope_mj.views.recording.panels import lane_paths, panel_view
 from wirerope_mj.views.recording.paths import entity
 from wirerope_mj.views.recording.texts import BANNER, BELOW
-from wirerope_mj.views.recording.views import Pane, event_view, layout, loop_view, scene_view, tabs_with, time_axis
+from wirerope_mj.views.recording.views import (
+    GROUND,
+    Pane,
+    event_view,
+    fitting_width,
+    layout,
+    loop_view,
+    scene_view,
+    tabs_with,
+    time_axis,
+)
 
 _SCENES = (870.0, 720.0)  # Width and height of the pane of the scenes on a full-HD screen [points]
 _TABS = (1040.0, 730.0)  # The same of the tabs beside them, without their titles
@@ -43,8 +54,32 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     return layout(rrb.Vertical(*banner, top, below, row_shares=[6, 76, 18]), drawn.shared.window, cases=drawn.cases)
 
 
+def layout_of_cases(cases: Sequence[Drawn]) -> tuple[rrb.Blueprint, float]:
+    """Lay out all cases alike; find the factor that enlarges the ghosts' motion."""
+    shared, factor = cases[0].shared, min(map(ghost_factor, cases))
+    panels = {key: panel for drawn in reversed(cases) for key, panel in drawn.panels.items()}
+    panels = {key: panels[key] for drawn in cases for key in drawn.panels}
+    if (USED,) in panels:
+        panels[USED,] = replace(panels[USED,], title="Used of the limits [%]")
+    over_frequency = [drawn.over_frequency for drawn in cases if drawn.over_frequency is not None]
+    labels = {panel.ylabel or panel.title for panel in over_frequency}
+    if len(labels) > 1:
+        over_frequency[0] = replace(over_frequency[0], ylabel="Spectra")
+    drawn = replace(
+        cases[0], panels=panels, over_frequency=over_frequency[0] if over_frequency else None,
+        texts=tuple({text.path: text for case in cases for text in case.texts}.values()),
+    )  # fmt: skip
+    plots: dict[str, LoopPlot] = {}
+    for case in cases:
+        for plot in loop_plots(drawn_loops(case.runs, shared), shared, loop_widths(case)):
+            loops = (*plots[plot.path].loops, *plot.loops) if plot.path in plots else plot.loops
+            # The view of a loop has one length of trail: the shortest that any case needs.
+            ordered = sorted(loops, key=lambda loop: -(loop[1].trail or float("inf")))
+            plots[plot.path] = replace(plots.get(plot.path, plot), loops=tuple(ordered))
+    return blueprint_of(drawn, list(plots.values()), factor, tab="Overview", scene=""), factor
+
+
 def loop_widths(drawn: Drawn) -> dict[str, float]:
-    """Return the width of a loop's frame for every axis, so that the loops of an axis fill the pane."""
     shared = drawn.shared
     return {axis: fitting_width(_TABS, *grid_shape(len(shared.shown(axis)))) for axis in shared.axes}
 
@@ -54,7 +89,7 @@ def _text(path: tuple[str, ...], name: str) -> rrb.TextDocumentView:
 
 
 def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
-    """Return the scenes: of a run alone at true scale, from above and enlarged; of several first their worst mount."""
+    """Show a run alone at true scale, from above and enlarged; of several first their worst mount."""
     larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
     largest = max(drawn.runs, key=lambda run: scene_extent(run.response.scene)[1])
     below = entity(GHOSTS)
@@ -96,7 +131,6 @@ def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()
 
 
 def _near(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = True) -> rrb.Spatial3DView:
-    """Return a mount from near, without what belongs to others; its name says what is used of the limit if `figures`."""
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
     worst = by_use(run.selection.verdicts).get(mount) if figures else None
@@ -106,22 +140,26 @@ def _near(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = True
 
 
 def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
-    """Return the overview, a tab for each quantity over time, the loops of each axis, and the texts."""
-    tabs = [_overview(drawn)]
+    tabs: list[Pane] = [_overview(drawn)]
     for quantity in ("acceleration", "deflection", "force", "contact", "measured"):
-        name = "Measured" if quantity == "measured" else f"{quantity.capitalize()}s"
+        title = "Measured" if quantity == "measured" else f"{quantity.capitalize()}s"
         along: dict[str, list[Pane]] = {}
         for key in drawn.panels:
             if key[0] == quantity and not (drawn.alone and key[1] == TOTAL):
                 along.setdefault(key[1], []).append(_view(drawn, key))
         if all(len(views) == 1 for views in along.values()):
-            tabs += [rrb.Vertical(*(views[0] for views in along.values()), name=name)] if along else []
+            tabs += [rrb.Vertical(*(views[0] for views in along.values()), name=title)] if along else []
         else:
-            ordered = sorted(along, key=lambda one: one != TOTAL)
-            grids = [rrb.Grid(*along[one], grid_columns=min(2, len(along[one])), name=one) for one in ordered]
-            tabs.append(rrb.Tabs(*grids, active_tab=0, name=name))
+            ordered = sorted(along, key=lambda direction: direction != TOTAL)
+            grids = [rrb.Grid(*along[name], grid_columns=min(2, len(along[name])), name=name) for name in ordered]
+            tabs.append(rrb.Tabs(*grids, active_tab=0, name=title))
     for axis in drawn.shared.axes:
-        views = [_loop_view(drawn, plot) for plot in plots if plot.axis == axis]
+        views = []
+        for plot in (plot for plot in plots if plot.axis == axis):
+            ratio = drawn.shared.utilisation(plot.mount, plot.axis)
+            silent = np.isnan(ratio) or not drawn.alone or drawn.cases
+            name = f"{plot.mount}: kN over mm{'' if silent else f', {100 * ratio:.0f} % of rated travel'}"
+            views.append(loop_view(plot.path, name, width=plot.plot.width, trails=plot.trails))
         tabs.append(rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops"))
     places = dict.fromkeys(text.place for text in drawn.texts if text.place not in (BANNER, BELOW))
     for place in places:
@@ -131,7 +169,7 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
 
 
 def _overview(drawn: Drawn) -> rrb.Container:
-    """Return what tells most: of a run alone what is used, what stands over frequency, and lanes; of several what differs."""
+    """Show what tells most: of one run use of limits, spectra and lanes; of several what differs."""
     views = [_view(drawn, key) for key in drawn.overview]
     if (run := drawn.alone) is None:
         return rrb.Grid(*views, grid_columns=1 if len(views) <= 3 else 2, name="Overview")
@@ -147,9 +185,3 @@ def _overview(drawn: Drawn) -> rrb.Container:
 
 def _view(drawn: Drawn, key: tuple[str, ...]) -> rrb.View:
     return panel_view(entity("histories", *key), drawn.panels[key], drawn.shared.window)
-
-
-def _loop_view(drawn: Drawn, plot: LoopPlot) -> rrb.Spatial2DView:
-    ratio = drawn.shared.utilisation(plot.mount, plot.axis)
-    used = "" if np.isnan(ratio) or not drawn.alone or drawn.cases else f", {100 * ratio:.0f} % of rated travel"
-    return loop_view(plot.path, f"{plot.mount}: kN over mm{used}", width=plot.plot.width, trails=plot.trails)

@@ -21,8 +21,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from wirerope_mj.content.blocks import Content, Statement
-from wirerope_mj.content.orbits import motion_blocks
 from wirerope_mj.content.panels import Chart
+from wirerope_mj.content.response_curve import motion_blocks
 from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, busiest_loops
@@ -33,7 +33,6 @@ from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording.animation import POINT, Animation, Strip, animation_of, at_points, strips_of, timelines
 from wirerope_mj.views.recording.camera import scene_extent
-from wirerope_mj.views.recording.frame import GROUND, HEIGHT, LARGE, Color, Plot, fitting_width, log_frame
 from wirerope_mj.views.recording.ghosts import enlarged, factor_of
 from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.over_frequency import log_frequency_panel
@@ -41,12 +40,22 @@ from wirerope_mj.views.recording.paths import AXES, Stream, at, child, entity, k
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
-from wirerope_mj.views.recording.views import opening, whole_scene_view
+from wirerope_mj.views.recording.views import (
+    GROUND,
+    HEIGHT,
+    LARGE,
+    Color,
+    Plot,
+    fitting_width,
+    log_frame,
+    opening,
+    whole_scene_view,
+)
 
 RESPONSE, MOTION, ABOUT = "response", "motion", "about"
 PANE = (640.0, 500.0)  # Width and height [points] of the pane of loops on a full-HD screen
 SQUARE = 92.0  # Width of the frames of shape and multipliers, whose panes are a little higher than wide
-AWAY = 1.15  # Factor by which the camera stands farther away than for the modelled geometry: motions are drawn larger
+AWAY = 1.15  # distance of the camera over that for the modelled geometry: motions are drawn larger
 PER_SECOND = 5.0  # Points that are played in a second
 RESPONSE_WIDTH = 225.0  # Width of the frame of the response, so that it fills its pane
 MOST_LOOPS = 4  # Loops that are shown: those that take most energy at the highest amplitude
@@ -70,34 +79,27 @@ def record_branches(result: FrequencyResponse, findings: list[LevelSummary], con
     if not result.branches:
         raise ValueError("there is no branch to record; a sweep alone has no periodic motions.")
     target = target_of(path)
-    with atomic_recording(target) as rec:
-        _write(findings, content, rec)
-    return target
-
-
-def _write(findings: list[LevelSummary], content: Content, rec: rr.RecordingStream) -> None:
     strips = strips_of(findings)
     animation = animation_of(strips[-1])  # the highest level, which the scene shows
-    _, extent = scene_extent(animation.response.scene)
-    factor = factor_of(animation.response, extent)
+    factor = factor_of(animation.response, scene_extent(animation.response.scene)[1])
     scene = enlarged(animation.response, factor)
     selection, frames = select(animation.response), frames_of(scene)
     layout = _blueprint(scene, animation, frames, factor)
-    rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
-    rec.send_recording_name(content.title)
-    _log_texts(rec, content, animation)
     chart = next(block for block in content.blocks() if isinstance(block, Chart) and block.id == "amplitude")
-    log_frequency_panel(rec, entity(RESPONSE), chart.rows[0][0], width=RESPONSE_WIDTH, lift=LARGE)
-    log_here(rec, child(entity(RESPONSE), "data", "here"), animation, strips)
-    log_multipliers(rec, animation, width=SQUARE)
-    if shown_loops(animation):
-        _, width = loop_grid(len(shown_loops(animation)))
-        log_orbit_loops(rec, animation, strips, width=width, shape_width=SQUARE)
-    log_scene(timelines(rec, animation), scene, selection, frames)
+    with atomic_recording(target) as rec:
+        rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
+        rec.send_recording_name(content.title)
+        _log_texts(rec, content, animation)
+        log_frequency_panel(rec, entity(RESPONSE), chart.rows[0][0], width=RESPONSE_WIDTH, lift=LARGE)
+        log_here(rec, child(entity(RESPONSE), "data", "here"), animation, strips)
+        log_multipliers(rec, animation, width=SQUARE)
+        if loops := shown_loops(animation):
+            log_orbit_loops(rec, animation, strips, width=loop_grid(len(loops))[1], shape_width=SQUARE)
+        log_scene(timelines(rec, animation), scene, selection, frames)
+    return target
 
 
 def _log_texts(rec: Stream, content: Content, animation: Animation) -> None:
-    """Log a text for every motion of the animation, and one about all levels."""
     strip, kind = animation.strip, rr.MediaType.MARKDOWN
     loop = next(iter(shown_loops(animation)), None)
     ends = [*strip.points[1:].tolist(), strip.branch.frequency.size]
@@ -112,14 +114,12 @@ def _log_texts(rec: Stream, content: Content, animation: Animation) -> None:
 
 
 def loop_grid(loops: int) -> tuple[int, float]:
-    """Return columns of the grid of loops, and the width of a frame that fills its cell."""
     columns = 1 if loops == 1 else 2
     rows = -(-loops // columns)
     return columns, fitting_width(PANE, columns, rows)
 
 
 def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> rrb.Blueprint:
-    """Return the layout of the viewer; `scene` is the response that is drawn, with motions `factor` times as large."""
     texts = rrb.Tabs(
         rrb.TextDocumentView(origin=entity(MOTION), name="Motion"), rrb.TextDocumentView(origin=entity(ABOUT), name="Levels")
     )
@@ -132,8 +132,15 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
         row_shares=[1, 1],
     )
     response = _plane(entity(RESPONSE), "Largest acceleration [m/s²] over frequency [Hz]", RESPONSE_WIDTH)
-    below = _loops(animation)
-    right = rrb.Vertical(response, *below, row_shares=[1] * (1 + len(below)))
+    right: rrb.Container = rrb.Vertical(response, row_shares=[1])
+    if shown := shown_loops(animation):
+        columns, width = loop_grid(len(shown))
+        loops = [_plane(loop_path(mount, axis), f"{mount}, {AXES[axis]}: kN over mm", width) for mount, axis in shown]
+        shape = _plane(entity(SHAPE), "Loop, own ranges", SQUARE)
+        portrait = _plane(entity(PORTRAIT), "Phase portrait", SQUARE)
+        grid = rrb.Grid(*loops, grid_columns=columns)
+        below = rrb.Horizontal(grid, rrb.Tabs(shape, portrait), column_shares=[8, 5])
+        right = rrb.Vertical(response, below, row_shares=[1, 1])
     # One period at the resonance takes a second.
     slow = animation.strip.frequency[int(animation.strip.amplitude.argmax())]
     panel = rrb.TimePanel(
@@ -141,18 +148,6 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
         play_state="paused", loop_mode="all",
     )  # fmt: skip
     return opening(rrb.Horizontal(left, right, column_shares=[5, 6]), panel)
-
-
-def _loops(animation: Animation) -> list[rrb.Container]:
-    """Return the loops and the shape of one, if there are mounts."""
-    shown = shown_loops(animation)
-    if not shown:
-        return []
-    columns, width = loop_grid(len(shown))
-    loops = [_plane(loop_path(mount, axis), f"{mount}, {AXES[axis]}: kN over mm", width) for mount, axis in shown]
-    shape = _plane(entity(SHAPE), "Loop, own ranges", SQUARE)
-    portrait = _plane(entity(PORTRAIT), "Phase portrait", SQUARE)
-    return [rrb.Horizontal(rrb.Grid(*loops, grid_columns=columns), rrb.Tabs(shape, portrait), column_shares=[8, 5])]
 
 
 def _plane(origin: str, name: str, width: float) -> rrb.Spatial2DView:
@@ -165,7 +160,7 @@ def _color(level: int) -> Color:
 
 
 def log_here(rec: Stream, path: str, animation: Animation, strips: list[Strip]) -> None:
-    """Log the motion of every level on its curve, with its values when the mouse is over it."""
+    """Log the motion of every level on its curve, with its values."""
     for strip in strips:
         below, branch = child(path, f"level_{strip.number + 1}"), strip.branch
         size = rr.Radius.ui_points(7.0)
@@ -182,60 +177,55 @@ def log_here(rec: Stream, path: str, animation: Animation, strips: list[Strip]) 
 
 
 def shown_loops(animation: Animation) -> list[tuple[str, int]]:
-    """Return mount and axis of the loops that are shown."""
     highest = animation.strip.orbits[int(np.argmax(animation.strip.amplitude))]
     return busiest_loops(highest.response)[:MOST_LOOPS]
 
 
 def loop_path(mount: str, axis: int) -> str:
-    """Return the entity of the loops of a mount along an axis."""
     return entity("loops", AXES[axis], mount)
 
 
 def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, width: float, shape_width: float) -> None:
-    """Log the loops that take most energy, all levels in one frame each, shape and phase portrait of the first."""
+    """Log the busiest loops of all levels, and shape and phase portrait of the first."""
+
+    def loops_over(strip: Strip, mount: str, axis: int) -> list[Array]:
+        return [loop_points(orbit.response.mounts[mount], axis) for orbit in strip.orbits]
+
+    def portraits_over(strip: Strip, mount: str, axis: int) -> list[Array]:
+        return [
+            np.column_stack([orbit.response.mounts[mount].deflection[:, axis], orbit.deflection_rate(mount)[:, axis]])
+            for orbit in strip.orbits
+        ]
+
     shown = shown_loops(animation)
-    few = len(shown) <= 2
-    lift, most = (LARGE, 6) if few else (2.0 * LARGE, 4)  # of small frames numbers would touch
+    lift, most = (LARGE, 6) if len(shown) <= 2 else (2.0 * LARGE, 4)  # of small frames numbers would touch
     for mount, axis in shown:
-        loops = [_loops_over(strip, mount, axis) for strip in strips]
+        loops = [loops_over(strip, mount, axis) for strip in strips]
         points = np.concatenate([loop for part in loops for loop in part])
         plot = Plot.around(points.min(axis=0), points.max(axis=0), width)
+        across, upward = linear_ticks(*plot.across, most=most), linear_ticks(*plot.upward, most=most)
         path = loop_path(mount, axis)
-        log_frame(
-            rec, path, plot, across=linear_ticks(*plot.across, most=most), upward=linear_ticks(*plot.upward, most=most),
-            lift=lift,
-        )  # fmt: skip
+        log_frame(rec, path, plot, across=across, upward=upward, lift=lift)
         _log(rec, child(path, "data"), plot, animation, strips, loops)
-        _log_cursor(rec, child(path, "data", "cursor"), animation, loop_points(animation.response.mounts[mount], axis))
+        look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
+        cursor, positions = child(path, "data", "cursor"), loop_points(animation.response.mounts[mount], axis)
+        rec.log(cursor, look, static=True)
+        columns = rr.Points2D.columns(positions=positions)
+        timelines(rec, animation).send_columns(cursor, at(animation.response.time), columns)
     plot = Plot(across=(-1.12, 1.12), upward=(-1.12, 1.12), width=shape_width)
-    for name, curves_over in ((SHAPE, _loops_over), (PORTRAIT, _portraits_over)):
-        curves = [[_filled(curve) for curve in curves_over(strip, *shown[0])] for strip in strips]
+    for name, curves_over in ((SHAPE, loops_over), (PORTRAIT, portraits_over)):
+        curves = []
+        for strip in strips:
+            over_own_ranges = []
+            for curve in curves_over(strip, *shown[0]):
+                low, high = curve.min(axis=0), curve.max(axis=0)
+                over_own_ranges.append(np.asarray((2.0 * curve - low - high) / np.maximum(high - low, 1e-12)))
+            curves.append(over_own_ranges)
         log_frame(rec, entity(name), plot, across=_SHAPE_TICKS, upward=_SHAPE_TICKS, lift=LARGE)
         _log(rec, child(entity(name), "data"), plot, animation, strips, curves)
 
 
-def _loops_over(strip: Strip, mount: str, axis: int) -> list[Array]:
-    """Return the loops of a mount at every motion of a level [mm, kN], (m, 2) each."""
-    return [loop_points(orbit.response.mounts[mount], axis) for orbit in strip.orbits]
-
-
-def _portraits_over(strip: Strip, mount: str, axis: int) -> list[Array]:
-    """Return the phase portraits of a mount at every motion of a level [m, m/s], (m, 2) each."""
-    return [
-        np.column_stack([orbit.response.mounts[mount].deflection[:, axis], orbit.deflection_rate(mount)[:, axis]])
-        for orbit in strip.orbits
-    ]
-
-
-def _filled(curve: Array) -> Array:
-    """Return a curve over its own half ranges."""
-    low, high = curve.min(axis=0), curve.max(axis=0)
-    return np.asarray((2.0 * curve - low - high) / np.maximum(high - low, 1e-12))
-
-
 def _log(rec: Stream, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
-    """Log the loops of all levels, one row for every motion; that of an unstable motion is thin."""
     rec.log(path, plot.transform(), static=True)
     for strip, rows in zip(strips, loops, strict=True):
         below = child(path, f"level_{strip.number + 1}")
@@ -246,15 +236,8 @@ def _log(rec: Stream, path: str, plot: Plot, animation: Animation, strips: list[
         rec.send_columns(below, at_points(animation, strip), columns)
 
 
-def _log_cursor(rec: Stream, path: str, animation: Animation, points: Array) -> None:
-    """Log deflection and force of the mount at every instant of the animation."""
-    look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
-    rec.log(path, look, static=True)
-    timelines(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
-
-
 def log_multipliers(rec: Stream, animation: Animation, *, width: float) -> None:
-    """Log the unit circle, and the multipliers of every motion of the animation."""
+    """Log the unit circle, and the multipliers of every motion."""
     side = _LARGEST * 1.06
     across = side * width / 100.0
     plot = Plot(across=(-across, across), upward=(-side, side), width=width)

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody
+from wirerope_mj.engine.response.scene import Geom, Scene
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.poses import conjugate, multiply, rotate
 
 _LOOK_FROM = np.array([0.46, -0.80, 0.38])
 _TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))  # Of half the viewer's angle of view from below to above, less a margin
-_ASPECT = 1.75  # Width over height of the pane of the whole scene on a full-HD screen, where a run is alone
+_ASPECT = 1.75  # width over height of the pane of the whole scene of one run on a full-HD screen
 _WIDE = 3.0  # The same of the pane of the close-up below it
 _CLOSE = 1.4  # Distance over the diagonal of the mount from which what hides it is looked for
 _MARGIN = 1.3  # Size of what the close-up holds over that of the mount
@@ -48,7 +48,7 @@ def whole_scene(response: Response, *, aspect: float = _ASPECT, mount: str | Non
 
 
 def _fitted(points: Array, back: Array, aspect: float) -> Camera:
-    """Return a camera that looks along -`back` at points (n, 3), as near as its pane allows."""
+    """Look along -`back` at points (n, 3), as near as the pane allows."""
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     up = np.cross(back, right)
@@ -69,14 +69,24 @@ def close_up(response: Response, mount: str, *, height: float, width: float, row
     Of some directions the one is taken from which most of the device is seen, whatever is transparent counted by how much it
     hides; where several show it alike, neither along the bars nor square to them, and from outside.
     """
-    scene = replace(response.scene, bodies=tuple(_posed(response, body, row) for body in response.scene.bodies))
+    bodies = []
+    for body in response.scene.bodies:
+        if body.name in response.bodies:
+            moved = response.bodies[body.name]
+            body = replace(body, position=moved.position[row], orientation=moved.orientation[row])
+        bodies.append(body)
+    scene = replace(response.scene, bodies=tuple(bodies))
     at = next(entry for entry in scene.mounts if entry.name == mount)
     base = next(body for body in scene.bodies if body.name == at.base_body)
     middle = base.position + rotate(base.orientation, at.base_point)
     axes = rotate(base.orientation, at.axes.T)
     half = 0.5 * np.array([width, 1.9 * width, height])  # bars are about 1.9 times as long as the device is wide
     distance = _CLOSE * float(np.linalg.norm(2.0 * half))
-    directions = _directions()
+    elevation, azimuth = np.meshgrid(
+        np.radians(_ELEVATIONS), np.linspace(0.0, 2.0 * np.pi, _AZIMUTHS, endpoint=False), indexing="ij"
+    )
+    flat = np.cos(elevation)
+    directions = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)], axis=-1).reshape(-1, 3)
     hidden = _hidden(scene, middle + distance * directions, middle + 0.8 * (_GRID * half) @ axes)
     center, _ = scene_extent(scene)
     outward = (middle - center) / max(float(np.linalg.norm(middle - center)), 1e-9)
@@ -87,23 +97,15 @@ def close_up(response: Response, mount: str, *, height: float, width: float, row
     return _fitted(corners, back, _WIDE if wide else _ASPECT)
 
 
-def _posed(response: Response, body: SceneBody, row: int) -> SceneBody:
-    """Return a body where it is at a sample."""
-    if body.name not in response.bodies:
-        return body
-    moved = response.bodies[body.name]
-    return replace(body, position=moved.position[row], orientation=moved.orientation[row])
-
-
 def scene_extent(scene: Scene) -> tuple[Array, float]:
-    """Return centre (3,) and diagonal [m] of what is drawn, in the world frame of the modelled geometry."""
+    """Find centre (3,) and diagonal [m] of what is drawn, in the modelled geometry."""
     points = _corners(scene)
     low, high = points.min(axis=0), points.max(axis=0)
     return 0.5 * (low + high), float(np.linalg.norm(high - low)) or 1.0
 
 
 def _corners(scene: Scene) -> Array:
-    """Return the corners of the boxes around all geoms that end somewhere, world frame, (n, 3)."""
+    """Find the corners of the boxes around all geoms that end somewhere, world frame, (n, 3)."""
     boxes = [
         (body.position, body.orientation, geom.position, geom.orientation, half)
         for body in scene.bodies
@@ -118,7 +120,7 @@ def _corners(scene: Scene) -> Array:
 
 
 def reach(geom: Geom) -> Array:
-    """Return the half lengths of the box around a geom, in its own axes [m], (3,); infinite for an endless plane."""
+    """Find the half lengths of the box around a geom [m], (3,); infinite for an endless plane."""
     size = geom.size
     if geom.shape == "sphere":
         return np.full(3, size[0])
@@ -133,17 +135,8 @@ def reach(geom: Geom) -> Array:
     return np.asarray(size)
 
 
-def _directions() -> Array:
-    azimuth = np.linspace(0.0, 2.0 * np.pi, _AZIMUTHS, endpoint=False)
-    parts = []
-    for elevation in np.radians(_ELEVATIONS):
-        flat = np.cos(elevation) * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
-        parts.append(np.column_stack([flat, np.full(_AZIMUTHS, np.sin(elevation))]))
-    return np.concatenate(parts)
-
-
 def _hidden(scene: Scene, eyes: Array, targets: Array) -> Array:
-    """Return how much of the targets (m, 3) is hidden from each eye (n, 3), 0 to 1, (n,)."""
+    """Find how much of the targets (m, 3) is hidden from each eye (n, 3), 0 to 1, (n,)."""
     clear = np.ones((len(eyes), len(targets)))
     for body in scene.bodies:
         for geom in body.geoms:
@@ -152,22 +145,17 @@ def _hidden(scene: Scene, eyes: Array, targets: Array) -> Array:
             back = conjugate(multiply(body.orientation, geom.orientation))
             center = body.position + rotate(body.orientation, geom.position)
             start, stop = rotate(back, targets - center), rotate(back, eyes - center)
-            clear = np.where(_cuts_box(start[None], stop[:, None], reach(geom)), clear * (1.0 - geom.rgba[3]), clear)
+            # whether the segments from the targets to the eyes pass through the box about the geom
+            ray = stop[:, None] - start[None]
+            ray = np.where(np.abs(ray) < 1e-12, 1e-12, ray)
+            sides = (-reach(geom) - start[None]) / ray, (reach(geom) - start[None]) / ray
+            enter, leave = np.minimum(*sides).max(axis=-1), np.maximum(*sides).min(axis=-1)
+            cut = (enter < leave) & (leave > 0.0) & (enter < 1.0)
+            clear = np.where(cut, clear * (1.0 - geom.rgba[3]), clear)
     return 1.0 - clear.mean(axis=1)
 
 
-def _cuts_box(start: Array, stop: Array, half: Array) -> Array:
-    """Return whether the segments from `start` to `stop` (..., 3) pass through a box about the origin."""
-    ray = stop - start
-    ray = np.where(np.abs(ray) < 1e-12, 1e-12, ray)
-    one, other = (-half - start) / ray, (half - start) / ray
-    enter = np.minimum(one, other).max(axis=-1)
-    leave = np.maximum(one, other).min(axis=-1)
-    crossing: Array = (enter < leave) & (leave > 0.0) & (enter < 1.0)
-    return crossing
-
-
 def _seen_from_base(scene: Scene, points: Array) -> Array:
-    """Return points (.., 3) in the frame of the base, if it has one that moves."""
+    """Turn points (.., 3) into the frame of the base, if it has one that moves."""
     body = next((body for body in scene.bodies if body.name == scene.base and body.moves), None)
     return points if body is None else rotate(conjugate(body.orientation), points - body.position)

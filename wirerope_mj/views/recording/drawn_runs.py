@@ -19,7 +19,7 @@ from wirerope_mj.views.recording.paths import AXES, root_of
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import ARROW
 
-MOST_MOUNTS = 4  # Mounts of an axis whose histories and loops are drawn for several runs: each is a plot of its own
+MOST_MOUNTS = 4  # of an axis, drawn for several runs: each is a plot of its own
 # Of the runs in every view. There are no more runs than colours that can be told apart.
 COLORS: tuple[Color, ...] = (*DARK.series, (236, 218, 152), (190, 109, 108))
 
@@ -34,12 +34,10 @@ class DrawnRun(ComparedRun):
 
     @property
     def root(self) -> str:
-        """Entity below which its scene and its samples stand."""
         return root_of(self.name)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Last part of its own entities in what all runs share: none if it is alone."""
         return (self.name,) if self.name else ()
 
 
@@ -59,13 +57,13 @@ class Drawn:
 
     runs: tuple[DrawnRun, ...]  # as they are drawn
     comparison: Comparison  # of the runs with the first; of one alone, what it has
-    # what is shown: of one run its own selection; of several the mounts that two of them or more have, those shown in
+    # what is shown: of one run its own selection; of several the mounts that two have, those shown in
     # `ranked`, `utilisations` the largest of any run
     shared: Selection
     panels: Histories  # over time
     over_frequency: Panel | None = None  # what stands over frequency; None for nothing
     texts: tuple[Text, ...] = field(default=())
-    # whether the layout is that of several load cases, each a recording of its own: names of views then hold no figure of one
+    # whether the layout is shared by several load cases: names of views then hold no figure of one
     cases: bool = False
 
     @property
@@ -94,12 +92,11 @@ class Drawn:
         return tuple(key for key in keys if key in self.panels)
 
     def having(self, subject: Subject) -> list[DrawnRun]:
-        """Return the runs that have a component, or a mount of that name."""
         return [run for run in self.runs if subject in subjects_of(run.response)]
 
 
 def one_run(run: RunResult, over_frequency: Panel | None = None) -> Drawn:
-    """Return what a recording of a run alone draws."""
+    """Draw a run alone."""
     response, selection = run.response, run.selection
     comparison = compare_runs({"": response}, verdicts={"": run.verdicts}) if subjects_of(response) else None
     drawn = DrawnRun(
@@ -124,30 +121,31 @@ def several_runs(
     if not 2 <= len(responses) <= len(COLORS):
         raise ValueError(f"`responses` must be two to {len(COLORS)}, got {len(responses)}.")
     comparison = compare_runs(responses, align, verdicts)
-    runs = tuple(_overlaid(run, color) for run, color in zip(comparison.runs, COLORS, strict=False))
+    runs = tuple(
+        DrawnRun(
+            **vars(run), color=color, selection=replace(select(run.response, run.verdicts), run_color=color),
+            frames=frames_of(run.response),
+        )
+        for run, color in zip(comparison.runs, COLORS, strict=False)
+    )  # fmt: skip
     shared = shared_selection(runs, comparison.mounts, most=MOST_MOUNTS)
     worst = tuple(used for used in shared.used if used.subject in shared.mounts)[:1]
     shared = replace(shared, used=worst, bodies=(), points=(), numbers={})
     return Drawn(runs=runs, comparison=comparison, shared=shared, panels=overlay_histories(comparison, shared))
 
 
-def _overlaid(run: ComparedRun, color: Color) -> DrawnRun:
-    selection = replace(select(run.response, run.verdicts), run_color=color)
-    return DrawnRun(**vars(run), color=color, selection=selection, frames=frames_of(run.response))
-
-
 def shared_selection(runs: Sequence[DrawnRun], mounts: tuple[str, ...], most: int | None = None) -> Selection:
-    """Return the mounts of several runs as a selection, the worst of any run first, at most so many of an axis."""
+    """Select the mounts of several runs, the worst of any first, at most so many of an axis."""
     utilisations = np.full((len(mounts), 3), np.nan)
     travel = np.zeros((len(mounts), 3))
     acting = np.zeros((len(mounts), 3), dtype=bool)
     for row, name in enumerate(mounts):
         for run in runs:
             if name in run.selection.mounts:
-                own, peak = run.selection, run.response.peaks.mounts[name].deflection
-                utilisations[row] = np.fmax(utilisations[row], own.utilisations[own.mounts.index(name)])
+                alone, peak = run.selection, run.response.peaks.mounts[name].deflection
+                utilisations[row] = np.fmax(utilisations[row], alone.utilisations[alone.mounts.index(name)])
                 travel[row] = np.maximum(travel[row], peak.maximum - peak.minimum)
-                acting[row] |= [name in own.ranked[axis] for axis in AXES]
+                acting[row] |= [name in alone.ranked[axis] for axis in AXES]
     used: dict[str, Used] = {}
     for entry in sorted((entry for run in runs for entry in run.selection.used), key=lambda entry: -entry.largest):
         used.setdefault(entry.subject, entry)

@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.scene import Geom, SceneBody
+from wirerope_mj.engine.response.scene import SceneBody
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.animation import with_values
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
@@ -17,12 +17,11 @@ from wirerope_mj.views.recording.poses import Frame, conjugate, grown, multiply,
 from wirerope_mj.views.recording.scene import log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import draw_geoms, log_bending, see_through
 
-FRACTION = 0.3  # Fraction of a mount's height that the largest deflection from its mean may take in the picture
+FRACTION = 0.3  # of a mount's height, that the largest deflection may take in the picture
 _ROUND = (1.0, 2.0, 5.0)
 
 
 def factor_of(response: Response, extent: float) -> float:
-    """Return the round factor by which motions are drawn larger; 1 where they are large enough."""
     room = min((device.height for device in devices_of(response, extent)), default=0.1 * extent)
     moves = [mount.deflection for mount in response.mounts.values()]
     largest = max((float(np.ptp(move, axis=0).max()) / 2.0 for move in moves), default=0.0)
@@ -32,7 +31,6 @@ def factor_of(response: Response, extent: float) -> float:
 
 
 def round_down(factor: float) -> float:
-    """Return the largest 1, 2 or 5 times a power of ten that is no larger."""
     decade = 10.0 ** np.floor(np.log10(factor))
     return float(decade * max(part for part in _ROUND if part * decade <= factor * (1.0 + 1e-9)))
 
@@ -54,7 +52,11 @@ def enlarged(response: Response, factor: float) -> Response:
             at = first[f"bodies/{name}/position/x"]
             values[:, at : at + 3] = carrier + _grown(body.position - carrier, factor)
             at = first[f"bodies/{name}/orientation/w"]
-            values[:, at : at + 4] = _turned(body.orientation, factor)
+            turn = multiply(body.orientation, conjugate(body.orientation[:1]))
+            turn = turn * np.where(turn[:, :1] < 0.0, -1.0, 1.0)
+            turn[:, 1:] = _grown(turn[:, 1:], factor)
+            turn /= np.linalg.norm(turn, axis=1, keepdims=True)
+            values[:, at : at + 4] = multiply(turn, body.orientation[:1])
     for name, mount in response.mounts.items():
         at = first[f"mounts/{name}/deflection/roll"]
         values[:, at : at + 3] = _grown(mount.deflection, factor)
@@ -66,23 +68,13 @@ def _grown(values: Array, factor: float) -> Array:
     return np.asarray(mean + factor * (values - mean))
 
 
-def _turned(orientation: Array, factor: float) -> Array:
-    """Return orientations whose rotations from the first one are `factor` times as large."""
-    turn = multiply(orientation, conjugate(orientation[:1]))
-    turn = turn * np.where(turn[:, :1] < 0.0, -1.0, 1.0)
-    turn[:, 1:] = _grown(turn[:, 1:], factor)
-    turn /= np.linalg.norm(turn, axis=1, keepdims=True)
-    return multiply(turn, orientation[:1])
-
-
 ROOT = "ghosts"
-# Of a ghost: two of them can be told apart where they overlap, and edges are seen through both; of where one began.
+# Of a ghost, so that two that overlap can be told apart; of where one began.
 _OPAQUE, _AT_REST = 0.38, 0.12
-_SEEN = 0.04  # Fraction of the scene's size that the largest motion is to have in the picture
+_SEEN = 0.04  # of the scene's size, that the largest motion takes in the picture
 
 
 def ghost_factor(drawn: Drawn) -> float:
-    """Return the round factor by which motions are enlarged; 1 where they are large enough."""
     travel, extent = 0.0, 0.0
     for run in drawn.runs:
         extent = max(extent, scene_extent(run.response.scene)[1])
@@ -94,7 +86,7 @@ def ghost_factor(drawn: Drawn) -> float:
 
 
 def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
-    """Log the bodies of all runs, their names beside them; of a run alone in its own colours, over where it began."""
+    """Log the bodies of all runs; of a run alone in its own colours, over where it began."""
     rec.log(entity(ROOT), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     bases: list[str] = []
     for number, run in enumerate(drawn.runs):
@@ -108,7 +100,10 @@ def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
             start, pose = _start(run, body, frame), (frame.position, frame.orientation)
             pose = pose if frame.fixed else grown(*pose, *start, factor)
             log_pose(below, frame.path, time, *pose, rows)
-            draw_geoms(below, frame.path, _ghostly(body, run), extent)
+            faint = [1.0, 1.0, 1.0, 1.5 * _OPAQUE]
+            of_run = np.array([*run.color, 255 * _OPAQUE]) / 255.0
+            geoms = [replace(geom, rgba=of_run if run.name else geom.rgba * faint) for geom in body.geoms]
+            draw_geoms(below, frame.path, geoms, extent)
             if drawn.alone and not frame.fixed:
                 began = frame.path + "_at_rest"
                 log_pose(below, began, time, start[0][None], start[1][None], rows)
@@ -116,17 +111,23 @@ def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
         if drawn.alone:
             log_bending(below, run.frames, run.response, rows, factor)
         else:
-            _log_name(below, run, number, extent)
+            # the name beside the scene, as it is seen when the recording opens: the legend of the colours
+            base_name, camera = run.response.scene.base, whole_scene(run.response)
+            back = camera.eye - camera.target
+            aside = np.cross(back, [0.0, 0.0, 1.0]) / np.linalg.norm(back)
+            above = camera.target + 0.5 * extent * aside + np.array([0.0, 0.0, (0.1 + 0.1 * number) * extent])
+            path = child(run.frames[base_name].path if base_name in run.frames else entity("world"), "name")
+            look = {"colors": [run.color], "radii": rr.Radius.ui_points(0.0), "show_labels": True}
+            below.log(path, rr.Points3D([above], labels=[run.name], **look), static=True)
 
 
 def _riding(run: DrawnRun) -> list[tuple[SceneBody, Frame]]:
-    """Return the bodies that move, but for the base itself."""
     scene = run.response.scene
     return [(body, run.frames[body.name]) for body in scene.bodies if body.moves and body.name != scene.base]
 
 
 def _start(run: DrawnRun, body: SceneBody, frame: Frame) -> tuple[Array, Array]:
-    """Return position (3,) and quaternion of a body where motion is enlarged from: among several runs, as it is modelled."""
+    """Find position (3,) and quaternion from which motion is enlarged: among several runs, as modelled."""
     if not run.name:
         return frame.position[0], frame.orientation[0]
     parent = frame.path.rsplit("/", 1)[0]
@@ -136,26 +137,3 @@ def _start(run: DrawnRun, body: SceneBody, frame: Frame) -> tuple[Array, Array]:
     carrier = next(other for other in run.response.scene.bodies if other.name == name)
     back = conjugate(carrier.orientation)
     return rotate(back, body.position - carrier.position), multiply(back, body.orientation)
-
-
-def _ghostly(body: SceneBody, run: DrawnRun) -> list[Geom]:
-    if not run.name:
-        return [replace(geom, rgba=geom.rgba * [1.0, 1.0, 1.0, 1.5 * _OPAQUE]) for geom in body.geoms]
-    rgba = np.array([*run.color, 255 * _OPAQUE]) / 255.0
-    return [replace(geom, rgba=rgba) for geom in body.geoms]
-
-
-def _log_name(below: Below, run: DrawnRun, number: int, extent: float) -> None:
-    """Log the name of a run beside the scene, as it is seen when the recording opens: the legend of the colours."""
-    scene = run.response.scene
-    base = scene.base
-    camera = whole_scene(run.response)
-    back = camera.eye - camera.target
-    left = np.cross(back, [0.0, 0.0, 1.0]) / np.linalg.norm(back)
-    above = camera.target + 0.5 * extent * left + np.array([0.0, 0.0, (0.1 + 0.1 * number) * extent])
-    path = child(run.frames[base].path if base in run.frames else entity("world"), "name")
-    below.log(
-        path,
-        rr.Points3D([above], labels=[run.name], colors=[run.color], radii=rr.Radius.ui_points(0.0), show_labels=True),
-        static=True,
-    )

@@ -9,21 +9,20 @@ import rerun as rr
 from wirerope_mj.content.selection import Selection, travel_limits
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MountResponse
-from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import colour_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
-from wirerope_mj.views.recording.frame import HEIGHT, LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, Stream, at, child, entity
+from wirerope_mj.views.recording.views import HEIGHT, LARGE, Color, Plot, log_frame
 from wirerope_mj.views.thin import rows_of_line, rows_of_steps
 
-# Rows of a trail that are seen at once: the viewer draws a segment for each, in every view, for every frame.
+# rows of a trail at once: the viewer draws a segment for each in every frame
 MOST_TRAIL_ROWS = 1000
-# Stretches of a long run whose cycles are drawn beside that of the largest deflection, and rows of each: some cycles.
+# segments of a long run that are drawn beside that of the largest deflection, and rows of each
 _STRETCHES, _STRETCH = 5, 120
-_SHORT_TRAIL = 80  # Rows of the trail where the whole past would be too many: the last few cycles
+_SHORT_TRAIL = 80  # rows of the trail of a long run: the last few cycles
 _FINE = 1 / 300  # Fraction of a loop's range that its line may be off: a pixel of a small multiple
 _COARSE = 1 / 100  # The same for the cursor, which is a spot of several pixels
 _RATED = (214, 64, 64)
@@ -63,11 +62,9 @@ class LoopPlot:
 
     @property
     def path(self) -> str:
-        """Entity of the plot."""
         return entity("loops", self.axis, self.mount)
 
     def path_of(self, run: DrawnRun) -> str:
-        """Return the entity of a run's loop."""
         return child(self.path, "data", *run.names)
 
     @property
@@ -77,13 +74,12 @@ class LoopPlot:
 
 
 def grid_shape(plots: int) -> tuple[int, int]:
-    """Return columns and rows of a grid of plots."""
     columns = 1 if plots == 1 else 2 if plots <= 4 else 3
     return columns, -(-plots // columns)
 
 
 def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
-    """Return a loop for every mount and axis with a force, those of an axis in the order of their rank."""
+    """Make a loop for every mount and axis with a force, by rank."""
     mounts = {mount.name: mount for mount in response.scene.mounts}
     loops = []
     for number, axis in enumerate(AXES):
@@ -92,46 +88,43 @@ def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
             mount = response.mounts[name]
             values = loop_points(mount, number)
             line = rows_of_line(response.time, values, _tolerance(values, _FINE), limit=response.time.size)
-            parts = _cycles(values, line)
+            parts = [line]
+            if line.size > MOST_TRAIL_ROWS:
+                # of a long run some segments, about the largest deflection and evenly: full cycles tell more than corners
+                spread = np.linspace(0, line.size, _STRETCHES + 2).astype(int)[1:-1].tolist()
+                middles = sorted({int(np.abs(values[line, 0]).argmax()), *spread})
+                parts = [line[max(0, middle - _STRETCH // 2) : middle + _STRETCH // 2] for middle in middles]
             loop = DrawnLoop(axis=axis, mount=name, outlines=tuple(values[part] for part in parts))
             if name in shown:
                 rows, joined = _trail_rows(response.time, values, parts)
-                plot = _plot(values, mounts[name], axis)
+                low, high = values.min(axis=0), values.max(axis=0)
+                for limit in (in_unit(limit, "mm") for limit in travel_limits(mounts[name], axis)):
+                    if np.isfinite(limit) and (low[0] if limit < 0.0 else high[0]) / limit > 0.5:  # it comes near its rating
+                        low[0], high[0] = min(low[0], limit), max(high[0], limit)
+                plot = Plot.around(np.minimum(low, 0.0), np.maximum(high, 0.0), HEIGHT)
                 loop = replace(loop, plot=plot, time=response.time[rows], points=values[rows], joined=joined)
             loops.append(loop)
     return loops
 
 
 def drawn_loops(runs: Sequence[DrawnRun], shared: Selection) -> list[tuple[DrawnRun, DrawnLoop]]:
-    """Return the loops of the selected mounts, run by run."""
     return [(run, loop) for run in runs for loop in loops_of(run.response, shared.among(run.selection.mounts))]
 
 
 def loop_plots(drawn: Sequence[tuple[DrawnRun, DrawnLoop]], shared: Selection, widths: Mapping[str, float]) -> list[LoopPlot]:
-    """Return a plot for every mount and axis that is shown; `widths` of the frames by axis."""
-    loops: dict[tuple[str, str], list[tuple[DrawnRun, DrawnLoop]]] = {}
-    for run, loop in drawn:
-        if loop.plot is not None:
-            loops.setdefault((loop.axis, loop.mount), []).append((run, loop))
-    order = [(axis, mount) for axis in shared.axes for mount in shared.shown(axis) if (axis, mount) in loops]
-    return [
-        LoopPlot(
-            axis=axis,
-            mount=mount,
-            plot=_around([loop.plot for _, loop in loops[axis, mount] if loop.plot is not None], widths[axis]),
-            loops=tuple(loops[axis, mount]),
-        )
-        for axis, mount in order
-    ]
-
-
-def _around(plots: Sequence[Plot], width: float) -> Plot:
-    """Return the plot that holds all others."""
-    across, upward = (
-        (min(low for low, _ in ranges), max(high for _, high in ranges))
-        for ranges in ([plot.across for plot in plots], [plot.upward for plot in plots])
-    )
-    return Plot(across=across, upward=upward, width=width)
+    """Make a plot for every mount and axis that is shown; `widths` of the frames by axis."""
+    plots = []
+    for axis in shared.axes:
+        for mount in shared.shown(axis):
+            loops = [(run, loop) for run, loop in drawn if loop.plot and (loop.axis, loop.mount) == (axis, mount)]
+            if loops:
+                across, upward = (
+                    (min(low for low, _ in ranges), max(high for _, high in ranges))
+                    for ranges in zip(*((loop.plot.across, loop.plot.upward) for _, loop in loops if loop.plot), strict=True)
+                )
+                plot = Plot(across=across, upward=upward, width=widths[axis])
+                plots.append(LoopPlot(axis=axis, mount=mount, plot=plot, loops=tuple(loops)))
+    return plots
 
 
 def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequence[LoopPlot]) -> None:
@@ -146,7 +139,13 @@ def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: S
         scenes = [run.response.scene for run, _ in entry.loops]
         mounts = [mount for scene in scenes for mount in scene.mounts if mount.name == entry.mount]
         alone = not entry.loops[0][0].name
-        _log_loop_frame(rec, entry.path, entry.plot, mounts, entry.axis, lift=8.0 if alone else LARGE)
+        low, high = entry.plot.across
+        limits = dict.fromkeys(in_unit(limit, "mm") for mount in mounts for limit in travel_limits(mount, entry.axis))
+        log_frame(
+            rec, entry.path, entry.plot, across=linear_ticks(low, high, most=max(2, round(entry.plot.width / 26))),
+            upward=linear_ticks(*entry.plot.upward, most=5), lift=8.0 if alone else LARGE,
+            marked=[(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high],
+        )  # fmt: skip
         rec.log(child(entry.path, "data"), entry.plot.transform(), static=True)
         for order, (run, loop) in enumerate(entry.loops):
             path, color = entry.path_of(run), colour_of(run.selection, loop.mount)
@@ -155,23 +154,12 @@ def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: S
 
 
 def loop_points(mount: MountResponse, axis: int) -> Array:
-    """Return deflection and force of a mount along an axis [mm, kN], (n_t, 2)."""
+    """Pair deflection and force of a mount along an axis [mm, kN], (n_t, 2)."""
     return np.column_stack([in_unit(mount.deflection[:, axis], "mm"), in_unit(mount.force[:, axis], "kN")])
 
 
-def _cycles(values: Array, line: Rows) -> list[Rows]:
-    """Return the rows of what is drawn of a loop: all of them, or some stretches of a long run."""
-    # These are about its largest deflection and evenly over the rest: a few cycles in full tell more than turning points of
-    # all.
-    if line.size <= MOST_TRAIL_ROWS:
-        return [line]
-    middles = {int(np.abs(values[line, 0]).argmax()), *np.linspace(0, line.size, _STRETCHES + 2).astype(int)[1:-1].tolist()}
-    return [line[max(0, middle - _STRETCH // 2) : middle + _STRETCH // 2] for middle in sorted(middles)]
-
-
 def _trail_rows(time: Array, values: Array, parts: Sequence[Rows]) -> tuple[Rows, Booleans]:
-    """Return the rows of trail and cursor, and whether the path from each to the next is drawn."""
-    # Of a long run the cursor stands still for moments outside of the stretches that are drawn.
+    # Of a long run the cursor stands still for moments outside of the segments that are drawn.
     if len(parts) == 1:
         steps = rows_of_steps(time, values, _tolerance(values, _COARSE), limit=time.size)
         rows = np.union1d(parts[0], steps)
@@ -191,28 +179,7 @@ def _tolerance(loop: Array, ratio: float) -> Array:
     return np.asarray(np.maximum(ratio * np.ptp(loop, axis=0), 1e-12))
 
 
-def _plot(loop: Array, mount: SceneMount, axis: str) -> Plot:
-    """Return a square plot whose ranges hold the loop, zero, and the rated travel where the loop comes near it."""
-    low, high = loop.min(axis=0), loop.max(axis=0)
-    for limit in travel_limits(mount, axis):
-        if np.isfinite(limit):
-            near = low[0] if limit < 0.0 else high[0]
-            if near / in_unit(limit, "mm") > 0.5:
-                low[0], high[0] = min(low[0], in_unit(limit, "mm")), max(high[0], in_unit(limit, "mm"))
-    return Plot.around(np.minimum(low, 0.0), np.maximum(high, 0.0), HEIGHT)
-
-
-def _log_loop_frame(rec: Stream, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float) -> None:
-    """Log the frame of a loop, the rated travel of the mounts that it is of in red; `lift` is that of `log_frame`."""
-    low, high = plot.across
-    limits = dict.fromkeys(in_unit(limit, "mm") for mount in mounts for limit in travel_limits(mount, axis))
-    marked = [(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high]
-    across = linear_ticks(low, high, most=max(2, round(plot.width / 26)))
-    log_frame(rec, path, plot, across=across, upward=linear_ticks(*plot.upward, most=5), marked=marked, lift=lift)
-
-
 def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Sequence[str]) -> rr.LineStrips2D:
-    """Return whole loops [mm, kN] as dim lines."""
     return rr.LineStrips2D(
         [outline for loop in loops for outline in loop.outlines],
         colors=[[*color, 105] for loop, color in zip(loops, colors, strict=True) for _ in loop.outlines],
@@ -223,10 +190,10 @@ def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Seque
 
 
 def _log_trail(rec: Stream, path: str, loop: DrawnLoop, color: Color, *, cursor: Color, order: float) -> None:
-    """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor."""
+    """Log the cursor [mm, kN], and the trail as one segment a row, so that it reaches the cursor."""
     # Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
     width = rr.Radius.ui_points(1.5)
-    # Above the whole loop, which at the same draw order would hide the trail in some views and not in others.
+    # Above the whole loop, which would hide the trail at the same draw order.
     look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)
     rec.log(child(path, "trail"), look, static=True)
     segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)

@@ -9,7 +9,7 @@ import rerun as rr
 from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.scene import Scene, SceneBody, SceneMount
+from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, colour_of
@@ -21,7 +21,7 @@ from wirerope_mj.views.recording.shapes import bending_at, block, coil, drawn_si
 
 _STEEL = (176, 184, 194)
 _RUBBER = (64, 66, 72)
-_FLAT = 0.08  # Least height of a drawn rope over its modelled height, so that a crushed mount is not turned inside out
+_FLAT = 0.08  # least height of a drawn rope over its modelled height: a crushed mount is not turned inside out
 _MOST_LABELS = 12  # With more mounts only those whose loops are shown first get a label
 # Entities of a body that would stand in front of a mount seen from near.
 BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring")
@@ -40,18 +40,18 @@ class Device:
 
 
 def devices_of(response: Response, extent: float) -> list[Device]:
-    """Return the mounts as they are drawn in a scene of `extent` [m]."""
+    """Size the mounts in a scene of `extent` [m]."""
     devices = []
     for mount in response.scene.isolating:
         height, width = drawn_size(mount, extent)
-        # Every wire rope carries along its axis; what does not is a rubber block that acts sideways only.
+        # What does not carry along its axis is a rubber block that acts sideways only.
         rope = bool(response.mounts[mount.name].force[:, AXIAL].any())
         devices.append(Device(mount=mount, height=height, width=width, rope=rope))
     return devices
 
 
 def close_up_of(response: Response, mount: str, *, wide: bool = False) -> Camera:
-    """Return a camera that sees a mount from near where it is deflected most; `wide` for a low pane."""
+    """See a mount from near where it is deflected most; `wide` for a low pane."""
     devices = devices_of(response, scene_extent(response.scene)[1])
     device = next(device for device in devices if device.mount.name == mount)
     row = int(np.abs(response.mounts[mount].deflection).max(axis=1).argmax())
@@ -61,7 +61,7 @@ def close_up_of(response: Response, mount: str, *, wide: bool = False) -> Camera
 def log_mounts(
     rec: Stream, response: Response, selection: Selection, frames: dict[str, Frame], rows: Rows, *, extent: float
 ) -> None:
-    """Log bars, ropes, labels and forces of all mounts at some rows of the response, in a scene of `extent` [m]."""
+    """Log bars, ropes, labels and forces of all mounts at some rows, in a scene of `extent` [m]."""
     devices = devices_of(response, extent)
     _log_bars(rec, response, selection, frames, devices)
     few = len(devices) <= _MOST_LABELS or not selection.axes
@@ -70,7 +70,13 @@ def log_mounts(
         on_base = [device for device in devices if device.mount.base_body == base]
         path = frames[base].path
         others = [d for d in on_base if d.mount.name in labelled and d.mount.name != selection.governing]
-        _log_labels(rec, path, selection, others)
+        if others:
+            spots = rr.Points3D(
+                [device.mount.base_point for device in others], labels=[device.mount.name for device in others],
+                colors=[colour_of(selection, device.mount.name) for device in others], radii=rr.Radius.ui_points(0.0),
+                show_labels=True,
+            )  # fmt: skip
+            rec.log(child(path, "labels"), spots, static=True)
         for device in on_base:
             if device.mount.name == selection.governing:
                 _log_worst(rec, path, response, selection, device)
@@ -81,15 +87,11 @@ def log_mounts(
 
 
 def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device], rows: Rows) -> None:
-    """Log one mesh and, for every row, the affine map of each mount from it: base's bar, then shear and stretch."""
     first = devices[0]
     vertices, triangles, normals = coil(first.width) if first.rope else block(first.width)
     color = _STEEL if first.rope else _RUBBER
-    rec.log(
-        path,
-        rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals, albedo_factor=color),
-        static=True,
-    )
+    mesh = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals, albedo_factor=color)
+    rec.log(path, mesh, static=True)
     maps = np.empty((rows.size, len(devices), 3, 3), dtype=np.float32)  # columns first, as rerun stores them
     feet = np.empty((rows.size, len(devices), 3))
     for number, device in enumerate(devices):
@@ -107,7 +109,7 @@ def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device]
 
 
 def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]) -> None:
-    """Log the two bars of every mount, fixed to the bodies; of a run alone in the colour of what it uses of its limits."""
+    """Log the two bars of every mount; of a run alone in the colour of what it uses of its limits."""
     bodies = {body.name: body for body in response.scene.bodies}
     bars: dict[str, list[tuple[Array, Array, Array, str]]] = {}
     for device in devices:
@@ -116,9 +118,10 @@ def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dic
         half = np.array([0.17 * device.width, 0.95 * device.width, thick])
         half = half if device.rope else np.array([0.6 * device.width, 0.6 * device.width, thick])
         up = (0.5 * device.height - thick) * np.array([0.0, 0.0, 1.0])
+        back = multiply(conjugate(bodies[mount.payload_body].orientation), bodies[mount.base_body].orientation)
         for body, point, turn, side in (
             (mount.base_body, mount.base_point, axes, -1.0),
-            (mount.payload_body, mount.payload_point, _seen_from_payload(bodies, mount), 1.0),
+            (mount.payload_body, mount.payload_point, rotate(back, axes.T).T, 1.0),
         ):
             bar = (point + side * turn @ up, quaternion_of(turn), half, mount.name)
             bars.setdefault(body, []).append(bar)
@@ -137,27 +140,7 @@ def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dic
         rec.send_columns(path, at(response.time[rows]), columns)
 
 
-def _seen_from_payload(bodies: dict[str, SceneBody], mount: SceneMount) -> Array:
-    """Return the mount's axes as columns in the payload body's axes, in the modelled geometry."""
-    turn = multiply(conjugate(bodies[mount.payload_body].orientation), bodies[mount.base_body].orientation)
-    return rotate(turn, mount.axes.T).T
-
-
-def _log_labels(rec: Stream, path: str, selection: Selection, devices: list[Device]) -> None:
-    if devices:
-        rec.log(
-            child(path, "labels"),
-            rr.Points3D(
-                [device.mount.base_point for device in devices], labels=[device.mount.name for device in devices],
-                colors=[colour_of(selection, device.mount.name) for device in devices], radii=rr.Radius.ui_points(0.0),
-                show_labels=True,
-            ),
-            static=True,
-        )  # fmt: skip
-
-
 def _log_worst(rec: Stream, path: str, response: Response, selection: Selection, device: Device) -> None:
-    """Log a ring about the worst mount as it is seen when the recording opens, and its name with its use, red beyond 100 %."""
     mount = device.mount
     worst = by_use(selection.verdicts).get(mount.name)
     used = None if worst is None else worst.utilisation
@@ -180,7 +163,6 @@ def _log_worst(rec: Stream, path: str, response: Response, selection: Selection,
 def _log_forces(
     rec: Stream, path: str, response: Response, selection: Selection, devices: list[Device], rows: Rows, extent: float
 ) -> None:
-    """Log the force that each mount exerts on its payload as arrows of equal scale."""
     forces = [-response.mounts[device.mount.name].force[rows] @ device.mount.axes.T for device in devices]
     vectors = np.stack(forces, axis=1)
     largest = np.sqrt((vectors**2).sum(axis=-1)).max()
@@ -189,13 +171,8 @@ def _log_forces(
     feet = [d.mount.base_point + 0.5 * d.height * d.mount.axes[:, AXIAL] for d in devices]
     colors = [colour_of(selection, device.mount.name) for device in devices]
     rec.log(child(path, "forces"), rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent), static=True)
-    rec.send_columns(
-        child(path, "forces"),
-        at(response.time[rows]),
-        rr.Arrows3D.columns(vectors=(vectors * (0.16 * extent / largest)).reshape(-1, 3)).partition(
-            np.full(rows.size, len(devices))
-        ),
-    )
+    arrows = rr.Arrows3D.columns(vectors=(vectors * (0.16 * extent / largest)).reshape(-1, 3))
+    rec.send_columns(child(path, "forces"), at(response.time[rows]), arrows.partition(np.full(rows.size, len(devices))))
 
 
 OPEN, CLOSED = (150, 158, 168), (240, 96, 30)
@@ -203,13 +180,12 @@ _COVER = 1.02  # of the radius of a ball that is covered: seen, and too thin to 
 
 
 def closed_at(response: Response, stops: tuple[SceneMount, ...]) -> Booleans:
-    """Return whether any of some stops presses at each sample, (n_t,)."""
+    """Find whether any of some stops presses at each sample, (n_t,)."""
     pressing = [response.mounts[stop.name].force.any(axis=1) for stop in stops]
     return np.asarray(np.any(pressing, axis=0))
 
 
 def changes(state: AnyArray) -> Rows:
-    """Return the rows at which a state is another than before, the first one in any case."""
     return np.flatnonzero(np.diff(state.astype(int), prepend=-1))
 
 
@@ -223,29 +199,19 @@ def log_stops(rec: Stream, response: Response, frames: dict[str, Frame], *, exte
     scene = response.scene
     look: dict[str, object] = {"show_labels": False, "fill_mode": "Solid"}  # the lanes and the report name them
     for stop in scene.stops:
-        radius = _ball(scene, stop)
-        shape = rr.Cylinders3D if radius is None else rr.Ellipsoids3D
+        geoms = next((body.geoms for body in scene.bodies if body.name == stop.payload_body), ())
+        near = [geom for geom in geoms if np.allclose(geom.position, stop.payload_point, rtol=0.0, atol=1e-6)]
+        radius = max((float(geom.size[0]) for geom in near if geom.shape == "sphere"), default=None)
         if radius is None:
             height, width = drawn_size(stop, extent)
-            turn = quaternion(quaternion_of(stop.axes))
-            size = {"lengths": [height], "radii": [0.5 * width], "quaternions": [turn]}
+            size = {"lengths": [height], "radii": [0.5 * width], "quaternions": [quaternion(quaternion_of(stop.axes))]}
+            shape, body, center = rr.Cylinders3D, stop.base_body, stop.base_point
         else:
             size = {"half_sizes": [[_COVER * radius] * 3]}
-        body, center = (stop.base_body, stop.base_point) if radius is None else (stop.payload_body, stop.payload_point)
+            shape, body, center = rr.Ellipsoids3D, stop.payload_body, stop.payload_point
         path = child(frames[body].path, "stops", stop.name)
         rec.log(path, shape(centers=[center], labels=[stop.name], **size, **look), static=True)
         closed = closed_at(response, (stop,))
         rows = changes(closed)
         colors = [CLOSED if closed[row] else OPEN for row in rows]
         rec.send_columns(path, at(response.time[rows]), shape.columns(colors=colors))
-
-
-def _ball(scene: Scene, stop: SceneMount) -> float | None:
-    """Return the radius of the sphere that the model draws about a stop's point on the payload [m]; None without one."""
-    geoms = next((body.geoms for body in scene.bodies if body.name == stop.payload_body), ())
-    radii = [
-        float(geom.size[0])
-        for geom in geoms
-        if geom.shape == "sphere" and np.allclose(geom.position, stop.payload_point, rtol=0.0, atol=1e-6)
-    ]
-    return max(radii, default=None)

@@ -15,7 +15,7 @@ from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
 
 CURSOR, PLAN = "cursor", "plan"
 _ROWS, _PLAN_ROWS = 1000, 200  # Instants at which the table, and the plan, are made anew
-# Utilisations and the colours of what is used as much; between them colours blend, and nothing is redder than the limit.
+# Utilisations and their colours; between them colours blend, and nothing is redder than the limit.
 _SCALE: tuple[tuple[float, Color], ...] = (
     (0.0, (132, 142, 156)), (0.5, (96, 170, 190)), (0.8, DARK.series[1]), (1.0, DARK.limit),
 )  # fmt: skip
@@ -23,7 +23,6 @@ _STEP = 0.1  # Of utilisations that are told apart by colour
 
 
 def log_cursor(rec: Stream, run: RunResult) -> None:
-    """Log a table for every sample of what follows from the event, of a long run for intervals that have no gaps."""
     time = run.response.time
     rows = cursor_rows(time, run.selection, _ROWS)
     texts = [
@@ -35,7 +34,6 @@ def log_cursor(rec: Stream, run: RunResult) -> None:
 
 
 def cursor_rows(time: Array, selection: Selection, most: int = _PLAN_ROWS) -> Rows:
-    """Return the samples at which values change: most of them from where the event begins to where it is over."""
     within = np.linspace(*selection.window, most)
     outside = np.linspace(time[0], time[-1], most // 4)
     rows = np.searchsorted(time, np.concatenate([within, outside])).clip(0, time.size - 1)
@@ -43,7 +41,7 @@ def cursor_rows(time: Array, selection: Selection, most: int = _PLAN_ROWS) -> Ro
 
 
 def heat(used: Array) -> Array:
-    """Return the colours of utilisations (...), (..., 3) from 0 to 255; grey where nothing is judged."""
+    """Colour utilisations (...), (..., 3) from 0 to 255; grey where nothing is judged."""
     levels, colors = zip(*_SCALE, strict=True)
     rounded = _STEP * np.round(np.nan_to_num(used) / _STEP)
     parts = [np.interp(rounded, levels, part) for part in np.array(colors, dtype=np.float64).T]
@@ -52,14 +50,14 @@ def heat(used: Array) -> Array:
 
 
 def used_by(selection: Selection, names: list[str]) -> Array:
-    """Return what mounts use of their limits at every sample, (n_t, n); NaN for one without limits."""
+    """Find what mounts use of their limits at every sample, (n_t, n); NaN without limits."""
     courses = {one.subject: one.course for one in selection.used}
     some = next(iter(courses.values()), np.zeros(0))
     return np.column_stack([courses.get(name, np.full(some.size, np.nan)) for name in names])
 
 
 def log_plan(rec: Stream, response: Response, selection: Selection) -> None:
-    """Log every mount that is no stop at its place on the base, x to the right and y upwards."""
+    """Log every mount that is no stop at its place on the base, x to the right, y upwards."""
     mounts = response.scene.isolating
     if not mounts or not selection.used:
         return
@@ -84,7 +82,6 @@ def log_plan(rec: Stream, response: Response, selection: Selection) -> None:
 
 
 def plan_bounds(response: Response) -> tuple[list[float], list[float]]:
-    """Return what the view of the plan shows, across and upward."""
     places = np.array([mount.base_point[:2] for mount in response.scene.isolating]) * [1.0, -1.0]
     low, high = places.min(axis=0), places.max(axis=0)
     room = 0.12 * max(float(np.max(high - low)), 1e-3)

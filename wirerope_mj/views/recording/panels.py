@@ -11,17 +11,16 @@ from wirerope_mj.content.histories import peak_text
 from wirerope_mj.content.panels import BASE, OTHERS, Curve, Panel
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.arrays import Array, Booleans
+from wirerope_mj.foundation.arrays import Booleans
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.drawn_runs import COLORS
-from wirerope_mj.views.recording.frame import GROUND, Color
 from wirerope_mj.views.recording.mounts import CLOSED, changes, closed_at
 from wirerope_mj.views.recording.paths import Stream, at, child, entity, known_letters
-from wirerope_mj.views.recording.views import time_axis
+from wirerope_mj.views.recording.views import GROUND, Color, time_axis
 from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
 
-_FINE = 1 / 400  # Fraction of a panel's range that a line may be off; below a pixel of a plot of 200
-# Rows of what oscillates too often for a line: as many as pixels of a plot, which fill a band; fewer of the grey others.
+_FINE = 1 / 400  # of a panel's range that a line may be off: below a pixel
+# Rows of what oscillates too often for a line: as many as pixels, which fill a band; fewer of the grey others.
 _BAND_ROWS, _OTHER_ROWS = 1400, 300
 _OTHERS = (104, 110, 118)  # Darker than a text must be, so that what is named stands in front
 _COLUMNS = 90
@@ -39,12 +38,28 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
     others = [curve for curve in panel.curves if curve.kind == OTHERS]
     named = [curve for curve in panel.curves if curve.kind != OTHERS]
     if others:
-        _log_others(rec, child(path, "0"), others, tolerance)
+        time, values, many = others[0].x, np.stack([curve.y for curve in others], axis=1), len(others)
+        if is_dense(time, values, 3.0 * tolerance):
+            rows = rows_of_extremes(values, _OTHER_ROWS * many)
+        else:
+            rows = rows_of_line(time, values, 3.0 * tolerance)
+        names = [curve.name for curve in others]
+        alike = {"colors": [_OTHERS] * many, "widths": [1.0] * many, "aggregation_policy": ["MinMax"] * many}
+        rec.log(child(path, "0"), rr.SeriesLines(names=names, **alike), static=True)
+        scalars = np.ascontiguousarray(values[rows])
+        rec.send_columns(child(path, "0"), at(time[rows]), rr.Scalars.columns(scalars=scalars))
     step = min(0.6, 2.4 / max(len(named) - 1, 1))
     for rank, curve in enumerate(reversed(named), start=1):
         width = 1.0 if curve.kind == BASE else 1.5 + step * (len(named) - rank)
         below = child(path, str(rank), curve.name)
-        name = _log_curve(rec, below, curve, panel, tolerance, width)
+        x, y, dense = curve.x, curve.y[:, None], is_dense(curve.x, curve.y[:, None], tolerance)
+        name = f"{peak_text(curve, panel)}{' (band)' if dense else ''}"
+        rows = rows_of_extremes(y, _BAND_ROWS) if dense else rows_of_line(x, y, tolerance)
+        # Without this the viewer averages what falls into one pixel: a sweep would vanish.
+        widths = 1.0 if dense else width
+        line = rr.SeriesLines(names=name, colors=color_of(curve), widths=widths, aggregation_policy="MinMax")
+        rec.log(below, line, static=True)
+        rec.send_columns(below, at(x[rows]), rr.Scalars.columns(scalars=curve.y[rows]))
         if curve.peak is not None and (every or curve is named[0]):
             instant, value = curve.peak
             look = rr.SeriesPoints(names=name, markers="Diamond", marker_sizes=6.0, colors=color_of(curve))
@@ -57,7 +72,7 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
 
 
 def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> rrb.TimeSeriesView:
-    """Return the plot of a panel over `window` [s], with its legend where it hides least."""
+    """View a panel over `window` [s], with its legend where it hides least."""
     corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
     return rrb.TimeSeriesView(
         origin=path, name=known_letters(panel.title or panel.ylabel), axis_x=time_axis(window),
@@ -66,42 +81,12 @@ def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> rrb.Time
 
 
 def color_of(curve: Curve) -> Color:
-    """Return the colour of a curve on the viewer's dark ground."""
     if isinstance(curve.kind, int):
         return COLORS[curve.kind % len(COLORS)]
     return DARK.base if curve.kind == BASE else _OTHERS
 
 
-def _log_curve(rec: Stream, path: str, curve: Curve, panel: Panel, tolerance: float, width: float) -> str:
-    """Log a curve, as a band where it oscillates too often for a line, and return its name in the legend."""
-    dense = is_dense(curve.x, curve.y[:, None], tolerance)
-    name = f"{peak_text(curve, panel)}{' (band)' if dense else ''}"
-    rows = rows_of_extremes(curve.y[:, None], _BAND_ROWS) if dense else rows_of_line(curve.x, curve.y[:, None], tolerance)
-    # The viewer averages what falls into one pixel unless it is told to keep the extremes: a sweep would vanish.
-    look = rr.SeriesLines(names=name, colors=color_of(curve), widths=1.0 if dense else width, aggregation_policy="MinMax")
-    rec.log(path, look, static=True)
-    rec.send_columns(path, at(curve.x[rows]), rr.Scalars.columns(scalars=curve.y[rows]))
-    return name
-
-
-def _log_others(rec: Stream, path: str, curves: list[Curve], tolerance: float) -> None:
-    """Log curves that nobody looks at closely, all in one entity and with one name."""
-    time, values = curves[0].x, np.stack([curve.y for curve in curves], axis=1)
-    if is_dense(time, values, 3.0 * tolerance):
-        rows = rows_of_extremes(values, _OTHER_ROWS * len(curves))
-    else:
-        rows = rows_of_line(time, values, 3.0 * tolerance)
-    many = len(curves)
-    look = rr.SeriesLines(
-        names=[curve.name for curve in curves], colors=[_OTHERS] * many, widths=[1.0] * many,
-        aggregation_policy=["MinMax"] * many,
-    )  # fmt: skip
-    rec.log(path, look, static=True)
-    rec.send_columns(path, at(time[rows]), rr.Scalars.columns(scalars=np.ascontiguousarray(values[rows])))
-
-
 def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
-    """Return the corner in which a legend would hide the least that happens, as rerun calls it."""
     levels = [level for _, level in panel.limits]
     low = min([float(curve.y.min()) for curve in panel.curves] + levels)
     high = max([float(curve.y.max()) for curve in panel.curves] + levels)
@@ -109,14 +94,12 @@ def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
     hidden = {}
     for corner, (right, top) in _CORNERS.items():
         instants = across[-_COLUMNS // 3 :] if right else across[: _COLUMNS // 3]
-        hidden[corner] = sum(_hidden(curve, instants, low, upward, top=top) for curve in panel.curves)
+        hidden[corner] = 0.0
+        for curve in panel.curves:
+            values = np.interp(instants, curve.x, curve.y)
+            covered = (values - low) / upward > 0.3 if top else (values - low) / upward < 0.7
+            hidden[corner] += float(np.abs(values - np.median(curve.y))[covered].sum())
     return min(hidden, key=lambda corner: hidden[corner])
-
-
-def _hidden(curve: Curve, instants: Array, low: float, upward: float, *, top: bool) -> float:
-    values = np.interp(instants, curve.x, curve.y)
-    covered = (values - low) / upward > 0.3 if top else (values - low) / upward < 0.7
-    return float(np.abs(values - np.median(curve.y))[covered].sum())
 
 
 _MOST = 2  # Lanes of what uses most of its limits: each is 40 points high
@@ -133,7 +116,6 @@ _TAKEN = (
 
 
 def lane_paths(response: Response, selection: Selection) -> list[str]:
-    """Return the entities of the lanes in their order; the viewer writes them beside the lanes."""
     stops = [_path("stops")] if _pressing(response) is not None else []
     return [_path("base"), *stops, *(_path(name) for name in _subjects(selection))]
 
@@ -141,7 +123,15 @@ def lane_paths(response: Response, selection: Selection) -> list[str]:
 def log_lanes(rec: Stream, response: Response, selection: Selection, shared: Selection) -> None:
     """Log the lanes of a run that is alone; `shared` says which, and until when they are seen."""
     end = shared.window[1]
-    _log_lane(rec, "base", _phases(response), _PHASES, end)
+    start = float(response.time[0])
+    phases = [(start, 1 if response.base.acceleration.any() else 0)]
+    if response.events:
+        first, last = response.events[0][0], response.events[-1][0]
+        phases = [(start, 0)] * (first > start) + [(max(first, start), 1)]
+        if not response.base.acceleration[response.time > last + 1e-9].any():
+            phases.append((last, 2))
+        phases = [phase for phase in phases if response.reaches(phase[0])]
+    _log_lane(rec, "base", phases, _PHASES, end)
     closed = _pressing(response)
     if closed is not None:
         _log_lane(rec, "stops", [(float(response.time[row]), int(closed[row])) for row in changes(closed)], _STOPS, end)
@@ -153,13 +143,12 @@ def log_lanes(rec: Stream, response: Response, selection: Selection, shared: Sel
 
 
 def _subjects(selection: Selection) -> list[str]:
-    """Return what comes near its limits, or else what comes nearest."""
     near = [used.subject for used in selection.used if used.largest >= NEAR]
     return (near or [used.subject for used in selection.used[:1]])[:_MOST]
 
 
 def _pressing(response: Response) -> Booleans | None:
-    """Return whether any stop or declared pair of geoms presses at each sample, (n_t,); None where there are none."""
+    """Find whether any stop or declared pair presses at each sample, (n_t,); None without any."""
     pairs = [pair.force > 0.0 for pair in response.contacts.values()]
     stops = [closed_at(response, response.scene.stops)] if response.scene.stops else []
     return np.any([*pairs, *stops], axis=0) if pairs or stops else None
@@ -169,23 +158,10 @@ def _path(name: str) -> str:
     return entity("lanes", name) if name in _TAKEN else entity(name)
 
 
-def _phases(response: Response) -> list[tuple[float, int]]:
-    start = float(response.time[0])
-    if not response.events:
-        return [(start, 1 if response.base.acceleration.any() else 0)]
-    first, last = response.events[0][0], response.events[-1][0]
-    after = response.base.acceleration[response.time > last + 1e-9]
-    phases = [(start, 0)] if first > start else []
-    phases.append((max(first, start), 1))
-    if not after.any():
-        phases.append((last, 2))
-    return [phase for phase in phases if response.reaches(phase[0])]
-
-
 def _log_lane(
     rec: Stream, name: str, changes: list[tuple[float, int]], states: Sequence[tuple[str, Sequence[int]]], end: float
 ) -> None:
-    """Log a lane, seen until an instant `end` [s]; what is too short for its name is drawn in its colour alone."""
+    """Log a lane, seen until `end` [s]; what is too short for its name shows its colour alone."""
     labels, colors = zip(*states, strict=True)
     blanks = [" " * (number + 1) for number in range(len(labels))]
     rec.log(_path(name), rr.StateConfiguration(values=[*labels, *blanks], colors=[*colors, *colors]), static=True)

@@ -15,22 +15,21 @@ from wirerope_mj.views.thin import Rows as Rows
 
 APPLICATION = "wirerope_mj"
 TIMELINE = "sim_time"
-EVENT = "event"  # Timeline of a few instants alone: the viewer's key for the next event jumps from one to the next
+EVENT = "event"  # timeline of a few instants: the viewer's key for the next event jumps along it
 AXIAL = AXES.index("axial")
 
 
 def entity(*parts: str) -> str:
-    """Return an entity path; a part may hold any character, which the viewer then writes."""
     return str(rr.new_entity_path([known_letters(part) for part in parts]))
 
 
 def root_of(run: str) -> str:
-    """Return the entity below which a run stands where a recording holds several; "" for a run alone, which has no name."""
+    """Name the entity below which one of several runs stands; "" for a run alone."""
     return entity("runs", run) if run else ""
 
 
 def child(parent: str, *parts: str) -> str:
-    """Return the path of an entity below `parent`, which is a path already; `parent` itself without parts."""
+    """Make the path of an entity below `parent`, `parent` itself without parts."""
     return parent + entity(*parts) if parts else parent
 
 
@@ -48,7 +47,6 @@ class Stream:
         self._rec.log(path, *parts, static=static)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
-        """Send rows of an entity at the instants of the index."""
         self._rec.send_columns(path, index, columns)
 
 
@@ -60,11 +58,9 @@ class Below(Stream):
         self._root = root
 
     def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
-        """Log as the stream does."""
         self._rec.log(self._root + path, *parts, static=static)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
-        """Send rows as the stream does."""
         self._rec.send_columns(self._root + path, index, columns)
 
 
@@ -76,7 +72,6 @@ class AtEvents(Stream):
         self._instants = nanoseconds(instants)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
-        """Send rows as the stream does, and those that hold at the instants."""
         self._rec.send_columns(path, index, columns)
         times = index[0].as_arrow_array().cast("int64").to_numpy().view("timedelta64[ns]")
         rows = np.searchsorted(times, self._instants, side="right") - 1
@@ -100,12 +95,12 @@ class _Changed:
 
 
 def nanoseconds(time: ArrayLike) -> npt.NDArray[np.timedelta64]:
-    """Return instants [s] as the timeline counts them: rounded, because rerun itself truncates floats."""
+    """Count instants [s] as the timeline does: rounded, because rerun itself truncates floats."""
     return np.round(np.atleast_1d(np.asarray(time, dtype=np.float64)) * 1e9).astype(np.int64).astype("timedelta64[ns]")
 
 
 def at(time: ArrayLike) -> list[rr.TimeColumn]:
-    """Return the index columns of rows at the instants `time` [s]."""
+    """Index rows at the instants `time` [s]."""
     return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]
 
 
@@ -119,7 +114,7 @@ _UNKNOWN = re.compile(
 
 
 def known_letters(text: str) -> str:
-    """Return text with letters that the viewer has: others as their numbers, as "U+5B89"."""
+    """Replace letters that the viewer lacks by their numbers, as "U+5B89"."""
     return _UNKNOWN.sub(lambda match: f"U+{ord(match[0]):04X}", text)
 
 
@@ -130,21 +125,17 @@ class KnownLetters(Stream):
         return getattr(self._rec, name)
 
     def send_recording_name(self, name: str) -> None:
-        """Send the name of the recording."""
         self._rec.send_recording_name(known_letters(name))
 
     def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
-        """Log as the stream does."""
         batches = [_Changed(batch, _shown) for part in parts for batch in part.as_component_batches()]
         self._rec.log(path, batches, static=static)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
-        """Send rows as the stream does."""
         self._rec.send_columns(path, index, [_Changed(column, _shown) for column in columns])
 
 
 def _shown(array: pa.Array) -> pa.Array:
-    """Return an array of texts, or of lists of texts, with known letters; any other as it is."""
     if pa.types.is_string(array.type):
         texts = array.to_pylist()
         known = [text if text is None else known_letters(text) for text in texts]

@@ -9,7 +9,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.paths import child, entity
 
-# Bodies are fixed to each other if they move less than this [m], per metre of arm for rotations; far below a pixel.
+# Bodies that move less are fixed to each other [m], per metre of arm for rotations; far below a pixel
 _SAME = 1e-6
 _CHECKED_ROWS = 1000
 
@@ -24,12 +24,11 @@ class Frame:
 
     @property
     def fixed(self) -> bool:
-        """True if it never moves in the parent's frame."""
         return self.position.shape[0] == 1
 
 
 def frames_of(response: Response) -> dict[str, Frame]:
-    """Return the frame of every body of the scene by name; the base comes first, then what rides on it."""
+    """Find the frame of every body of the scene by name; the base comes first."""
     base = response.scene.base if response.scene.base in response.bodies else ""
     world = entity("world")
     frames: dict[str, Frame] = {}
@@ -44,7 +43,14 @@ def frames_of(response: Response) -> dict[str, Frame]:
             path = world if body.name == "world" else child(world, body.name)
             frames[body.name] = Frame(path=path, position=body.position[None], orientation=body.orientation[None])
             continue
-        parent = _carrier(response, body.name, [*([base] if base else []), *free])
+        parent = None  # the first in whose frame the body never moves
+        some = slice(None, None, max(1, response.time.size // _CHECKED_ROWS))
+        for carrier in [*([base] if base else []), *free]:
+            position, orientation = relative_pose(response, body.name, carrier, some)
+            aligned = orientation * np.sign(orientation @ orientation[0])[:, None]
+            if max(np.ptp(position, axis=0).max(), np.ptp(aligned, axis=0).max()) < _SAME:
+                parent = carrier
+                break
         if parent is None:
             free.append(body.name)
         position, orientation = relative_pose(response, body.name, parent if parent is not None else base)
@@ -54,31 +60,34 @@ def frames_of(response: Response) -> dict[str, Frame]:
     return frames
 
 
-def relative_pose(response: Response, name: str, other: str) -> tuple[Array, Array]:
-    """Return position (n_t, 3) and orientation (n_t, 4) of a body in the frame of `other`; "" is the world."""
-    return _relative(response, name, other, slice(None))
+def relative_pose(response: Response, name: str, carrier: str, rows: slice = slice(None)) -> tuple[Array, Array]:
+    """Find position (n_t, 3) and orientation (n_t, 4) of a body in the frame of another one; "" is the world."""
+    position, orientation = response.bodies[name].position[rows], response.bodies[name].orientation[rows]
+    if not carrier:
+        return position, orientation
+    moved = response.bodies[carrier]
+    back = conjugate(moved.orientation[rows])
+    return rotate(back, position - moved.position[rows]), multiply(back, orientation)
 
 
 def rotate(quaternion: Array, vector: Array) -> Array:
-    """Return vectors (..., 3) turned by quaternions (..., 4), w first."""
+    """Turn vectors (..., 3) by quaternions (..., 4), w first."""
     w, u = quaternion[..., :1], quaternion[..., 1:]
     return vector + 2.0 * np.cross(u, np.cross(u, vector) + w * vector)
 
 
 def conjugate(quaternion: Array) -> Array:
-    """Return the inverse rotation."""
     return quaternion * np.array([1.0, -1.0, -1.0, -1.0])
 
 
 def multiply(a: Array, b: Array) -> Array:
-    """Return the rotation b followed by a."""
     w, u = a[..., :1], a[..., 1:]
     real = w * b[..., :1] - np.sum(u * b[..., 1:], axis=-1, keepdims=True)
     return np.concatenate([real, w * b[..., 1:] + b[..., :1] * u + np.cross(u, b[..., 1:])], axis=-1)
 
 
 def grown(position: Array, orientation: Array, about: Array, turned: Array, factor: float) -> tuple[Array, Array]:
-    """Return poses `factor` times as far from one: positions (n_t, 3) from `about`, quaternions (n_t, 4) from `turned`."""
+    """Enlarge poses: positions (n_t, 3) from `about`, quaternions (n_t, 4) from `turned`."""
     turn = multiply(orientation, conjugate(turned))
     turn = turn * np.where(turn[:, :1] < 0.0, -1.0, 1.0)
     turn[:, 1:] *= factor
@@ -87,27 +96,6 @@ def grown(position: Array, orientation: Array, about: Array, turned: Array, fact
 
 
 def quaternion_of(matrix: Array) -> Array:
-    """Return the quaternion (4,), w first, of a rotation matrix (3, 3)."""
+    """Convert a rotation matrix (3, 3) to a quaternion (4,), w first."""
     quaternion: Array = scipy.spatial.transform.Rotation.from_matrix(matrix).as_quat(scalar_first=True)
     return quaternion
-
-
-def _carrier(response: Response, name: str, candidates: list[str]) -> str | None:
-    """Return the first of the candidates in whose frame the body never moves."""
-    some = slice(None, None, max(1, response.time.size // _CHECKED_ROWS))
-    for other in candidates:
-        position, orientation = _relative(response, name, other, some)
-        aligned = orientation * np.sign(orientation @ orientation[0])[:, None]
-        if np.ptp(position, axis=0).max() < _SAME and np.ptp(aligned, axis=0).max() < _SAME:
-            return other
-    return None
-
-
-def _relative(response: Response, name: str, other: str, rows: slice) -> tuple[Array, Array]:
-    body = response.bodies[name]
-    position, orientation = body.position[rows], body.orientation[rows]
-    if not other:
-        return position, orientation
-    carrier = response.bodies[other]
-    back = conjugate(carrier.orientation[rows])
-    return rotate(back, position - carrier.position[rows]), multiply(back, orientation)

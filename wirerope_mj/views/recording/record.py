@@ -13,20 +13,21 @@ from rerun.chunk import RrdReader
 from wirerope_mj.assessment.comparison import Align
 from wirerope_mj.assessment.correlation import Correlation
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, headline, judge
-from wirerope_mj.content.comparison_findings import Inputs
+from wirerope_mj.content.comparison import Inputs
 from wirerope_mj.content.correlation import with_ghosts
 from wirerope_mj.content.events import events_of, main_instants
 from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.panels import Panel
+from wirerope_mj.content.run import panel_over_frequency
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.recording.blueprint import blueprint_of, loop_widths
-from wirerope_mj.views.recording.cases import cases_drawn, layout_of_cases
-from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun, one_run, several_runs
+from wirerope_mj.views.recording.blueprint import blueprint_of, layout_of_cases, loop_widths
+from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun, one_run, several_runs, shared_selection
 from wirerope_mj.views.recording.ghosts import ghost_factor, log_ghosts
 from wirerope_mj.views.recording.loops import drawn_loops, log_loops, loop_plots
 from wirerope_mj.views.recording.now import log_cursor, log_plan
@@ -89,7 +90,7 @@ def record_cases(runs: Mapping[str, JudgedRun], path: Path, *, notes: Mapping[st
     The viewer has one layout for all recordings of an application: this one holds what any case shows, and its names of views
     no figure of a single case. `notes` say what the cases are.
     """
-    drawn = cases_drawn(runs, notes)
+    drawn = _drawn_cases(runs, notes)
     layout, factor = layout_of_cases(list(drawn.values()))
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=".") as folder:
         parts = []
@@ -100,11 +101,24 @@ def record_cases(runs: Mapping[str, JudgedRun], path: Path, *, notes: Mapping[st
         join_recordings(parts, path)
 
 
+def _drawn_cases(runs: Mapping[str, JudgedRun], notes: Mapping[str, str]) -> dict[str, Drawn]:
+    """Draw the mounts, loops and lanes that matter in any case."""
+    alone = {name: one_run(run, panel_over_frequency(run)) for name, run in runs.items()}
+    drawn_runs = [drawn.runs[0] for drawn in alone.values()]
+    shared = shared_selection(drawn_runs, drawn_runs[0].selection.mounts)
+    cases = {}
+    for name, run in runs.items():
+        text = "\n\n".join(filter(None, (markdown_lines(notes[name]), f"**Base motion:** {markdown(run.acting)}")))
+        texts = run_texts(run, title=name, scenario_text=text)
+        banner = replace(texts[0], text=f"{markdown(name)}: {texts[0].text}")
+        cases[name] = replace(alone[name], shared=shared, texts=(banner, *texts[1:]), cases=True)
+    return cases
+
+
 def _write_alone(
     rec: rr.RecordingStream, run: RunResult, drawn: Drawn, *, title: str, tab: str = "Overview", state: bool = False,
     common: tuple[rrb.Blueprint | None, float] | None = None,
 ) -> None:  # fmt: skip
-    """Log a run alone, or one of several load cases."""
     shown = AtEvents(rec, main_instants(run.response, run.selection))
     _write(rec, shown, drawn, tab=tab, state=state, common=common)
     _send_properties(rec, drawn.runs[0], title)
@@ -174,7 +188,11 @@ def _write(
     for text in drawn.texts:
         rec.log(entity(*text.path), rr.TextDocument(text.text, media_type=rr.MediaType.MARKDOWN), static=True)
     for run in drawn.runs:
-        _log_events(shown, run)
+        if events := events_of(run.response, run.selection):
+            prefix, color = (f"{run.name}: ", {"color": [run.color] * len(events)}) if run.name else ("", {})
+            texts = [f"{event.time:.4f} s  {prefix}{event.text}" for event in events]
+            columns = rr.TextLog.columns(text=texts, level=[event.level for event in events], **color)
+            shown.send_columns(entity("events", *run.names), at([event.time for event in events]), columns)
         log_scene(Below(shown, run.root), run.response, run.selection, run.frames, arrow=run.color)
     times = [run.response.time for run in drawn.runs]
     ends = min(time[0] for time in times), max(time[-1] for time in times)
@@ -189,21 +207,7 @@ def _write(
             log_state(Below(rec, run.root), run.response)
 
 
-def _log_events(rec: Stream, run: DrawnRun) -> None:
-    """Log the events of a run."""
-    events = events_of(run.response, run.selection)
-    if events:
-        prefix, color = (f"{run.name}: ", {"color": [run.color] * len(events)}) if run.name else ("", {})
-        columns = rr.TextLog.columns(
-            text=[f"{event.time:.4f} s  {prefix}{event.text}" for event in events],
-            level=[event.level for event in events],
-            **color,
-        )
-        rec.send_columns(entity("events", *run.names), at([event.time for event in events]), columns)
-
-
 def _send_properties(rec: rr.RecordingStream, run: DrawnRun, title: str) -> None:
-    """Send the recording's name and, for tables of several recordings, motion, level, verdict and the worst utilisation."""
     response, used = run.response, run.selection.used
     rec.send_recording_name(title or response.scene.name)
     base = response.peaks.bodies.get(response.scene.base)
@@ -215,8 +219,8 @@ def _send_properties(rec: rr.RecordingStream, run: DrawnRun, title: str) -> None
         "worst": worst.subject if worst else None, "criterion": worst.criterion if worst else None,
         "utilisation_percent": in_unit(used[0].largest, "%") if used else None,
     }  # fmt: skip
-    said = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
-    rec.send_property("run", rr.AnyValues(**{name: value for name, value in said.items() if value is not None}))
+    texts = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
+    rec.send_property("run", rr.AnyValues(**{name: value for name, value in texts.items() if value is not None}))
 
 
 ROOT = "state"

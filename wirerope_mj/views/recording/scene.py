@@ -14,7 +14,7 @@ from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
 from wirerope_mj.views.recording.shapes import draw_geoms, log_bending, quaternion, see_through
 from wirerope_mj.views.thin import rows_of_steps
 
-_STILL = 1 / 50  # Poses are drawn anew when something has moved by this fraction of the largest travel
+_STILL = 1 / 50  # of the largest travel, by which something moves before poses are drawn anew
 _MOST_POSES = 3000  # Poses of a long run at the most; those of all peaks are among them
 _AXES = [(232, 110, 100), (120, 200, 110), (110, 160, 240)]  # Colours of x, y and z
 ARROW = (255, 196, 60)  # Colour of the acceleration of the base of a run alone
@@ -51,7 +51,7 @@ def log_scene(
 
 
 def _corners(response: Response, extent: float) -> tuple[Array, Array]:
-    """Return the least and largest coordinates of the base's shapes about its centre of mass [m], (3,) each."""
+    """Find least and largest coordinates of the base's shapes about its centre of mass [m], (3,) each."""
     body = next(body for body in response.scene.bodies if body.name == response.scene.base)
     boxes = [(geom.position - reach(geom), geom.position + reach(geom)) for geom in body.geoms]
     known = [box for box in boxes if np.isfinite(box).all()] or [(np.full(3, -0.5 * extent), np.full(3, 0.5 * extent))]
@@ -60,7 +60,7 @@ def _corners(response: Response, extent: float) -> tuple[Array, Array]:
 
 
 def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
-    """Return the rows at which what rides on the base is drawn anew."""
+    """Choose the rows at which what rides on the base is drawn anew."""
     moving = [frame for name, frame in frames.items() if not frame.fixed and name != response.scene.base]
     deflections = [mount.deflection for mount in response.mounts.values()]
     lengths = [frame.position for frame in moving] + deflections
@@ -89,7 +89,7 @@ def log_pose(rec: Stream, path: str, time: Array, position: Array, orientation: 
 def _log_base_acceleration(
     rec: Stream, response: Response, frames: dict[str, Frame], extent: float, color: tuple[int, int, int]
 ) -> None:
-    """Log the acceleration of the base as an arrow beside it, so that the shock is seen although the camera rides."""
+    """Log the acceleration of the base as an arrow, so that the shock is seen although the camera rides."""
     acceleration = response.base.acceleration
     largest = float(np.linalg.norm(acceleration, axis=1).max())
     base = response.scene.base

@@ -10,7 +10,7 @@ import scipy
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody, SceneMount
-from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.paths import Rows, Stream, at, child
 from wirerope_mj.views.recording.poses import Frame, relative_pose, rotate
 
@@ -30,7 +30,11 @@ def draw_geoms(rec: Stream, path: str, geoms: Sequence[Geom], extent: float) -> 
         same = [geom for geom in geoms if geom.shape == shape]
         if shape in ("mesh", "plane"):
             for number, geom in enumerate(same):
-                corners, triangles = _plane(geom, extent) if shape == "plane" else (geom.vertices, geom.faces)
+                corners, triangles = geom.vertices, geom.faces
+                if shape == "plane":
+                    x, y = (half if half > 0.0 else 2.0 * extent for half in geom.size[:2])
+                    corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
+                    triangles = np.array([[0, 1, 2], [0, 2, 3]])
                 mesh = rr.Mesh3D(
                     vertex_positions=geom.position + rotate(geom.orientation, corners),
                     triangle_indices=triangles.astype(np.uint32), albedo_factor=rgba8(geom.rgba),
@@ -41,12 +45,12 @@ def draw_geoms(rec: Stream, path: str, geoms: Sequence[Geom], extent: float) -> 
 
 
 def quaternion(orientation: Array) -> rr.Quaternion:
-    """Return a quaternion (4,), w first, as one of rerun."""
+    """Convert a quaternion (4,), w first, to rerun's."""
     return rr.Quaternion(xyzw=np.roll(orientation, -1))
 
 
 def drawn_size(mount: SceneMount, extent: float) -> tuple[float, float]:
-    """Return height and width [m] of a mount; where the model knows none, those that suit a scene of `extent` [m]."""
+    """Find height and width [m] of a mount; unknown ones suit a scene of `extent` [m]."""
     height = mount.height if np.isfinite(mount.height) else float(np.clip(0.03 * extent, 0.01, 0.1))
     return height, mount.width if np.isfinite(mount.width) else 1.1 * height
 
@@ -71,13 +75,8 @@ def _solids(shape: str, geoms: list[Geom]) -> rr.AsComponents:
     return rr.Ellipsoids3D(half_sizes=halves, centers=centers, **common)
 
 
-def _plane(geom: Geom, extent: float) -> tuple[Array, Integers]:
-    x, y = (half if half > 0.0 else 2.0 * extent for half in geom.size[:2])
-    return np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]])
-
-
 def rgba8(rgba: Array) -> list[int]:
-    """Return a colour of 0 to 1 as bytes."""
+    """Convert a colour of 0 to 1 to bytes."""
     return [int(part) for part in np.round(np.clip(rgba, 0.0, 1.0) * 255)]
 
 
@@ -95,13 +94,13 @@ def coil(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
     angle = np.linspace(0.0, 2.0 * np.pi, _SECTION, endpoint=False)
     out = np.column_stack([np.sin(turns), np.zeros_like(turns), -np.cos(turns)])  # away from the middle of the turn
     normals = np.cos(angle)[None, :, None] * out[:, None] + np.sin(angle)[None, :, None] * np.array([0.0, 1.0, 0.0])
-    # z is in heights and x in metres: the section is round where the height is about the width, as in the catalogues.
+    # z is in heights and x in metres: the section is round where the height is about the width.
     scale = 0.5 * _ROPE * np.array([width, width, 1.0])
     return wrap(wire[:, None] + normals * scale, normals)
 
 
 def block(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
-    """Return vertices, triangles and normals of a waisted rubber block of unit height, in the axes of `coil`."""
+    """Mesh a waisted rubber block of unit height: vertices, triangles, normals, in the axes of `coil`."""
     z = np.linspace(0.0, 1.0, 9)
     radius = 0.5 * width * (1.0 - 0.22 * np.sin(np.pi * z))
     angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
@@ -111,7 +110,7 @@ def block(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
 
 
 def wrap(vertices: Array, normals: Array) -> tuple[Array, npt.NDArray[np.uint32], Array]:
-    """Return the mesh of a tube: vertices and normals are (n_along, n_around, 3)."""
+    """Mesh a tube: vertices and normals are (n_along, n_around, 3)."""
     along, around = vertices.shape[:2]
     i, j = np.meshgrid(np.arange(along - 1), np.arange(around), indexing="ij")
     a, b = i * around + j, i * around + (j + 1) % around
@@ -141,12 +140,11 @@ def bending_at(response: Response, mount: SceneMount, body: str, rows: Rows) -> 
 
 
 def see_through(body: SceneBody) -> Sequence[Geom]:
-    """Return the geoms of a body, faint if it bends."""
     return [replace(geom, rgba=geom.rgba * [1.0, 1.0, 1.0, _FAINT]) for geom in body.geoms] if body.bends else body.geoms
 
 
 def log_bending(rec: Stream, frames: Mapping[str, Frame], response: Response, rows: Rows, factor: float) -> None:
-    """Log a net through the mounts' points on each body that bends, with bending enlarged from where it begins."""
+    """Log a net through the mounts' points on each body that bends, bending enlarged."""
     for body in (one.name for one in response.scene.bodies if one.bends):
         points = [
             (mount, mount.base_point if mount.base_body == body else mount.payload_point)
@@ -164,7 +162,7 @@ def log_bending(rec: Stream, frames: Mapping[str, Frame], response: Response, ro
 
 
 def _edges(feet: Array) -> Array:
-    """Return pairs of feet on one level to be joined, (n, 2): triangles seen from above, a row where they lie in a line."""
+    """Pair feet on one level, (n, 2): triangles seen from above, a row where they lie in a line."""
     try:
         corners = scipy.spatial.Delaunay(feet[:, :2]).simplices
     except (scipy.spatial.QhullError, ValueError):  # in one line, or fewer than three

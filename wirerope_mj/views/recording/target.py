@@ -23,7 +23,7 @@ _OPEN_FILES = Path("/dev/fd")  # Folder in which Linux and macOS give an open pi
 
 
 def target_of(path: str | Path, *, file: str = FILE) -> Path:
-    """Return the file that a recording at `path` is: a folder gets one called `file`."""
+    """Name the file of a recording at `path`: a folder gets one called `file`."""
     target = Path(path)
     return target / file if target.is_dir() or target.suffix != ".rrd" else target
 
@@ -46,25 +46,19 @@ def atomic_recording(target: Path, *, application: str = APPLICATION) -> Iterato
     rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
     try:
         with atomic_file(target) as temporary:
-            with _ended(_Recording(application, temporary)) as recording:
+            recording = _Recording(application, temporary)
+            try:
+                recording.begin()
                 yield KnownLetters(recording)
+            finally:
+                with interrupts_held():
+                    recording.end()
+            if recording.errors:
+                raise recording.errors[0]
             if not temporary.stat().st_size:
                 raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
     finally:
         rr.set_strict_mode(was_strict)
-
-
-@contextmanager
-def _ended(recording: "_Recording") -> Iterator["_Recording"]:
-    """Lend a recording, end it, and raise what went wrong while its file was written."""
-    try:
-        recording.begin()
-        yield recording
-    finally:
-        with interrupts_held():
-            recording.end()
-    if recording.errors:
-        raise recording.errors[0]
 
 
 class _Recording(Stream):
@@ -96,7 +90,7 @@ class _Recording(Stream):
             os.close(writing)  # rerun has opened it once more
 
     def send_blueprint(self, blueprint: rr.blueprint.Blueprint, **how: bool) -> None:
-        """Send a layout as rerun does, which would keep the layout's stream and its threads."""
+        """Send a layout; rerun itself would keep the layout's stream and its threads."""
         native = rerun_bindings.new_blueprint(self._application, make_default=False, make_thread_default=False)
         stream = rr.RecordingStream._from_native(native)
         try:
@@ -107,7 +101,7 @@ class _Recording(Stream):
             stream.disconnect()  # it holds the layout in memory, which holds it
 
     def end(self) -> None:
-        """Write what is left, and give back rerun's threads and memory; nothing waits for what does not come."""
+        """Write what is left, and give back rerun's threads and memory."""
         self._rec.disconnect()  # closes the pipe, whose end ends the writer
         del self._rec
         rerun_bindings.flush_and_cleanup_orphaned_recordings()
@@ -116,7 +110,7 @@ class _Recording(Stream):
 
 
 def _write(reading: int, path: Path, errors: list[OSError]) -> None:
-    """Write what comes out of a pipe as a file until it ends; after an error take it away only."""
+    """Write what comes out of a pipe as a file until it ends; after an error drop the rest."""
     with open(reading, "rb", buffering=0) as source:
         try:
             with path.open("wb", buffering=0) as file:

@@ -3,17 +3,16 @@
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 from wirerope_mj.assessment.comparison import Comparison
 from wirerope_mj.assessment.correlation import Correlation
 from wirerope_mj.content.blocks import Block
-from wirerope_mj.content.comparison import comparison_content
-from wirerope_mj.content.comparison_findings import Inputs
-from wirerope_mj.content.contacts import contact_blocks
+from wirerope_mj.content.comparison import Inputs, comparison_content
 from wirerope_mj.content.correlation import agreement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.modes import run_modes_blocks
-from wirerope_mj.content.mounts import mount_blocks
+from wirerope_mj.content.mounts import contact_blocks, mount_blocks
 from wirerope_mj.content.run import acceleration_blocks, numerics_statement
 from wirerope_mj.content.verdicts import answer_blocks, full_table, headline, most_critical
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
@@ -32,7 +31,11 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
     first = [headline(run.verdicts), most_critical(run.verdicts)]
     peaks: list[Block | None] = [*first[:1], *answer_blocks(run)]
     peaks += [*acceleration_blocks(run), *mount_blocks(run), *contact_blocks(run)]
-    body = _fenced(scenario_text) if _is_toml(scenario_text) else scenario_text.strip()
+    body = scenario_text.strip()
+    with suppress(tomllib.TOMLDecodeError):
+        if tomllib.loads(scenario_text):  # a block of code, whose fence is longer than any row of backticks in it
+            fence = "`" * max(max(map(len, re.findall("`+", body)), default=0) + 1, 3)
+            body = f"{fence}toml\n{plain_lines(body)}\n{fence}"
     numerics = markdown(numerics_statement(run.response.numerics).text)
     scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
     critical = markdown_blocks(first[1:])
@@ -48,20 +51,19 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
 
 
 def test_texts(tests: Sequence[Correlation]) -> tuple[Text, ...]:
-    """Return how a run agrees with each test, in a tab of their own."""
     return tuple(
         Text(
-            path=("tests", one.name), name=one.name, place="Agreement",
-            text=markdown_blocks([agreement(one), one.table, one.ratings]),
+            path=("tests", test.name), name=test.name, place="Agreement",
+            text=markdown_blocks([agreement(test), test.table, test.ratings]),
         )
-        for one in tests
+        for test in tests
     )  # fmt: skip
 
 
 def overlay_texts(
     comparison: Comparison, inputs: Inputs, tables: Sequence[Table], judged: Mapping[str, JudgedRun] | None = None
 ) -> tuple[Text, ...]:
-    """Return which run is better, what differs, the peaks side by side, and the tables of the study that they belong to."""
+    """Write which run is better, what differs, peaks side by side, and tables of the study."""
     content = comparison_content(comparison, inputs, judged)
     sections = {section.id: markdown_blocks(section.blocks) for section in content.sections}
 
@@ -85,17 +87,3 @@ def overlay_texts(
         ),
         Text(path=("peaks", "apart"), name="Farthest apart", place="Peaks", text=of("apart")), *study,
     )  # fmt: skip
-
-
-def _fenced(text: str) -> str:
-    """Return TOML as a block of code, whose fence is longer than any row of backticks in it."""
-    longest = max(map(len, re.findall("`+", text)), default=0)
-    fence = "`" * max(longest + 1, 3)
-    return f"{fence}toml\n{plain_lines(text.strip())}\n{fence}"
-
-
-def _is_toml(text: str) -> bool:
-    try:
-        return bool(tomllib.loads(text))
-    except tomllib.TOMLDecodeError:
-        return False

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
-from typing import BinaryIO
 from urllib.parse import quote
 
 from wirerope_mj.foundation.atomic_files import atomic_file
@@ -20,7 +19,7 @@ FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their
 # In the folder of a study: what it is known by, its worst variants, and their recording.
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
 _BEGINNING = b"RRF"  # First bytes of every recording
-_LOCAL = "127.0.0.1"  # The viewer listens on this machine only; its own default is every network
+_LOCAL = "127.0.0.1"  # the viewer's own default is every network
 
 
 def show(path_or_folder: str | Path, *, web: bool = False) -> None:
@@ -43,15 +42,30 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
     else:
         # Of a file with several recordings the viewer opens one; from its standard input it takes all.
         command += ["--new", "-" if path.name == JOINED else str(path)]
-    with path.open("rb") as recording:
-        _run(command, recording)
+    environment = {**os.environ, "CI": "1"}  # from where `CI` is set the viewer sends no usage data
+    with path.open("rb") as recording, process_beside(command, stdin=recording, env=environment) as process:
+        try:
+            code = process.wait()
+        except KeyboardInterrupt:
+            return
+    if code != 0:
+        raise WireRopeError(f"the viewer ended with code {code}. On a machine without graphics drivers --web works.")
 
 
 def find_recording(path_or_folder: str | Path) -> Path:
-    """Return the recording that a path names: itself, or that in the folder of a run, of a job or of a study."""
+    """Find the recording that a path names: itself, or that of a run, a job or a study."""
     given = Path(path_or_folder)
     if (given / STUDY).is_file():
-        return _of_study(given)
+        together, single = given / WORST / OVERLAY, sorted((given / WORST).glob(f"*/{FILE}"))
+        if together.is_file() or len(single) == 1:
+            return together if together.is_file() else single[0]
+        if single:
+            several = ", ".join(str(path.parent) for path in single)
+            raise RecordError(f"{given}: several variants of this study were written one by one; open one: {several}.")
+        raise RecordError(
+            f"{given}: this is a study, and none of its variants was written as a run. Write the worst with the command that "
+            f"computed it and --resume --out {given} --open-worst 3; only what is missing is computed."
+        )
     name = JOINED if (given / JOINED).is_file() else FILE
     path = given / name if given.is_dir() else given
     if not path.is_file():
@@ -62,31 +76,13 @@ def find_recording(path_or_folder: str | Path) -> Path:
     return path
 
 
-def _of_study(folder: Path) -> Path:
-    """Return the recording of a study's worst variants laid over each other, or that of the only one that was written."""
-    together = folder / WORST / OVERLAY
-    if together.is_file():
-        return together
-    single = sorted((folder / WORST).glob(f"*/{FILE}"))
-    if len(single) == 1:
-        return single[0]
-    if single:
-        several = ", ".join(str(path.parent) for path in single)
-        raise RecordError(f"{folder}: several variants of this study were written one by one; open one: {several}.")
-    raise RecordError(
-        f"{folder}: this is a study, and none of its variants was written as a run. Write the worst with the command that "
-        f"computed it and --resume --out {folder} --open-worst 3; only what is missing is computed."
-    )
-
-
 def has_display() -> bool:
-    """Return whether a window can be opened."""
     linux = sys.platform.startswith("linux")
     return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def viewer_binary() -> Path:
-    """Return the viewer that rerun-sdk brought along; the `rerun` on the path may be of another version."""
+    """Find the viewer that rerun-sdk brought along; the `rerun` on the path may be another version."""
     package = find_spec("rerun_cli")
     folder = Path(package.origin).parent if package and package.origin else Path()
     for name in ("rerun", "rerun.exe"):
@@ -96,13 +92,12 @@ def viewer_binary() -> Path:
 
 
 def web_address(server: int, page: int) -> str:
-    """Return the address of the web viewer on port `page`, showing what the server on port `server` holds."""
+    """Write the address of the web viewer on port `page`, fed by the server on port `server`."""
     source = quote(f"rerun+http://{_LOCAL}:{server}/proxy", safe="")
     return f"http://{_LOCAL}:{page}/?url={source}"
 
 
 def free_port(preferred: int) -> int:
-    """Return the preferred port of this machine if nothing listens on it, else one that is free."""
     for port in (preferred, 0):
         with socket.socket() as listener:
             try:
@@ -111,17 +106,6 @@ def free_port(preferred: int) -> int:
                 continue
             return int(listener.getsockname()[1])
     raise WireRopeError("no port of this machine is free for the viewer.")
-
-
-def _run(command: list[str], recording: BinaryIO) -> None:
-    # From where `CI` is set it sends no usage data.
-    with process_beside(command, stdin=recording, env={**os.environ, "CI": "1"}) as process:
-        try:
-            code = process.wait()
-        except KeyboardInterrupt:
-            return
-    if code != 0:
-        raise WireRopeError(f"the viewer ended with code {code}. On a machine without graphics drivers --web works.")
 
 
 def join_recordings(recordings: Sequence[Path], target: Path) -> None:
@@ -140,7 +124,7 @@ def join_recordings(recordings: Sequence[Path], target: Path) -> None:
 
 
 FILES = ("re_viewer.js", "re_viewer_bg.wasm")
-# Time within which the viewer's server must answer [s]; it takes a tenth of one on a machine that is not busy.
+# within which the viewer's server must answer [s]; usually a tenth of one
 _START = 15.0
 
 
@@ -155,18 +139,17 @@ def viewer_files() -> dict[str, bytes]:
     command += ["--port", str(server), "--web-viewer-port", str(page)]
     # It sends no usage data from where `CI` is set.
     streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    with process_beside(command, env={**os.environ, "CI": "1"}, **streams) as process:
-        return {name: _fetched(f"http://127.0.0.1:{page}/{name}", process) for name in FILES}
-
-
-def _fetched(address: str, process: "subprocess.Popen[str]") -> bytes:
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # never by way of a proxy
-    end = monotonic() + _START
-    while True:
-        try:
-            with opener.open(address, timeout=_START) as answer:
-                return bytes(answer.read())
-        except OSError as error:
-            if process.poll() is not None or monotonic() > end:
-                raise WireRopeError(f"the viewer of rerun-sdk does not hand out its page: {error}") from None
-            sleep(0.05)
+    files: dict[str, bytes] = {}
+    with process_beside(command, env={**os.environ, "CI": "1"}, **streams) as process:
+        end = monotonic() + _START
+        while len(files) < len(FILES):
+            name = FILES[len(files)]
+            try:
+                with opener.open(f"http://127.0.0.1:{page}/{name}", timeout=_START) as answer:
+                    files[name] = bytes(answer.read())
+            except OSError as error:
+                if process.poll() is not None or monotonic() > end:
+                    raise WireRopeError(f"the viewer of rerun-sdk does not hand out its page: {error}") from None
+                sleep(0.05)
+    return files

@@ -1,15 +1,18 @@
-"""Views of every recording: scenes, plots over time, loops, tabs, and the time panel."""
+"""Views of every recording: scenes, plots over time, framed plots in 2D, tabs, and the time panel."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array, ArrayLike
+from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.camera import Camera, whole_scene
-from wirerope_mj.views.recording.frame import GROUND, HEIGHT
-from wirerope_mj.views.recording.paths import TIMELINE, entity, known_letters
+from wirerope_mj.views.recording.paths import TIMELINE, Stream, entity, known_letters
 from wirerope_mj.views.recording.poses import Frame
 
 Pane: TypeAlias = rrb.View | rrb.Container
@@ -31,7 +34,7 @@ def layout(content: Pane, window: tuple[float, float], *, cases: bool = False) -
 
 
 def opening(content: Pane, panel: rrb.TimePanel, *, cases: bool = False) -> rrb.Blueprint:
-    """Return the blueprint of `content` and a time panel alone, or beside the panel that lists the recordings."""
+    """Lay out `content` and a time panel, beside the panel that lists the recordings if there are several."""
     return rrb.Blueprint(
         content, panel, rrb.BlueprintPanel(state="expanded" if cases else "hidden"), rrb.SelectionPanel(state="hidden"),
         rrb.TopPanel(state="hidden"), auto_views=False, auto_layout=False,
@@ -39,7 +42,7 @@ def opening(content: Pane, panel: rrb.TimePanel, *, cases: bool = False) -> rrb.
 
 
 def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> rrb.Spatial3DView:
-    """Return a view of a scene that rides on `origin`; `camera` is in its frame."""
+    """View a scene that rides on `origin`; `camera` is in its frame."""
     return rrb.Spatial3DView(
         origin=origin, contents=list(contents), name=known_letters(name), background=GROUND,
         line_grid=rrb.LineGrid3D(visible=False),
@@ -50,7 +53,7 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
 
 
 def tabs_with(entries: list[Pane], argument: str, name: str) -> rrb.Tabs:
-    """Return tabs with that called `name` in front, which `argument` asked for; ValueError if there is none."""
+    """Put the tab called `name` in front, which `argument` asked for; ValueError if there is none."""
     names = [str(entry.name) for entry in entries]
     if name not in names:
         raise ValueError(f"`{argument}` must be one of {', '.join(names)}, got {name!r}.")
@@ -58,7 +61,7 @@ def tabs_with(entries: list[Pane], argument: str, name: str) -> rrb.Tabs:
 
 
 def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *, away: float = 1.0) -> rrb.Spatial3DView:
-    """Return a view of everything, from `away` times as far as the modelled geometry needs."""
+    """View everything, from `away` times as far as the modelled geometry needs."""
     base, camera = response.scene.base, whole_scene(response)
     camera = Camera(eye=camera.target + away * (camera.eye - camera.target), target=camera.target)
     origin = frames[base].path if base in response.bodies else entity("world")
@@ -66,7 +69,7 @@ def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *,
 
 
 def time_axis(window: tuple[float, float]) -> rrb.TimeAxis:
-    """Return the axis of a plot over `window` [s]."""
+    """Show `window` [s] of a plot."""
     boundary = rrb.TimeRangeBoundary
     start, end = (boundary.absolute(seconds=instant) for instant in window)
     return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
@@ -90,9 +93,82 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
 
 
 def event_view(origin: str) -> rrb.TextLogView:
-    """Return the log of the events below `origin`."""
+    """View the log of the events below `origin`."""
     # Instants stand in the texts: the viewer writes nanoseconds, and cuts them off.
     times = [rrb.encodings.TimelineColumn(TIMELINE, visible=False)]
     return rrb.TextLogView(
         origin=origin, name="Events", columns=rrb.TextLogColumns(timeline_columns=times, text_log_columns=["loglevel", "body"])
     )
+
+
+HEIGHT = 100.0  # Height of a plot's frame, in units of its view
+LARGE = 4.5  # `lift` for a view that fills half the screen's height
+GROUND = DARK.ground  # behind every plot in any theme: the colours of lines are made for it
+_FRAME = (120, 126, 134)
+_GRID = (52, 57, 64)
+_ZERO = (104, 110, 118)
+_TICK = (128, 134, 142)
+Color = tuple[int, int, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plot:
+    """Ranges of a plot across and upward, and the width of its frame in units of the view."""
+
+    across: tuple[float, float]
+    upward: tuple[float, float]
+    width: float
+
+    @classmethod
+    def around(cls, low: Array, high: Array, width: float) -> "Plot":
+        room = 0.06 * np.maximum(high - low, 1e-6)
+        low, high = low - room, high + room
+        return cls(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
+
+    @property
+    def scale(self) -> tuple[float, float]:
+        return self.width / (self.across[1] - self.across[0]), -HEIGHT / (self.upward[1] - self.upward[0])
+
+    def points(self, across: ArrayLike, upward: ArrayLike) -> Array:
+        """Place values in the view, (n, 2)."""
+        x, y = np.broadcast_arrays(np.asarray(across, dtype=np.float64), np.asarray(upward, dtype=np.float64))
+        sx, sy = self.scale
+        return np.column_stack([(x.ravel() - self.across[0]) * sx, HEIGHT + (y.ravel() - self.upward[0]) * sy])
+
+    def transform(self) -> rr.Transform3D:
+        sx, sy = self.scale
+        return rr.Transform3D(translation=[*self.points(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
+
+
+def fitting_width(pane: tuple[float, float], columns: int, rows: int, *, least: float = 0.8) -> float:
+    """Fit the width of a plot's frame to its cell of a pane [points], up to a width over height of 3."""
+    wide, high = pane[0] / columns - 60.0, pane[1] / rows - 62.0  # each view has a title, and ticks need room
+    return HEIGHT * min(max(wide / high, least), 3.0)
+
+
+def log_frame(
+    rec: Stream, path: str, plot: Plot, *, across: Array, upward: Array,
+    names: tuple[Sequence[str], Sequence[str]] | None = None, marked: Sequence[tuple[float, Color]] = (),
+    lift: float = 8.0,
+) -> None:  # fmt: skip
+    """Log a frame with lines at round numbers, `across` upright and `upward` level, and the numbers, or `names`, beside it.
+
+    `marked` are lines across in a colour of their own. `lift` raises the numbers to stand at their lines, in units of the view:
+    the viewer hangs them below their positions, by as much on the screen however large the view is.
+    """
+    (x0, x1), (y0, y1) = plot.across, plot.upward
+    lines = [plot.points([x, x], [y0, y1]) for x in across] + [plot.points([x0, x1], [y, y]) for y in upward]
+    colors = [_ZERO if value == 0.0 and names is None else _GRID for value in (*across, *upward)]
+    for value, color in marked:
+        lines.append(plot.points([value] * 2, [y0, y1]))
+        colors.append(color)
+    lines.append(plot.points([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0]))
+    colors.append(_FRAME)
+    frame = rr.LineStrips2D(lines, colors=colors, radii=rr.Radius.ui_points(0.6), draw_order=-10.0)
+    below = plot.points(across, y0) + [0.0, 1.0]
+    beside = plot.points(x0, upward) + [-7.5, -lift]
+    labels = [f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0] if names is None else [*names[0], *names[1]]
+    numbers = rr.Points2D(
+        np.concatenate([below, beside]), labels=labels, colors=_TICK, radii=rr.Radius.ui_points(0.0), show_labels=True
+    )
+    rec.log(path, frame, numbers, static=True)

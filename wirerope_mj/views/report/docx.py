@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
-from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement, letter_of
+from wirerope_mj.content.blocks import Block, Content, SceneView, Statement, letter_of
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain_lines
-from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.foundation.tables import Column, Table, left
 from wirerope_mj.views.pictures import save_pictures
 
 _COLOURS = {"within": "176B2F", "near": "7A5600", "unjudged": "7A5600", "exceeded": "B30000", "quiet": "56616F"}
@@ -30,7 +30,7 @@ _W = 'xmlns:w="http://schemas.openxmlformats.org/wordprocessingml/2006/main"'
 
 
 def check_docx() -> None:
-    """Raise WireRopeError unless DOCX files can be written here; for asking before anything long is computed."""
+    """Raise WireRopeError unless DOCX files can be written here."""
     try:
         import docx  # noqa: F401
     except ModuleNotFoundError:
@@ -38,7 +38,7 @@ def check_docx() -> None:
 
 
 def write_docx(content: Content, path: Path) -> None:
-    """Write a content, of which nothing is folded, as a DOCX document; WireRopeError if python-docx is not installed."""
+    """Write an unfolded content as a DOCX document; WireRopeError without python-docx."""
     check_docx()
     with tempfile.TemporaryDirectory() as folder:
         writer = _Writer(content, Path(folder))
@@ -50,24 +50,11 @@ class _Writer:
 
     def __init__(self, content: Content, folder: Path) -> None:
         import docx
+        from docx.shared import Cm
 
         self.document: Any = docx.Document()
         self._folder, self._pictures = folder, 0
         _set_page(self.document, content)
-        self._title(content)
-        self._contents(content)
-        self._answer(content)
-        numbered = [one for one in content.sections if one.title and one.blocks and not one.appendix]
-        appendices = [one for one in content.sections if one.title and one.blocks and one.appendix]
-        for number, section in enumerate(numbered, start=1):
-            self._section(f"{number}  {section.title}", section)
-        for number, section in enumerate(appendices):
-            self._section(f"Appendix {letter_of(number)}  {section.title}", section, new_page=number == 0)
-
-    def _title(self, content: Content) -> None:
-        """Set title, answer, facts, and of a document its title block, signatures and revisions."""
-        from docx.shared import Cm
-
         filed = content.document
         if filed is not None and filed.logo is not None:
             self.document.add_picture(str(filed.logo), height=Cm(1.6))
@@ -75,42 +62,33 @@ class _Writer:
         self.document.add_heading(plain_lines(content.title), level=0)
         self._verdict(content.verdict)
         facts = [*(filed.facts if filed else ()), *content.facts]
-        self._table(Table(title="", columns=[Column(align="left"), Column(align="text")], rows=facts))
+        self._table(Table("", "", [*left(""), Column(align="text")], facts))
+        for table in (filed.signatures(), filed.revisions()) if filed is not None else ():
+            if table is not None:
+                self.set_block(table)
+        titled = [section for section in content.sections if section.title and section.blocks]
+        numbered = [section for section in titled if not section.appendix]
+        appendices = [section for section in titled if section.appendix]
+        titles = [f"{number}  {section.title}" for number, section in enumerate(numbered, start=1)]
+        titles += [f"Appendix {letter_of(number)}  {section.title}" for number, section in enumerate(appendices)]
         if filed is not None:
-            for table in (filed.signatures(), filed.revisions()):
-                if table is not None:
-                    self.set_block(table)
-
-    def _contents(self, content: Content) -> None:
-        """List the sections of a document."""
-        if content.document is None:
-            return
-        self._paragraph("Contents", bold=True, keep=True)
-        counts = {False: 0, True: 0}
-        for section in content.sections:
-            if section.title and section.blocks:
-                number = counts[section.appendix]
-                counts[section.appendix] += 1
-                mark = f"Appendix {letter_of(number)}" if section.appendix else str(number + 1)
-                self._paragraph(f"{mark}  {section.title}", close=True)
-        self.document.add_page_break()
-
-    def _answer(self, content: Content) -> None:
+            self._paragraph("Contents", bold=True, keep=True)
+            for title in titles:
+                self._paragraph(title, close=True)
+            self.document.add_page_break()
         self.document.add_heading("Question and answer", level=1)
         for text in content.question:
             self._paragraph(text, bold=True)
-        if content.document is None:
+        if filed is None:
             self._verdict(content.verdict)
         for section in content.sections:
-            if not section.title:
-                for block in section.blocks:
-                    self.set_block(block)
-
-    def _section(self, title: str, section: Section, *, new_page: bool = False) -> None:
-        heading = self.document.add_heading(plain_lines(title), level=1)
-        heading.paragraph_format.page_break_before = new_page
-        for block in section.blocks:
-            self.set_block(block)
+            for block in section.blocks if not section.title else ():
+                self.set_block(block)
+        for title, section in zip(titles, [*numbered, *appendices], strict=True):
+            heading = self.document.add_heading(plain_lines(title), level=1)
+            heading.paragraph_format.page_break_before = section in appendices[:1]
+            for block in section.blocks:
+                self.set_block(block)
 
     def _verdict(self, verdict: Statement) -> None:
         paragraph = self._paragraph(verdict.text, tone=verdict.tone, bold=True)
@@ -119,7 +97,6 @@ class _Writer:
 
     @singledispatchmethod
     def set_block(self, block: Block) -> None:
-        """Set a block below the others."""
         raise TypeError(f"no block: {block!r}")
 
     @set_block.register
@@ -151,7 +128,6 @@ class _Writer:
         return self._folder / f"{self._pictures}.png"
 
     def _place(self, caption: str, alt: str) -> None:
-        """Set the picture that was drawn last, with its caption below it."""
         from docx.shared import Cm
 
         shape = self.document.add_picture(str(self._folder / f"{self._pictures}.png"), width=Cm(_PICTURE))
@@ -178,7 +154,7 @@ class _Writer:
         return paragraph
 
     def _table(self, table: Table) -> None:
-        """Set a table as wide as its texts, whose header is repeated on every page; cell by cell it would take minutes."""
+        """Set a table as wide as its texts, with a repeated header; cell by cell it would take minutes."""
         heads = [column.title().replace("/\n", "/").replace("\n", " ") for column in table.columns]
         body = table.marks(absent=ABSENT, minus=MINUS)
         size, widths = _widths(table.columns, heads, [[text for text, _ in row] for row in body])
@@ -198,8 +174,7 @@ class _Writer:
 
 
 def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) -> tuple[int, list[int]]:
-    """Return the size of the letters, and the widths of the columns that their texts need within that of the page."""
-    # Where there is too little room columns of text break into lines first, then letters are smaller.
+    # Columns of text break into lines first, then letters are smaller.
     words = [1.3 * max(map(len, head.split()), default=0) for head in heads]  # which are bold
     longest = [max([word, *(len(row[n]) for row in rows)]) for n, word in enumerate(words)]
     breaks = [column.align == "text" or long > _LINE / 3 for column, long in zip(columns, longest, strict=True)]
@@ -229,7 +204,6 @@ def _row(cells: list[tuple[str, str]], aligned: list[str], widths: list[int], si
 
 
 def _set_page(document: Any, content: Content) -> None:
-    """Set paper, letters, what is said of the file, and what stands above and below every page."""
     from docx.enum.text import WD_TAB_ALIGNMENT
     from docx.shared import Cm, Pt
 
@@ -250,12 +224,12 @@ def _set_page(document: Any, content: Content) -> None:
     said.title, said.author = plain_lines(content.title), plain_lines(filed.author) if filed else ""
     said.subject, said.comments = plain_lines(filed.reference) if filed else "", ""
     above = (content.title, filed.classification if filed else "")
-    for place, (left, right) in ((section.header, above), (section.footer, (filed.reference if filed else "", None))):
+    for place, (begin, end) in ((section.header, above), (section.footer, (filed.reference if filed else "", None))):
         paragraph = place.paragraphs[0]
         paragraph.style.paragraph_format.tab_stops.clear_all()
         paragraph.paragraph_format.tab_stops.add_tab_stop(Cm(_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
-        paragraph.add_run(f"{plain_lines(left or '')}\t{plain_lines(right or '')}")
-        if right is None:
+        paragraph.add_run(f"{plain_lines(begin or '')}\t{plain_lines(end or '')}")
+        if end is None:
             for text, field in (("page ", "PAGE"), (" of ", "NUMPAGES")):
                 paragraph.add_run(text)
                 paragraph._p.append(_xml(f'<w:fldSimple {_W} w:instr="{field}"><w:r><w:t>1</w:t></w:r></w:fldSimple>'))

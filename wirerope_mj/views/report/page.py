@@ -10,7 +10,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from wirerope_mj.content.blocks import Block, Content, SceneView, Statement, letter_of
+from wirerope_mj.content.blocks import Content, SceneView, Statement, letter_of
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.plain_text import plain_lines
@@ -23,41 +23,46 @@ _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen i
 
 
 def report_html(content: Content) -> str:
-    """Return the page: styles and pictures are inside it, and every text of the content is escaped."""
-    # The style sheet is ours alone; whatever a user has named reaches the page through the template, which escapes it.
+    """Write the page: styles and pictures are inside it, every text is escaped."""
+    # Whatever a user has named reaches the page through the template, which escapes it.
     css = Markup((_FOLDER / "report.css").read_text(encoding="utf-8").strip())
     template = _environment().get_template("report.html.jinja")
     script = (_FOLDER / "read_curves.js").read_text(encoding="utf-8").strip()
     titled = [section for section in content.sections if section.title and section.blocks]
     filed = content.document
+    logo = ""
+    if filed and filed.logo:  # as the address of itself, so that the page needs no other file
+        picture = filed.logo.read_bytes()
+        kind = "png" if picture.startswith(b"\x89PNG") else "jpeg"
+        logo = Markup(f"data:image/{kind};base64,{b64encode(picture).decode('ascii')}")
     page = template.render(
         content=content, sections=[section for section in titled if not section.appendix],
         appendices=[section for section in titled if section.appendix], letter=letter_of,
-        logo=_logo(filed.logo) if filed and filed.logo else "", css=css, script=Markup(script),
+        logo=logo, css=css, script=Markup(script),
         script_hash=f"sha256-{b64encode(sha256(script.encode()).digest()).decode('ascii')}",
         version=version("wirerope-mj"),
     )  # fmt: skip
     return page + "\n"
 
 
-def _logo(path: Path) -> Markup:
-    """Return a picture as the address of itself, so that the page needs no other file."""
-    content = path.read_bytes()
-    kind = "png" if content.startswith(b"\x89PNG") else "jpeg"
-    return Markup(f"data:image/{kind};base64,{b64encode(content).decode('ascii')}")
-
-
 @cache
 def _environment() -> Environment:
+    def shown(value: object) -> object:
+        return plain_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+    def instant(column: Column, value: object) -> float | None:  # of the run, that a cell gives [s]
+        inside = column.unit == "s" and column.heading in ("at", "first touch")
+        return float(value) if inside and isinstance(value, int | float) and math.isfinite(value) else None
+
     environment = Environment(
-        loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, finalize=_shown
+        loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, finalize=shown
     )
     environment.filters |= {
         "svg": lambda chart: Markup(chart_svg(chart)),  # whose texts are escaped where they are put in
         "drawings": lambda view: Markup("".join(scene_svgs(view))),  # so, too
-        "named": _named,
+        "named": lambda block: Markup(f' data-id="{escape(plain_lines(block.id))}"') if block.id else "",
         "breakable": lambda text: " long" if len(text) > _LONG else "",
-        "instant": _instant,
+        "instant": instant,
         "letter": lambda column: column.align[0],
         "heading": lambda column: column.title().replace("/\n", "/").replace("\n", " "),
         "cells": lambda table: table.marks(absent=ABSENT, minus=MINUS),
@@ -65,19 +70,3 @@ def _environment() -> Environment:
     for name, kind in (("statement", Statement), ("table", Table), ("chart", Chart), ("scene", SceneView)):
         environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
     return environment
-
-
-def _shown(value: object) -> object:
-    """Return what the page says, invisible characters of texts that users wrote spelled out."""
-    return plain_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
-
-
-def _instant(column: Column, value: object) -> float | None:
-    """Return the instant of the run that a cell gives [s], None for every other cell."""
-    inside = column.unit == "s" and column.heading in ("at", "first touch")
-    return float(value) if inside and isinstance(value, int | float) and math.isfinite(value) else None
-
-
-def _named(block: Block) -> Markup:
-    """Return the attribute that carries a block's id, the same in every output; nothing without one."""
-    return Markup(f' data-id="{escape(plain_lines(block.id))}"') if block.id else Markup("")

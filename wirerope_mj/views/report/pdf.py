@@ -40,14 +40,14 @@ class _MissingLetters(logging.Handler):
 
 
 def check_pdf() -> None:
-    """Raise WireRopeError unless PDF files can be written here; for asking before anything long is computed."""
+    """Raise WireRopeError unless PDF files can be written here."""
     _weasyprint()
 
 
 def _weasyprint() -> ModuleType:
     try:
         with warnings.catch_warnings():
-            # It announces which system libraries its next versions will need; what is written today needs none of them.
+            # It announces which system libraries its next versions will need.
             warnings.simplefilter("ignore", DeprecationWarning)
             import weasyprint.urls
     except ModuleNotFoundError:

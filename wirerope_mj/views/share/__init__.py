@@ -11,7 +11,6 @@ _INSTANT = re.compile(r'(<td class="[^"]*" data-instant="([0-9.eE+-]+)">)([^<]*)
 
 
 def linked_report(page: str) -> str:
-    """Return a report in which every instant of an event or a verdict opens the viewer there."""
     address = f"{VIEWER}/index.html"  # not the folder's: some servers hand out files alone
     linked, count = _INSTANT.subn(rf'\1<a href="{address}#\2" target="viewer">\3</a>\4', page)
     where = "; instants in the tables open it where they are" if count else ""
