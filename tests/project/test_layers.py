@@ -76,7 +76,7 @@ def module_of(path):
 
 
 FILES = {module_of(path): path for path in sorted(PACKAGE.rglob("*.py")) if "_data" not in path.parts}
-MODULES = sorted(FILES.keys() - {""})  # without the front door, which imports all rooms
+MODULES = sorted(FILES.keys() - {""})  # without the public API, which imports all rooms
 
 
 @cache
@@ -123,7 +123,7 @@ def test_every_folder_is_a_wing_or_a_room():
 def test_imports_point_down(module):
     wing, room = room_of(module)
     for target in used(module):
-        assert target, f"{module} imports the front door, which imports it"
+        assert target, f"{module} imports the public API, which imports it"
         other, there = room_of(target)
         assert WINGS.index(other) <= WINGS.index(wing), f"{module} imports {target}, which stands above it"
         if other == wing and room and there and there != room:
@@ -157,7 +157,7 @@ def test_commands_and_scenarios_hold_no_solver_code():
     for path in scenarios_folder().glob("*.py"):
         assert not {"matplotlib", "rerun"} & {name.split(".")[0] for name in imported(path)}, path
         inner = {name for name in imported(path) if name.startswith("wirerope_mj.")}
-        assert not inner, f"{path}: scenarios use the front door, not {inner}"
+        assert not inner, f"{path}: scenarios use the public API, not {inner}"
 
 
 def test_a_file_holds_one_idea():

@@ -17,7 +17,7 @@ from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
 
 
 def catalogue_table(devices: Mapping[str, Isolator]) -> Table:
-    rows = [(name, *ratings(one), one.provenance.kind) for name, one in devices.items()]
+    rows = [(name, *ratings(device), device.provenance.kind) for name, device in devices.items()]
     return Table(
         "catalogue", "",
         (*left("isolator"), *RATING_COLUMNS, *left("figures are")), rows,
@@ -86,17 +86,6 @@ def fitted_table(compared: Sequence[ComparedValue]) -> Table:
 
 
 def estimate_content(estimate: LoopEstimate) -> Content:
-    return Content(
-        title="Estimate from the geometry",
-        verdict=Statement("estimated", "All values are estimated; nothing was measured.", tone="unjudged"),
-        sections=(
-            Section("estimate", "", lambda: [_estimate_table(estimate)], "summary"),
-            Section("remarks", "", partial(_estimate_remarks, estimate), "summary"),
-        ),
-    )
-
-
-def _estimate_table(estimate: LoopEstimate) -> Table:
     rows = [("compression", "static load", "N", "static load")]
     for mode, direction in {"compression": "compression", "45": "45 degrees", "shear": "shear, roll"}.items():
         rows.append((direction, "travel", "mm", f"{mode} travel"))
@@ -107,9 +96,16 @@ def _estimate_table(estimate: LoopEstimate) -> Table:
         band = estimate.bands[name]
         factors = [None if error is None else 1.0 + error for error in (band.within, band.worst, band.other)]
         cells.append((direction, f"{label} [{unit}]", f"{in_unit(estimate.values[name], unit):.4g}", *factors))
-    names = *left("direction", "value"), Column("estimate")
     errors = ("80 % of Enidine's\nwithin a factor", "worst\nfactor", "80 % of VMC's\nwithin a factor")
-    return Table("estimate", "", (*names, *(Column(heading, form=".2f") for heading in errors)), cells)
+    columns = [*left("direction", "value"), Column("estimate"), *(Column(heading, form=".2f") for heading in errors)]
+    return Content(
+        title="Estimate from the geometry",
+        verdict=Statement("estimated", "All values are estimated; nothing was measured.", tone="unjudged"),
+        sections=(
+            Section("estimate", "", lambda: [Table("estimate", "", columns, cells)], "summary"),
+            Section("remarks", "", partial(_estimate_remarks, estimate), "summary"),
+        ),
+    )
 
 
 def _estimate_remarks(estimate: LoopEstimate) -> Iterator[Statement]:

@@ -44,17 +44,29 @@ _LATE = 10.0  # from which seconds are read more easily than milliseconds [s]
 
 def comparison_content(comparison: Comparison, inputs: Inputs, judged: Mapping[str, JudgedRun] | None = None) -> Content:
     """Compose which run is better, what differs, peaks side by side, and how far `judged` runs are relied on."""
+
+    def headlines() -> Iterator[Block]:
+        for run in comparison.runs:
+            statement = headline(run.verdicts)
+            yield replace(statement, id=f"headline-{run.name}", text=f"{run.name}: {statement.text}")
+
+    def mounts() -> Iterator[Block]:
+        for quantity, unit in (("deflection", "mm"), ("force", "kN")):
+            for axis, along in reversed(list(enumerate(AXES))):
+                if rows := [row for row in mount_rows(comparison, quantity, axis) if any(row.values)]:
+                    yield _peaks(f"{quantity}-{along}", f"Largest {along} {quantity}", comparison, rows, (unit, "z.2f"))
+
     return Content(
         title=" and ".join(run.name for run in comparison.runs),
         verdict=better_run(comparison),
         sections=(
-            Section("headlines", "", lambda: _headlines(comparison), "headline"),
+            Section("headlines", "", headlines, "headline"),
             Section("differences", "What differs", lambda: _summary(comparison, inputs), "headline"),
             Section("findings", "", lambda: [findings(comparison)], "headline"),
             Section("accelerations", "Peak accelerations", lambda: [accelerations_table(comparison)], "summary"),
             Section("travel", "Mounts", lambda: travel_tables(comparison), "summary"),
             Section("components", "Along the axes", lambda: (accelerations_table(comparison, axis) for axis in range(3))),
-            Section("mounts", "Deflections and forces", lambda: _mounts(comparison)),
+            Section("mounts", "Deflections and forces", mounts),
             Section("apart", "Farthest apart", lambda: _apart(comparison)),
             Section("credibility", "How far this can be relied on", lambda: compared_credibility_blocks(judged or {})),
         ),
@@ -132,12 +144,6 @@ def travel_tables(comparison: Comparison) -> Iterator[Table]:
 _ACCELERATIONS = "accelerations", "Peak accelerations"
 
 
-def _headlines(comparison: Comparison) -> Iterator[Block]:
-    for run in comparison.runs:
-        statement = headline(run.verdicts)
-        yield replace(statement, id=f"headline-{run.name}", text=f"{run.name}: {statement.text}")
-
-
 def _summary(comparison: Comparison, inputs: Inputs) -> Iterator[Block]:
     yield figures_table(comparison)
     if given := different_inputs(comparison, inputs):
@@ -148,13 +154,6 @@ def _summary(comparison: Comparison, inputs: Inputs) -> Iterator[Block]:
         long = [(key, zip(names, values, strict=True)) for key, values in given if max(map(len, values)) > _WIDEST]
         items = [f"{key}: {'; '.join(f'{name}: {value}' for name, value in pairs)}" for key, pairs in long]
         yield Statement("long-inputs", items=tuple(items))
-
-
-def _mounts(comparison: Comparison) -> Iterator[Block]:
-    for quantity, unit in (("deflection", "mm"), ("force", "kN")):
-        for axis, along in reversed(list(enumerate(AXES))):
-            if rows := [row for row in mount_rows(comparison, quantity, axis) if any(row.values)]:
-                yield _peaks(f"{quantity}-{along}", f"Largest {along} {quantity}", comparison, rows, (unit, "z.2f"))
 
 
 def _apart(comparison: Comparison) -> Iterator[Block]:

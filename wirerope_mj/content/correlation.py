@@ -40,7 +40,10 @@ def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
     kinds = {"histories": _histories, "spectra": _spectra, "transmissibility": _transmissibility, "loops": _loops}
     yield Section("tests", "Against measurements", lambda: map(agreement, tests), "headline")
     for test in tests:
-        yield Section(f"measures-{test.name}", f"Agreement with {test.name}", partial(_measures, test), "summary")
+        text = "Said of the measurement, on which every figure here rests:"
+        warnings = Statement(f"warnings-{test.name}", text, items=test.warnings, tone="unjudged")
+        measures = [test.table, test.ratings, *([warnings] if test.warnings else [])]
+        yield Section(f"measures-{test.name}", f"Agreement with {test.name}", partial(list, measures), "summary")
         for kind, build in kinds.items():
             yield Section(f"{kind}-{test.name}", f"{test.name}: {kind}", partial(build, test))
 
@@ -71,14 +74,6 @@ def _clock(test: Correlation) -> str:
     moved = "agrees" if abs(test.delay) * channel.channel.rate < 0.5 else f"moved by {with_unit(-test.delay, 'ms')}"
     rate = "" if test.clock == 1.0 else f", and its seconds made {test.clock:.7g} of the run's"
     return f"{moved}{rate}, by {test.aligned_by}; {compared}"
-
-
-def _measures(test: Correlation) -> Iterator[Block]:
-    yield test.table
-    yield test.ratings
-    if test.warnings:
-        text = "Said of the measurement, on which every figure here rests:"
-        yield Statement(f"warnings-{test.name}", text, items=test.warnings, tone="unjudged")
 
 
 def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:

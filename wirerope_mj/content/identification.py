@@ -261,12 +261,24 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
     """Draw energy per cycle and secant stiffness over the amplitude, measured and fitted."""
     amplitudes = np.array([in_unit(fit.measured.amplitude, "mm") for fit in fits])
     across = (float(amplitudes.min()) / _APART, float(amplitudes.max()) * _APART)
-    panels = []
+    groups, panels = _groups(fits), []
     for measure, unit, label in (
         ("dissipated_energy", "J", "energy per cycle [J]"),
         ("secant_stiffness", "kN/m", "stiffness [kN/m]"),
     ):
-        curves = _measure_curves(fits, measure, unit)
+        curves = []
+        for number, group in enumerate(groups):
+            x = np.array([in_unit(fit.measured.amplitude, "mm") for fit in group])
+            about = f" about {_millimetres(group)} mm" if len(groups) > 1 else ""
+            kinds = (_MEASURED_COLOUR, _FITTED_COLOUR) if len(groups) == 1 else 2 * (number % COLOURS,)
+            measured, fitted = (
+                np.array([in_unit(getattr(loop, measure), unit) for loop in loops])
+                for loops in zip(*((fit.measured, fit.fitted) for fit in group), strict=True)
+            )
+            curves.append(Curve(x, measured, name=f"measured{about}", kind=kinds[0], marks=True))
+            if x.size == 1:  # a line from nowhere to nowhere cannot be seen
+                x, fitted = x[0] * np.array([1.0 - _SHORT, 1.0 + _SHORT]), np.repeat(fitted, 2)
+            curves.append(Curve(x, fitted, name=f"fitted{about}", kind=kinds[1]))
         values = np.concatenate([curve.y for curve in curves])
         # That of a device without loss is noise of either sign.
         log = measure == "dissipated_energy" and bool((values > 0.0).all())
@@ -283,22 +295,6 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
         id="measures", rows=[panels], height=180.0, caption="Energy per cycle and secant stiffness over the amplitude.",
         alt="Measures over the amplitude.",
     )  # fmt: skip
-
-
-def _measure_curves(fits: Sequence[FittedLoop], measure: str, unit: str) -> list[Curve]:
-    groups, curves = _groups(fits), []
-    for number, group in enumerate(groups):
-        x = np.array([in_unit(fit.measured.amplitude, "mm") for fit in group])
-        about = f" about {_millimetres(group)} mm" if len(groups) > 1 else ""
-        kinds = (_MEASURED_COLOUR, _FITTED_COLOUR) if len(groups) == 1 else 2 * (number % COLOURS,)
-        measured, fitted = (
-            np.array([in_unit(getattr(getattr(fit, side), measure), unit) for fit in group]) for side in ("measured", "fitted")
-        )
-        curves.append(Curve(x, measured, name=f"measured{about}", kind=kinds[0], marks=True))
-        if x.size == 1:  # a line from nowhere to nowhere cannot be seen
-            x, fitted = x[0] * np.array([1.0 - _SHORT, 1.0 + _SHORT]), np.repeat(fitted, 2)
-        curves.append(Curve(x, fitted, name=f"fitted{about}", kind=kinds[1]))
-    return curves
 
 
 def _loop_panels(

@@ -65,12 +65,30 @@ class JudgedJob:
 
 def job_content(job: JudgedJob) -> Content:
     """Compose the answer of a job and its grounds, the cases over each other, then each by itself."""
+
+    def answers() -> Iterator[Block]:
+        warnings = dict.fromkeys(text for run in job.runs.values() for text in run.model_warnings)
+        for number, warning in enumerate(warnings, start=1):
+            yield Statement(f"model-warning-{number}", f"warning: {warning}", tone="unjudged")
+        yield Statement("cases-answers", items=tuple(f"{name}: {headline(rows).text}" for name, rows in job.verdicts.items()))
+
+    def limits() -> Iterator[Block | None]:
+        yield matrix_table(job.verdicts)
+        yield governing_table(job.verdicts)
+        reasons = dict.fromkeys(text for rows in job.verdicts.values() for text in unjudged(rows))
+        yield Statement("not-judged", "Not judged:", items=tuple(reasons), tone="unjudged") if reasons else None
+
+    def case_blocks(case: JudgedCase) -> Iterator[Block]:
+        yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
+        yield Statement(f"{case.folder}/motion", f"{case.run.acting}. {case.note}".strip(), tone="quiet")
+        yield from _blocks(case, {"answer", *job.report} - {"verdicts"})
+
     first, document = job.cases[0].run, job.document
     texts = document.paragraphs if document else lambda name: []
     sections = [
-        Section("answer", "", partial(_answers, job), "headline"),
+        Section("answer", "", answers, "headline"),
         Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
-        Section("limits", "Limits and what governs them", partial(_limits, job.verdicts), "summary"),
+        Section("limits", "Limits and what governs them", limits, "summary"),
         Section("load-cases", "Load cases", partial(_cases, job)),
         Section("envelope", "Envelope over all load cases", lambda: envelope_blocks(job.runs)),
         Section("conclusion", "Conclusion", lambda: stated("conclusion", texts("conclusion"))),
@@ -83,7 +101,7 @@ def job_content(job: JudgedJob) -> Content:
         Section("modes", "Modes", partial(run_modes_blocks, first)),
     ]  # fmt: skip
     for case in job.cases:
-        sections.append(Section(f"case-{case.folder}", f"Load case: {case.name}", partial(_case_blocks, case, job.report)))
+        sections.append(Section(f"case-{case.folder}", f"Load case: {case.name}", partial(case_blocks, case)))
     for case in job.cases if "verdicts" in job.report else ():
         blocks = partial(_blocks, case, ("verdicts",))
         sections.append(Section(f"verdicts-{case.folder}", f"All verdicts of {case.name}", blocks, appendix=True))
@@ -135,21 +153,6 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
     if amplified is not None:
         values |= {"amplified": amplified[0], "amplification": amplified[1].ratio}
     return Statement("headline", f"{text}.", tone=tone, values=values)
-
-
-def _answers(job: JudgedJob) -> Iterator[Block | None]:
-    warnings = dict.fromkeys(text for run in job.runs.values() for text in run.model_warnings)
-    for number, warning in enumerate(warnings, start=1):
-        yield Statement(f"model-warning-{number}", f"warning: {warning}", tone="unjudged")
-    items = tuple(f"{name}: {headline(rows).text}" for name, rows in job.verdicts.items())
-    yield Statement("cases-answers", items=items)
-
-
-def _limits(verdicts: Mapping[str, Sequence[Verdict]]) -> Iterator[Block | None]:
-    yield matrix_table(verdicts)
-    yield governing_table(verdicts)
-    reasons = dict.fromkeys(text for rows in verdicts.values() for text in unjudged(rows))
-    yield Statement("not-judged", "Not judged:", items=tuple(reasons), tone="unjudged") if reasons else None
 
 
 def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
@@ -235,12 +238,6 @@ def _cases(job: JudgedJob) -> Iterator[Table]:
     if not any(case.note for case in job.cases):
         columns, rows = columns[:-1], [row[:-1] for row in rows]
     yield Table("load-cases", "Load cases", columns, rows)
-
-
-def _case_blocks(case: JudgedCase, report: Sequence[str]) -> Iterator[Block]:
-    yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
-    yield Statement(f"{case.folder}/motion", f"{case.run.acting}. {case.note}".strip(), tone="quiet")
-    yield from _blocks(case, {"answer", *report} - {"verdicts"})
 
 
 def _blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:

@@ -104,8 +104,8 @@ def crest(x: Array, values: Array) -> tuple[Array, Array]:
 
 
 def stacked(panels: Sequence[Panel]) -> Chart:
-    kept = [one for one in panels if any(np.abs(curve.y).max() > _NOTHING for curve in one.curves)] or panels[-1:]
-    rows = [[replace(one, title="", xlabel="time [s]" if one is kept[-1] else "")] for one in kept]
+    kept = [panel for panel in panels if any(np.abs(curve.y).max() > _NOTHING for curve in panel.curves)] or panels[-1:]
+    rows = [[replace(panel, title="", xlabel="time [s]" if panel is kept[-1] else "")] for panel in kept]
     return Chart(rows=rows, height=190.0 if len(kept) == 1 else 140.0)
 
 

@@ -128,17 +128,6 @@ def _known(value: float) -> float | None:
 
 def selection_content(selection: PartSelection, *, every: bool) -> Content:
     """Compose what a worksheet says; `every` part that does not meet it is shown with reasons."""
-    return Content(
-        title="Selection of isolators",
-        verdict=_verdict(selection),
-        sections=(
-            Section("worksheet", "Worksheet", lambda: (_worksheet(selection.worksheet),), "summary"),
-            Section("parts", "Parts", lambda: _worksheet_parts(selection, every), "summary"),
-        ),
-    )
-
-
-def _verdict(selection: PartSelection) -> Statement:
     met, rest = len(selection.candidates), len(selection.rejected)
     undecided = sum(part.undecided for part in selection.rejected)
     values = {"met": float(met), "not_met": float(rest - undecided), "not_judged": float(undecided)}
@@ -150,7 +139,14 @@ def _verdict(selection: PartSelection) -> Statement:
     unlimited = "; acceleration of the payload not judged: no limit stated" if selection.worksheet.fragility is None else ""
     text = f"{', '.join(shown)}{unlimited}." if met or undecided else "No part of the tables meets it."
     tone = "within" if met else "unjudged" if undecided else "exceeded"
-    return Statement("headline", text, tone=tone, values=values)
+    return Content(
+        title="Selection of isolators",
+        verdict=Statement("headline", text, tone=tone, values=values),
+        sections=(
+            Section("worksheet", "Worksheet", lambda: (_worksheet(selection.worksheet),), "summary"),
+            Section("parts", "Parts", lambda: _worksheet_parts(selection, every), "summary"),
+        ),
+    )
 
 
 def _worksheet(sheet: Worksheet) -> Statement:

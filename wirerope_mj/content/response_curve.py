@@ -56,7 +56,7 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
                 "peaks", "Peaks and changes of stability", lambda: (peak_table(findings), event_table(findings)), "summary",
             ),
             Section(
-                "levels", "How each level was computed", lambda: [_level_statement(one, options.rate) for one in findings],
+                "levels", "How each level was computed", lambda: [_level_statement(level, options.rate) for level in findings],
                 "summary",
             ),
             Section(
@@ -68,7 +68,8 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
 
 
 def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
-    early = [one.level.branch for one in findings if one.level.branch is not None and not one.level.branch.complete]
+    branches = [summary.level.branch for summary in findings if summary.level.branch is not None]
+    early = [branch for branch in branches if not branch.complete]
     if early:
         level, text = abs(float(early[0].acceleration[0])), early[0].message
         if all(branch.beyond_travel for branch in early):
@@ -80,14 +81,14 @@ def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
         return Statement("headline", f"ENDED EARLY at {level:.4g} m/s²: {text}.", tone="exceeded")
     first, last = _top(findings[0]), _top(findings[-1])
     words = "Resonance" if not (first.at_edge or last.at_edge) else "No resonance peak in the range; largest response"
-    levels = [one.level.acceleration for one in findings]
+    levels = [summary.level.acceleration for summary in findings]
     frequency, ratio = f"{last.frequency:.4g} Hz", f"{last.transmissibility:.3g}"
     under = f"{levels[-1]:.4g} m/s²"
     if len(findings) > 1:
         frequency, ratio = f"{first.frequency:.4g} to {frequency}", f"{first.transmissibility:.3g} to {ratio}"
         under = f"{levels[0]:.4g} to {under}"
     text = f"{words} of {payload} at {frequency} under {under}: transmissibility {ratio}"
-    folds = sum(len(one.level.branch.jumps) for one in findings if one.level.branch is not None)
+    folds = sum(len(branch.jumps) for branch in branches)
     text += f"; {several(folds, 'fold')} where a sweep jumps" if folds else ""
     return Statement(
         "headline", f"{text}.", tone="unjudged" if folds or first.at_edge or last.at_edge else "",

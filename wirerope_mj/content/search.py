@@ -27,33 +27,32 @@ def search_content(result: SearchResult) -> Content:
     study, count = result.study, result.front.num_rows
     text = f"{several(count, 'design')} on the front, within the limits" if count else "No design within the limits was found"
     values = {"front": float(count)} if count else {}
+
+    def answer() -> Iterator[Block]:
+        notes = travel_statements(study.base) if "travel" in result.shown and COMBINED not in result.shown else []
+        yield Statement("answer", " ".join([result.message, *notes]))
+        yield from failed_blocks(result, "design")
+
+    def sought() -> Iterator[Block]:
+        items = [f"Least: {measure_of(name).text}." for name in result.minimise]
+        for name, largest in result.limits.items():
+            measure = measure_of(name)
+            items.append(f"Limit: {measure.text} at most {number(measure.factor * largest)} {measure.unit}.")
+        yield Statement("objectives", items=tuple(items))
+        yield varied_table(study)
+
     return Content(
         title=study.name.replace("_", " ").capitalize(),
         facts=study_facts(result, "Designs", str(result.inputs["search"]["optimiser"])),
         question=study_question(result, "search"),
         verdict=Statement("headline", text, tone="within" if count else "exceeded", values=values),
         sections=(
-            Section("answer", "", lambda: _answer(result), "headline"),
-            Section("sought", "Objectives and limits", lambda: _objectives(result)),
+            Section("answer", "", answer, "headline"),
+            Section("sought", "Objectives and limits", sought),
             Section("results", "Results", lambda: _results(result), "summary"),
             Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
     )
-
-
-def _answer(result: SearchResult) -> Iterator[Block]:
-    notes = travel_statements(result.study.base) if "travel" in result.shown and COMBINED not in result.shown else []
-    yield Statement("answer", " ".join([result.message, *notes]))
-    yield from failed_blocks(result, "design")
-
-
-def _objectives(result: SearchResult) -> Iterator[Block]:
-    items = [f"Least: {measure_of(name).text}." for name in result.minimise]
-    for name, largest in result.limits.items():
-        measure = measure_of(name)
-        items.append(f"Limit: {measure.text} at most {number(measure.factor * largest)} {measure.unit}.")
-    yield Statement("objectives", items=tuple(items))
-    yield varied_table(result.study)
 
 
 def _results(result: SearchResult) -> Iterator[Block]:

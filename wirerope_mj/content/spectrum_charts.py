@@ -87,7 +87,7 @@ def shock_chart(run: JudgedRun) -> Chart:
     first = next(iter(run.spectra.shock.values()))
     names = [name for name in first if name != BASE]
     lines = {
-        axis: {name: (one.frequencies, in_unit(one.maximax, "g")) for name, one in along.items()}
+        axis: {name: (srs.frequencies, in_unit(srs.maximax, "g")) for name, srs in along.items()}
         for axis, along in run.spectra.shock.items()
     }
     q = next(iter(first.values())).q
@@ -107,17 +107,17 @@ def densities_chart(run: JudgedRun) -> Chart:
     densities = run.spectra.densities
     lines = {
         # Without the line at 0 Hz, which has no place on a logarithmic axis.
-        axis: {name: (one.frequency[1:], one.density[1:] / STANDARD_GRAVITY**2) for name, one in along.items()}
+        axis: {name: (psd.frequency[1:], psd.density[1:] / STANDARD_GRAVITY**2) for name, psd in along.items()}
         for axis, along in densities.items()
     }
     first = next(iter(densities.values()))
-    one, names = next(iter(first.values())), listed([name for name in first if name != BASE])
+    psd, names = next(iter(first.values())), listed([name for name in first if name != BASE])
     return replace(
         _panels(lines, "PSD [g²/Hz]", run.selection, decades=POWER_DECADES, unit="g²/Hz"),
         id="densities",
         caption=f"Power spectral densities of {names} and of the base while the response is stationary: "
-        f"{one.duration:.4g} s, resolution {one.resolution:.3g} Hz, {several(one.segments, 'segment')}, so that each "
-        f"density is known to {100.0 * one.standard_error:.0f} %.",
+        f"{psd.duration:.4g} s, resolution {psd.resolution:.3g} Hz, {several(psd.segments, 'segment')}, so that each "
+        f"density is known to {100.0 * psd.standard_error:.0f} %.",
         alt=f"Power spectral densities of {names} and the base.",
     )
 

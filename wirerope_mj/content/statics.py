@@ -92,15 +92,15 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
 def stability_blocks(stability: Mapping[str, TippingStability], verdicts: Sequence[Verdict] = ()) -> Iterator[Statement]:
     """Yield how far a system is from tipping over, and if that is extrapolated."""
     beyond = _beyond(verdicts)
-    texts = {history: one.description for history, one in stability.items()}
+    texts = {history: tipping.description for history, tipping in stability.items()}
     same = len(set(texts.values())) == 1
     for history, text in list(texts.items())[: 1 if same else None]:
-        one = stability[history]
+        tipping = stability[history]
         yield Statement(
             "stability" if same else f"stability-{history}",
             f"Stability: {text}" if same else f"Stability, {history}: {text}",
-            tone="unjudged" if beyond else _TONES.get(one.word, "exceeded"),
-            values={"gravity_factor": one.gravity_factor, "rise_m": one.rise},
+            tone="unjudged" if beyond else _TONES.get(tipping.word, "exceeded"),
+            values={"gravity_factor": tipping.gravity_factor, "rise_m": tipping.rise},
         )
     if beyond:
         text = "Position of rest and stability are extrapolated: mounts rest beyond the travel that they are rated for."

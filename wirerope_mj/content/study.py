@@ -50,13 +50,19 @@ _METHODS = {
 def study_content(summary: StudySummary) -> Content:
     """Compose what a study that is complete says."""
     result, study = summary.result, summary.result.study
+
+    def answer() -> Iterator[Block]:
+        limits = [limit_statement(limit, result.independent, sampled=result.is_sampled) for limit in summary.stated]
+        yield Statement("answer", items=(*limits, *statements(result)))
+        yield from failed_blocks(result, "variant")
+
     return Content(
         title=study.name.replace("_", " ").capitalize(),
         facts=study_facts(result, "Variants", _METHODS.get(study.sampling, study.sampling)),
         question=study_question(result, "study"),
         verdict=_verdict(summary),
         sections=(
-            Section("answer", "", lambda: _answer(summary), "headline"),
+            Section("answer", "", answer, "headline"),
             Section("varied", "Varied quantities", lambda: (varied_table(study),)),
             Section("results", "Results", lambda: (measures_table(summary), *study_charts(summary)), "summary"),
             Section("inputs", "Inputs that matter", lambda: indices_tables(summary) or [effects_table(summary)], "summary"),
@@ -126,13 +132,6 @@ def payload_scope(summaries: Sequence[StudySummary]) -> tuple[str, str]:
     if limited & {"clearance", "displacement"}:
         return " of the mounts and displacements", "; acceleration of the payload not judged: no limit stated"
     return " of the mounts", "; payload not judged: no limit stated"
-
-
-def _answer(summary: StudySummary) -> Iterator[Block]:
-    result = summary.result
-    limits = [limit_statement(limit, result.independent, sampled=result.is_sampled) for limit in summary.stated]
-    yield Statement("answer", items=(*limits, *statements(result)))
-    yield from failed_blocks(result, "variant")
 
 
 def failed_blocks(result: StudyResult, noun: str) -> Iterator[Block]:

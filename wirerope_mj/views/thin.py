@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array, Booleans
+from wirerope_mj.foundation.arrays import Array
 
 Rows = npt.NDArray[np.intp]
 # of a drawn series: a plot is a few thousand pixels wide, and the viewer slows down above this
@@ -52,26 +52,24 @@ def rows_of_extremes(values: Array, limit: int) -> Rows:
 
 
 def _needed(time: Array, values: Array, tolerance: Array | float, *, hold: bool) -> Rows:
+    """Replace intervals of 2, 4, 8... rows by their ends where these suffice."""
     keep = np.ones(time.size, dtype=bool)
-    for first in range(0, time.size, _PART):
-        part = slice(first, first + _PART + 1)  # with the first row of the next part, where the last interval ends
-        _drop(keep[part], time[part], values[part], tolerance, hold=hold)
+    for begin in range(0, time.size, _PART):
+        part = slice(begin, begin + _PART + 1)  # with the first row of the next part, where the last interval ends
+        kept, instants, drawn = keep[part], time[part], values[part]
+        size = 2
+        while size <= _LONGEST and size < instants.size:
+            first = np.arange((instants.size - 1) // size) * size
+            inner = first[:, None] + np.arange(1, size)
+            line = drawn[first][:, None]
+            if not hold:
+                ends = drawn[first + size][:, None] - line
+                ratio = (instants[inner] - instants[first][:, None]) / (instants[first + size] - instants[first])[:, None]
+                line = line + ratio[..., None] * ends
+            enough = (np.abs(drawn[inner] - line) <= tolerance).all(axis=(1, 2))
+            kept[inner[enough]] = False
+            size *= 2
     return np.flatnonzero(keep)
-
-
-def _drop(keep: Booleans, time: Array, values: Array, tolerance: Array | float, *, hold: bool) -> None:
-    """Clear `keep` where a row is not needed."""
-    size = 2
-    while size <= _LONGEST and size < time.size:
-        first = np.arange((time.size - 1) // size) * size
-        inner = first[:, None] + np.arange(1, size)
-        start = values[first][:, None]
-        ends = values[first + size][:, None] - start
-        ratio = (time[inner] - time[first][:, None]) / (time[first + size] - time[first])[:, None]
-        drawn = start if hold else start + ratio[..., None] * ends
-        enough = (np.abs(values[inner] - drawn) <= tolerance).all(axis=(1, 2))
-        keep[inner[enough]] = False
-        size *= 2
 
 
 def envelope(time: Array, values: Array) -> tuple[Array, Array, Array]:

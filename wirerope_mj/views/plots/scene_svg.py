@@ -54,7 +54,14 @@ def scene_svgs(view: SceneView) -> list[str]:
             shown += _mounts(scene, side, place, view.absent or ())
             shown += _labels(scene, side, place) if whole else ()
         else:
-            shown += [*_shapes(outlines(after, side), place), *_stretched(moved, side, place)]
+            shown += _shapes(outlines(after, side), place)
+            bodies = {body.name: body for body in moved.bodies}
+            for mount in moved.mounts:  # a line from the base's site to the payload's
+                payload = bodies[mount.payload_body]
+                end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
+                (x, y), (to_x, to_y) = place(side.seen(np.stack([mount_position(moved, mount), end]))).tolist()
+                shown.append(f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{_COLOURS[0]}" stroke-width="1.4"/>')
+                shown.append(f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="1.6" fill="{_COLOURS[0]}"/>')
             if view.ring is not None:
                 (x, y), colour = place(side.seen(view.ring[1])).tolist(), _RATED if view.exceeded else _INK
                 aside, anchor = (8.0, "start") if x < WIDTH / 4.0 - _LEFT else (-8.0, "end")
@@ -94,8 +101,8 @@ def _frame(drawn: DrawnScene, view: View, width: float, tallest: float) -> tuple
 
 
 def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
-    zero, one = place(np.zeros(2)), place(np.ones(2))
-    scale = float(one[0] - zero[0])
+    zero = place(np.zeros(2))
+    scale = float(place(np.ones(2))[0] - zero[0])
     across = linear_ticks(-zero[0] / scale, (size[0] - zero[0]) / scale, most=min(8, max(2, int(size[0] / 28.0))))
     upward = linear_ticks((zero[1] - size[1]) / scale, zero[1] / scale, most=max(int(size[1] / 30.0), 2))
     columns, rows = zero[0] + scale * across, zero[1] - scale * upward
@@ -155,16 +162,6 @@ def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:
         best = boxes[covered.index(min(covered))]
         taken.append(best)
         yield f'<text class="name" x="{best[0]:.1f}" y="{best[3]:.1f}" font-size="{_NAME}">{safe_text(text)}</text>'
-
-
-def _stretched(scene: Scene, view: View, place: Place) -> Iterator[str]:
-    bodies = {body.name: body for body in scene.bodies}
-    for mount in scene.mounts:
-        payload = bodies[mount.payload_body]
-        end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
-        (x, y), (to_x, to_y) = place(view.seen(np.stack([mount_position(scene, mount), end]))).tolist()
-        yield f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{_COLOURS[0]}" stroke-width="1.4"/>'
-        yield f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="1.6" fill="{_COLOURS[0]}"/>'
 
 
 def _key(scene: Scene) -> str:

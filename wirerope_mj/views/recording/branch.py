@@ -89,28 +89,23 @@ def record_branches(result: FrequencyResponse, findings: list[LevelSummary], con
     with atomic_recording(target) as rec:
         rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
         rec.send_recording_name(content.title)
-        _log_texts(rec, content, animation)
+        strip, kind = animation.strip, rr.MediaType.MARKDOWN
+        loops = shown_loops(animation)
+        texts = []
+        ends = [*strip.points[1:].tolist(), strip.branch.frequency.size]
+        for point, orbit, end in zip(strip.points.tolist(), strip.orbits, ends, strict=True):
+            texts.append(markdown_blocks(motion_blocks((strip.branch, point, orbit), end, next(iter(loops), None))))
+        columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
+        rec.send_columns(entity(MOTION), at_points(animation, strip), columns)
+        about = markdown_blocks([content.verdict, *content.blocks("headline", "summary"), Statement(text=_TIMELINES)])
+        rec.log(entity(ABOUT), rr.TextDocument(about, media_type=kind), static=True)
         log_frequency_panel(rec, entity(RESPONSE), chart.rows[0][0], width=RESPONSE_WIDTH, lift=LARGE)
         log_here(rec, child(entity(RESPONSE), "data", "here"), animation, strips)
         log_multipliers(rec, animation, width=SQUARE)
-        if loops := shown_loops(animation):
+        if loops:
             log_orbit_loops(rec, animation, strips, width=loop_grid(len(loops))[1], shape_width=SQUARE)
         log_scene(timelines(rec, animation), scene, selection, frames)
     return target
-
-
-def _log_texts(rec: Stream, content: Content, animation: Animation) -> None:
-    strip, kind = animation.strip, rr.MediaType.MARKDOWN
-    loop = next(iter(shown_loops(animation)), None)
-    ends = [*strip.points[1:].tolist(), strip.branch.frequency.size]
-    texts = [
-        markdown_blocks(motion_blocks((strip.branch, int(point), orbit), end, loop))
-        for point, orbit, end in zip(strip.points, strip.orbits, ends, strict=True)
-    ]
-    columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
-    rec.send_columns(entity(MOTION), at_points(animation, strip), columns)
-    about = markdown_blocks([content.verdict, *content.blocks("headline", "summary"), Statement(text=_TIMELINES)])
-    rec.log(entity(ABOUT), rr.TextDocument(about, media_type=kind), static=True)
 
 
 def loop_grid(loops: int) -> tuple[int, float]:

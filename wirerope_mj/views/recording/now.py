@@ -51,7 +51,7 @@ def heat(used: Array) -> Array:
 
 def used_by(selection: Selection, names: list[str]) -> Array:
     """Find what mounts use of their limits at every sample, (n_t, n); NaN without limits."""
-    courses = {one.subject: one.course for one in selection.used}
+    courses = {used.subject: used.course for used in selection.used}
     some = next(iter(courses.values()), np.zeros(0))
     return np.column_stack([courses.get(name, np.full(some.size, np.nan)) for name in names])
 

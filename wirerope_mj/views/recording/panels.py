@@ -167,5 +167,5 @@ def _log_lane(
     rec.log(_path(name), rr.StateConfiguration(values=[*labels, *blanks], colors=[*colors, *colors]), static=True)
     times, numbers = zip(*changes, strict=True)
     lasting = np.diff(np.append(times, max(end, times[-1])))
-    said = [labels[n] if long else blanks[n] for n, long in zip(numbers, lasting >= _LEGIBLE * end, strict=True)]
-    rec.send_columns(_path(name), at(times), rr.StateChange.columns(state=said))
+    shown = [labels[n] if long else blanks[n] for n, long in zip(numbers, lasting >= _LEGIBLE * end, strict=True)]
+    rec.send_columns(_path(name), at(times), rr.StateChange.columns(state=shown))

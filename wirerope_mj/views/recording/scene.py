@@ -30,11 +30,11 @@ def log_scene(
     for body in response.scene.bodies:
         frame = frames[body.name]
         if body.name != "world":
-            own = rows
+            drawn = rows
             if body.name == response.scene.base:
                 moved = response.bodies[body.name].position
-                own = rows_of_steps(response.time, moved, _STILL * float(np.ptp(moved, axis=0).max()))
-            log_pose(rec, frame.path, response.time, frame.position, frame.orientation, own)
+                drawn = rows_of_steps(response.time, moved, _STILL * float(np.ptp(moved, axis=0).max()))
+            log_pose(rec, frame.path, response.time, frame.position, frame.orientation, drawn)
         draw_geoms(rec, frame.path, see_through(body), extent)
     if response.scene.mounts:
         log_mounts(rec, response, selection, frames, rows, extent=extent)

@@ -129,7 +129,7 @@ def bending_at(response: Response, mount: SceneMount, body: str, rows: Rows) -> 
     ends do, whose shares they cannot tell apart.
     """
     names = {mount.base_body, mount.payload_body}
-    bending = {one.name for one in response.scene.bodies if one.bends and one.name in names}
+    bending = {body.name for body in response.scene.bodies if body.bends and body.name in names}
     if bending != {body} or names - response.bodies.keys():
         return np.zeros((rows.size, 3))
     position, orientation = relative_pose(response, (names - {body}).pop(), body)
@@ -145,7 +145,7 @@ def see_through(body: SceneBody) -> Sequence[Geom]:
 
 def log_bending(rec: Stream, frames: Mapping[str, Frame], response: Response, rows: Rows, factor: float) -> None:
     """Log a net through the mounts' points on each body that bends, bending enlarged."""
-    for body in (one.name for one in response.scene.bodies if one.bends):
+    for body in (bent.name for bent in response.scene.bodies if bent.bends):
         points = [
             (mount, mount.base_point if mount.base_body == body else mount.payload_point)
             for mount in response.scene.mounts if body in (mount.base_body, mount.payload_body)

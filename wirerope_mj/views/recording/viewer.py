@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
+from typing import BinaryIO
 from urllib.parse import quote
 
 from wirerope_mj.foundation.atomic_files import atomic_file
@@ -42,8 +43,13 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
     else:
         # Of a file with several recordings the viewer opens one; from its standard input it takes all.
         command += ["--new", "-" if path.name == JOINED else str(path)]
-    environment = {**os.environ, "CI": "1"}  # from where `CI` is set the viewer sends no usage data
-    with path.open("rb") as recording, process_beside(command, stdin=recording, env=environment) as process:
+    with path.open("rb") as recording:
+        _run(command, recording)
+
+
+def _run(command: list[str], recording: BinaryIO) -> None:
+    # From where `CI` is set it sends no usage data.
+    with process_beside(command, stdin=recording, env={**os.environ, "CI": "1"}) as process:
         try:
             code = process.wait()
         except KeyboardInterrupt:
@@ -117,10 +123,10 @@ def join_recordings(recordings: Sequence[Path], target: Path) -> None:
         command = [str(viewer_binary()), "rrd", "merge", "-o", str(temporary), *map(str, recordings)]
         streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
         with process_beside(command, env={**os.environ, "CI": "1"}, **streams) as process:
-            _, said = process.communicate()
+            _, message = process.communicate()
         if process.returncode != 0 or not temporary.stat().st_size:
-            said = " ".join(said.split()[-40:])
-            raise RecordError(f"{target}: the recordings could not be joined: {said}")
+            message = " ".join(message.split()[-40:])
+            raise RecordError(f"{target}: the recordings could not be joined: {message}")
 
 
 FILES = ("re_viewer.js", "re_viewer_bg.wasm")

@@ -220,9 +220,9 @@ def _set_page(document: Any, content: Content) -> None:
         for kind in ("ascii", "hAnsi", "cs"):  # East Asian letters in the font that the reader's program has for them
             fonts.set(f"{{{_W[9:-1]}}}{kind}", _FONT)
     document.styles["Normal"].paragraph_format.space_after = Pt(4)
-    said = document.core_properties
-    said.title, said.author = plain_lines(content.title), plain_lines(filed.author) if filed else ""
-    said.subject, said.comments = plain_lines(filed.reference) if filed else "", ""
+    properties = document.core_properties
+    properties.title, properties.author = plain_lines(content.title), plain_lines(filed.author) if filed else ""
+    properties.subject, properties.comments = plain_lines(filed.reference) if filed else "", ""
     above = (content.title, filed.classification if filed else "")
     for place, (begin, end) in ((section.header, above), (section.footer, (filed.reference if filed else "", None))):
         paragraph = place.paragraphs[0]

@@ -23,5 +23,5 @@ def viewer_pages() -> dict[str, bytes]:
 
     WireRopeError if there is no viewer, or it does not hand out its files.
     """
-    own = {name: (_FOLDER / source).read_bytes() for name, source in (("index.html", "viewer.html"), ("show.js", "show.js"))}
-    return own | viewer_files()
+    pages = {name: (_FOLDER / source).read_bytes() for name, source in (("index.html", "viewer.html"), ("show.js", "show.js"))}
+    return pages | viewer_files()
