@@ -80,7 +80,7 @@ def test_the_report_holds_front_and_designs(done):
     page = write_study_report(done)[0].read_text(encoding="utf-8")
     result = wr.load_study(done)
     assert "The front: designs within the limits that no other one beats" in page
-    assert "places without a mount" in page
+    assert "positions without a mount" in page
     assert result.inputs["search"]["optimiser"] in page
     assert page.count('class="chart"') == 1
     assert page.count('class="scene in2"') >= 2

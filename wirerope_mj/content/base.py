@@ -64,12 +64,11 @@ def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
     events = [(time, text) for (_, text), time in texts.items() if response.reaches(time)]
     if events:
         later = [text for (_, text), time in texts.items() if not response.reaches(time)]
-        end = f"After the end of the run at {response.final_state.time:g} s, and not simulated: {listed(later)}."
-        more = f"And {len(events) - _MOST_EVENTS} more."
-        yield Table(
-            "base-events", "What the base does when", (Column("at", "s", "z.4f"), Column("event", align="text")),
-            events[:_MOST_EVENTS], note=" ".join([more] * (len(events) > _MOST_EVENTS) + [end] * bool(later)),
-        )  # fmt: skip
+        notes = [f"And {len(events) - _MOST_EVENTS} more."] if len(events) > _MOST_EVENTS else []
+        if later:
+            notes.append(f"After the end of the run at {response.final_state.time:g} s, and not simulated: {listed(later)}.")
+        columns = [Column("at", "s", "z.4f"), Column("event", align="text")]
+        yield Table("base-events", "What the base does when", columns, events[:_MOST_EVENTS], note=" ".join(notes))
     yield from record_blocks(run)
     shock = run.spectra.shock
     if isinstance(shock, Absent):

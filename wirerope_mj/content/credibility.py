@@ -148,7 +148,7 @@ def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
     ]  # fmt: skip
     columns = (
         *left("part", "rests on"), Column("what is known", align="text"),
-        Column("moves peaks by ±", "%", 2), Column("share of these", "%", 2),
+        Column("moves peaks by ±", "%", 2), Column("fraction of these", "%", 2),
     )  # fmt: skip
     yield Table("credibility-parts", _TITLE, columns, rows)
 

@@ -47,7 +47,7 @@ def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> T
     rows.append(["all", None, None, *map(float, effective.sum(axis=0))])
     if mass is not None:
         size = with_unit(float(np.max(mass)), "kg")
-        rows.append([f"of {size}", None, None, *(f"{100.0 * c:.1f} %" for c in _shares(effective.sum(axis=0), mass))])
+        rows.append([f"of {size}", None, None, *(f"{100.0 * c:.1f} %" for c in _ratios(effective.sum(axis=0), mass))])
     columns = (
         *left("mode"), Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.2f"),
         *(Column(f"mass\n{axis}", "kg", "z.2f") for axis in "xyz"),
@@ -58,7 +58,7 @@ def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> T
     return Table("flexible-modes", "Modes and the mass that takes part", columns, rows, note=note)
 
 
-def _shares(total: Array, mass: float | Array) -> Array:
+def _ratios(total: Array, mass: float | Array) -> Array:
     return np.divide(total, mass, out=np.zeros(3), where=np.broadcast_to(np.asarray(mass) > 1e-9 * np.max(mass), 3))
 
 
@@ -73,15 +73,15 @@ def _checks(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart,
         yield warning("free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck.")
     elif not _LIGHTEST <= largest <= _HEAVIEST:
         yield warning("units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?")
-    shares = [_shares((shown.participation**2).sum(axis=0), mass) for shown in (part, whole)] if mass is not None else []
-    for axis, share, of_whole in zip("xyz", *shares, strict=True) if shares else ():
-        text = f"Along {axis} the modes bring along {100 * share:.1f} % of the mass,"
-        if share > 1.0 + 1e-6:
+    ratios = [_ratios((shown.participation**2).sum(axis=0), mass) for shown in (part, whole)] if mass is not None else []
+    for axis, ratio, of_whole in zip("xyz", *ratios, strict=True) if ratios else ():
+        text = f"Along {axis} the modes bring along {100 * ratio:.1f} % of the mass,"
+        if ratio > 1.0 + 1e-6:
             yield warning("mass", f"{text} more than there is.")
-        elif 0.01 < share < CAPTURED and not modes.all() and of_whole >= CAPTURED:
-            text = f"{text} and residual vectors carry the rest of what was read, {100 * (of_whole - share):.1f} %, statically."
+        elif 0.01 < ratio < CAPTURED and not modes.all() and of_whole >= CAPTURED:
+            text = f"{text} and residual vectors carry the rest of what was read, {100 * (of_whole - ratio):.1f} %, statically."
             yield Statement("flexible-captured", text)
-        elif 0.01 < share < CAPTURED:
+        elif 0.01 < ratio < CAPTURED:
             yield warning("captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors.")
     missing = [
         (1.0 - float(kept / full), name, axis)

@@ -24,7 +24,7 @@ def identification_content(
 ) -> Content:  # fmt: skip
     """Compose what an identification says: its loops beside the law's, and warnings.
 
-    `sources` are the files that were read, `warnings` what makes the fit doubtful, `given` what was not searched for.
+    `sources` are the files that were read, `warnings` of the records, `given` what was not searched for.
     """
     return Content(
         title=title, facts=(("Loops", str(len(fits))), ("By", f"wirerope-mj {version('wirerope-mj')}")),

@@ -10,7 +10,7 @@ from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.laws import Law
 
-_SOFTER = 0.05  # share of a mount's stiffness that a bracket takes before its figure is worth a word
+_SOFTER = 0.05  # fraction of a mount's stiffness that a bracket takes before its figure is stated
 
 
 def ratings_table(devices: Sequence[Isolator]) -> Table:

@@ -70,7 +70,7 @@ def _room(runs: Mapping[str, JudgedRun]) -> Table | None:
             *left("point"), *(Column(side, "mm", "z.1f") for side in SIDES),
             *left("largest displacement in"),
         ],
-        rows, note="Displacement from the modelled place relative to the base, sag included, the largest of any case.",
+        rows, note="Displacement from the modelled position relative to the base, sag included, the largest of any case.",
     )  # fmt: skip
 
 

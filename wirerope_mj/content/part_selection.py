@@ -81,7 +81,7 @@ def _table(
     return Table(
         name, title, columns, rows, shown=most,
         note="Used: of the limit that is the most critical over all load cases. Peak: largest of any body or point. Moves: "
-        "largest displacement of a point from its modelled place along x, y or z, as --travel limits it.",
+        "largest displacement of a point from its modelled position along x, y or z, as --travel limits it.",
     )  # fmt: skip
 
 
@@ -100,10 +100,10 @@ def _notes(selection: CatalogueSelection) -> Iterator[str]:
     for why, names in reasons.items():
         yield f"not simulated: {listed(names)}: {why}"
     if len(tried) > len(selection.meeting):
-        yield "figures of parts beyond a limit are computed as far as it takes to be certain that it is exceeded"
+        yield "figures of parts beyond a limit are computed as far as it takes to know that it is exceeded"
     yield (
         "the isolators are those of the catalogue, fitted to the vendors' stiffnesses with tension and damping as assumed "
-        "there; the payload's side of each mount stays in its place, and the foundation follows the part's height"
+        "there; the payload's side of each mount stays where it is, and the foundation follows the part's height"
     )
     if selection.by in ("price", "mass") and any(math.isnan(selection.figure(part, selection.by)) for part in tried):
         yield f"parts without a {selection.by} in the table come last"
@@ -231,7 +231,7 @@ def _worksheet_notes(selection: PartSelection) -> Iterator[str]:
         f"every command takes a part by its name: wirerope isolators {selection.candidates[0].part.name}, or in the column "
         "isolator of a table of mounts for wirerope new"
     )
-    yield "closed formulas of a guided mass: wirerope select simulates every part in the places of the mounts"
+    yield "closed formulas of a guided mass: wirerope select simulates every part at the positions of the mounts"
 
 
 def _g(value: float | None) -> float:

@@ -149,7 +149,7 @@ def fine_base(motion: BaseMotion, response: Response) -> tuple[Array, Array] | N
 
 def held_text(held: float) -> str:
     """Write up to which frequency [Hz] samples hold a spectrum, 0 where no line is sure."""
-    return f"within 1 % {f'up to {held:.3g} Hz' if held else 'at no frequency for certain'}"
+    return f"within 1 % {f'up to {held:.3g} Hz' if held else 'at no frequency'}"
 
 
 def moving_axes(response: Response) -> list[int]:

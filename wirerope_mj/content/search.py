@@ -69,7 +69,7 @@ def _results(result: SearchResult) -> Iterator[Block]:
             parts = [f"{row['mounts']:.0f} mounts"]
             parts += [f"{measure.heading} {measure.factor * row[measure.name]:.3g} {measure.unit}" for measure in measures]
             remark = f" ({remark})" if (remark := result.remark(variant)) else ""
-            caption = f"Design {variant}{remark}: {', '.join(parts)}; marks are mounts, crosses empty places."
+            caption = f"Design {variant}{remark}: {', '.join(parts)}; marks are mounts, crosses empty positions."
             scene, absent = result.scene(variant), tuple(result.absent(variant))
             yield SceneView(id=f"placement-{variant}", scene=scene, caption=caption, absent=absent)
     yield front_table(result)
@@ -101,7 +101,7 @@ def designs_table(result: SearchResult) -> Table:
         values = (f"{row[name]:.4g}" if isinstance(row[name], float) else str(row[name]) for name in others)
         inputs = ", ".join(f"{name} {value}" for name, value in zip(others, values, strict=True))
         rows.append((str(row["variant"]), names or "none", inputs or "-"))
-    columns = [*left("design"), *(Column(head, align="text") for head in ("places without a mount", "other inputs"))]
+    columns = [*left("design"), *(Column(head, align="text") for head in ("positions without a mount", "other inputs"))]
     return Table("designs", "These designs", columns, rows, shown=_SHOWN)
 
 

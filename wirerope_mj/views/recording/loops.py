@@ -21,7 +21,7 @@ from wirerope_mj.views.thin import rows_of_line, rows_of_steps
 # rows of a trail at once: the viewer draws a segment for each in every frame
 MOST_TRAIL_ROWS = 1000
 # segments of a long run that are drawn beside that of the largest deflection, and rows of each
-_STRETCHES, _STRETCH = 5, 120
+_SEGMENTS, _SEGMENT = 5, 120
 _SHORT_TRAIL = 80  # rows of the trail of a long run: the last few cycles
 _FINE = 1 / 300  # Fraction of a loop's range that its line may be off: a pixel of a small multiple
 _COARSE = 1 / 100  # The same for the cursor, which is a spot of several pixels
@@ -91,9 +91,9 @@ def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
             parts = [line]
             if line.size > MOST_TRAIL_ROWS:
                 # of a long run some segments, about the largest deflection and evenly: full cycles tell more than corners
-                spread = np.linspace(0, line.size, _STRETCHES + 2).astype(int)[1:-1].tolist()
+                spread = np.linspace(0, line.size, _SEGMENTS + 2).astype(int)[1:-1].tolist()
                 middles = sorted({int(np.abs(values[line, 0]).argmax()), *spread})
-                parts = [line[max(0, middle - _STRETCH // 2) : middle + _STRETCH // 2] for middle in middles]
+                parts = [line[max(0, middle - _SEGMENT // 2) : middle + _SEGMENT // 2] for middle in middles]
             loop = DrawnLoop(axis=axis, mount=name, outlines=tuple(values[part] for part in parts))
             if name in shown:
                 rows, joined = _trail_rows(response.time, values, parts)
