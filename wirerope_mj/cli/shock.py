@@ -1,36 +1,36 @@
 """`wirerope shock`: a base motion said on the command line, or a measured record, played into a model."""
 
+import inspect
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, dated, with_numerics
+from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, dated, own_option, with_numerics
+from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
 
 
+# the options that say a motion, by their names, and its kind
+_OPTIONS = {(form.option or kind).replace("-", "_"): kind for kind, form in SPOKEN_MOTIONS.items()}
+
+
+def _with_motions(function: Callable[..., int]) -> Callable[..., int]:
+    """Add an option for every phrase of a motion, behind the argument of a command."""
+    forms = [(name, SPOKEN_MOTIONS[kind]) for name, kind in _OPTIONS.items()]
+    added = [own_option(name, Repeated, None, f'"{form.example}": {form.summary}') for name, form in forms]
+    signature = inspect.signature(function)
+    first, *others, _ = signature.parameters.values()
+    function.__signature__ = signature.replace(parameters=[first, *added, *others])  # type: ignore[attr-defined]
+    function.__annotations__ |= {option.name: option.annotation for option in added}
+    return function
+
+
+@_with_motions
 def shock(
     model: str,
     *,
-    half_sine: Repeated = None,
-    sawtooth: Repeated = None,
-    trapezoid: Repeated = None,
-    velocity_step: Repeated = None,
-    double_pulse: Repeated = None,
-    struck_deck: Repeated = None,
-    struck_plate: Repeated = None,
-    sine: Repeated = None,
-    sweep: Repeated = None,
-    psd: Repeated = None,
-    amplitude_table: Repeated = None,
-    spectrum: Repeated = None,
-    required_spectrum: Repeated = None,
-    unbalance: Repeated = None,
-    reciprocating: Repeated = None,
-    payload_force: Repeated = None,
-    moment: Repeated = None,
-    hammer: Repeated = None,
-    force_table: Repeated = None,
     levels: RepeatedPaths = None,
     record: Path | None = None,
     scale: float = 1.0,
@@ -52,6 +52,7 @@ def shock(
     combined_travel: bool = True,
     out: Path | None = None,
     force: Flag = False,
+    **motions: list[str] | None,
 ) -> int:
     """Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.
 
@@ -63,29 +64,6 @@ def shock(
 
     Args:
         model: path of a model, or the name of one that ships with the package, such as shock_table.
-        half_sine: "15 g 11 ms z": peak, length, direction.
-        sawtooth: "20 g 11 ms z": terminal peak, length, direction.
-        trapezoid: "10 g 18 ms rise 2 ms z": peak, length, rise and fall, direction.
-        velocity_step: "2 m/s z": velocity change at once.
-        double_pulse: "50 mm 3 m/s 100 g z": the double half-sine of a design spectrum d0, v0, a0.
-        struck_deck: "14 Hz 1.5 m/s damping 5 % blow 4 ms z": a deck of one frequency under a blow.
-        struck_plate: "14 MPa 0.9 ms 320 kg/m2 z": a hull plate under an underwater shock wave: pressure, decay, mass per area.
-        sine: "0.5 g 12 Hz 10 s z": steady sine.
-        sweep: "0.5 g 5 to 50 Hz 2 oct/min z": logarithmic sine sweep.
-        psd: "transport.csv 30 s z seed 1": random vibration of a file with "frequency [Hz], psd [g^2/Hz]".
-        amplitude_table: "levels.csv 10 s z": steady sines, one frequency after the other, of a file with
-            "from [Hz], to [Hz], displacement [mm]" in steps of 1 Hz, or "frequency [Hz], displacement [mm]"; with "dwell 60 s"
-            then 60 s at each response prominence of the model, with "dwell 60 s 7 Hz 12 Hz" at these.
-        spectrum: "floor.csv 20 s x damping 5 % seed 1": a motion with the response spectrum of a file with
-            "frequency [Hz], acceleration [g]".
-        required_spectrum: "rrs.csv 30 s x damping 5 % seed 1": the same, its spectrum nowhere below that of the file.
-        unbalance: "engine 20 kg.mm 5 to 30 Hz 20 s x": a force on the payload, at its site force/engine: unbalance of a shaft
-            about x, running up within 20 s; "25 Hz" for constant speed; "order 2", "for 10 s".
-        reciprocating: "engine 8 kg.mm 25 Hz order 2 z": the same of what moves to and fro along z.
-        payload_force: "engine 500 N 12 Hz 10 s z": harmonic force.
-        moment: "engine 80 N.m 12 Hz 10 s y": harmonic moment.
-        hammer: "anvil 9.8 kN.s 1 ms z": a blow, by its impulse and length.
-        force_table: "engine start.csv at 1 s": forces and moments of a file with "time [s], fz [N], mx [N.m]" and the like.
         levels: TOML file of motions, as `wirerope levels` writes one to fill in.
         record: CSV, MATLAB (-v7), XLSX or Parquet file with units in its header, such as "time [s], x [g], z [m/s^2]", or
             universal file with datasets 58.
@@ -124,15 +102,7 @@ def shock(
     from wirerope_mj.runs.scenario import Scenario
 
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
-    spoken = {
-        "half-sine": half_sine, "sawtooth": sawtooth, "trapezoid": trapezoid, "velocity-step": velocity_step,
-        "double-pulse": double_pulse, "struck-deck": struck_deck, "struck-plate": struck_plate,
-        "sine": sine, "sweep": sweep, "psd": psd, "amplitude-table": amplitude_table,
-        "spectrum": spectrum, "required-spectrum": required_spectrum,
-        "unbalance": unbalance, "reciprocating": reciprocating, "force": payload_force, "moment": moment,
-        "hammer": hammer, "force-table": force_table,
-    }  # fmt: skip
-    phrases = [(kind, phrase) for kind, several in spoken.items() for phrase in several or ()]
+    phrases = [(kind, phrase) for name, kind in _OPTIONS.items() for phrase in motions.get(name) or ()]
     names = [*dict.fromkeys(kind for kind, _ in phrases), *(file.stem for file in levels or ())]
     names += [record.stem] if record is not None else []
     if not (names or channels or direction):
@@ -149,7 +119,9 @@ def shock(
         phrases, levels=levels or (), record=record, channels=channels, direction=direction, played=played, duration=duration,
     )  # fmt: skip
     name = f"shock-{Path(model).stem}-{'-'.join(names)}"
-    options: dict[str, object] = {kind: "; ".join(text for one, text in phrases if one == kind) or None for kind in spoken}
+    options: dict[str, object] = {
+        kind: "; ".join(text for one, text in phrases if one == kind) or None for kind in _OPTIONS.values()
+    }
     options |= {
         "levels": " ".join(file.name for file in levels or ()) or None, "record": record.name if record else None,
         "direction": direction, "channels": None if channels is None else " ".join(channels), "duration": duration,

@@ -27,13 +27,12 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import Absent, WireRopeError
 from wirerope_mj.motions import BaseMotion, Sweep, motion_from_dict
 from wirerope_mj.motions.records.record import record_warnings
+from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 from wirerope_mj.mounts.isolator import Validity
 
 Result = TypeVar("Result")
 
 STILL = 1e-6  # [m/s^2]: an rms that is rounding
-# kinds of motions whose description does not say all that their phrase says
-_MORE_IN_PHRASES = ("double-pulse", "psd", "amplitude-table", "spectrum", "required-spectrum")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +89,7 @@ class JudgedRun(RunResult):
     @property
     def acting(self) -> str:
         options = self.inputs.get("options", {})
-        phrases = [f"{kind} {options[kind]}" for kind in _MORE_IN_PHRASES if options.get(kind)]
+        phrases = [f"{kind} {options[kind]}" for kind, form in SPOKEN_MOTIONS.items() if form.says_more and options.get(kind)]
         return f"{self.motion.description} (from {'; '.join(phrases)})" if phrases else self.motion.description
 
     @property

@@ -15,7 +15,7 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
+from wirerope_mj.motions.motion import Said, StartedMotion, doubt_of_length, unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 
@@ -57,6 +57,11 @@ class DoublePulse(StartedMotion):
         """Return the call that makes this motion: the constructor's names, not those of the attributes."""
         given = ", ".join(f"{name}={value!r}" for name, value in self._parameters({}).items())
         return f"{type(self).__name__}({given})"
+
+    @property
+    def doubt(self) -> str:
+        """Question of whether a unit was another."""
+        return doubt_of_length(self.duration, "is one of its units another?")
 
     @property
     @abstractmethod

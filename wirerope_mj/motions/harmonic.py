@@ -15,6 +15,7 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, dire
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import Said, StraightMotion
+from wirerope_mj.motions.phrases import SpokenMotion, made_of
 from wirerope_mj.motions.sweep_levels import FORMS, Course
 
 
@@ -33,6 +34,13 @@ class Sine(StraightMotion):
     """
 
     kind: ClassVar[str] = "sine"
+    phrases = (
+        SpokenMotion(
+            name="sine", example="0.5 g 12 Hz 10 s z", summary="steady sine: amplitude, frequency, length, direction.",
+            needs={"acceleration": 1, "frequency": 1, "time": 1}, words={},
+            make=made_of(started=False, frequency="frequency", acceleration="acceleration", duration="time"),
+        ),
+    )  # fmt: skip
 
     frequency: float
     amplitude: float
@@ -111,6 +119,17 @@ class Sweep(StraightMotion):
     """
 
     kind: ClassVar[str] = "sweep"
+    phrases = (
+        SpokenMotion(
+            name="sweep", example="0.5 g 5 to 50 Hz 2 oct/min z",
+            summary="logarithmic sine sweep: amplitude, frequencies, rate, direction.",
+            needs={"acceleration": 1, "frequency": 2, "sweep rate": 1}, words={},
+            make=lambda shape, phrase, direction, *_: shape(
+                start=phrase.quantities["frequency"][0], stop=phrase.quantities["frequency"][1], direction=direction,
+                rate=phrase.one("sweep rate"), acceleration=phrase.one("acceleration"),
+            ),
+        ),
+    )  # fmt: skip
 
     start: float
     stop: float

@@ -14,6 +14,7 @@ from wirerope_mj.foundation.arguments import as_times
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 from wirerope_mj.foundation.summary import AsCall
+from wirerope_mj.motions.phrases import SpokenMotion
 
 # corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours
 SAME_TIME = 1e-10
@@ -37,6 +38,7 @@ class BaseMotion(ABC):
     """
 
     kind: ClassVar[str]  # name of the motion in stored files
+    phrases: ClassVar[tuple[SpokenMotion, ...]] = ()  # how commands, jobs and files of levels say it
 
     # length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop, of a sum from time
     # zero; infinite for an endless sine. `end` is the instant after which it is over.
@@ -114,6 +116,11 @@ class BaseMotion(ABC):
     def files(self) -> tuple[Path, ...]:
         """Files that the motion was read from and that are needed to rebuild it."""
         return ()
+
+    @property
+    def doubt(self) -> str:
+        """Question of whether a unit was another one that a phrase should have said; "" without."""
+        return ""
 
     @property
     def parts(self) -> "tuple[BaseMotion, ...]":
@@ -194,6 +201,14 @@ class StartedMotion(StraightMotion):
     def _line_text(self) -> str:
         """Direction and start, as descriptions end."""
         return f"along {direction_text(self.direction)}" + (f" at {self.start:.4g} s" if self.start else "")
+
+
+_LONGEST_SHOCK = 1.0  # [s] beyond which the unit of a pulse is questioned
+
+
+def doubt_of_length(duration: float, question: str) -> str:
+    """Question a shock that lasts [s] longer than shocks do."""
+    return f"it lasts {duration:.4g} s, and shocks are over sooner: {question}" if duration > _LONGEST_SHOCK else ""
 
 
 _SAID = 6  # motions of a sum that are described one by one

@@ -2,18 +2,21 @@
 
 import math
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import as_times, finite
-from wirerope_mj.foundation.arrays import Array, ArrayLike
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, Said
+from wirerope_mj.motions.phrases import Phrase, SpokenMotion, file_first, made_of, site_first
+from wirerope_mj.motions.psd_lines import ForceRows, force_rows
 
 MOST_ROWS = 20_000  # rows of a table of forces, which is stored with its run as text: two megabytes
 
@@ -77,11 +80,42 @@ class PayloadForce(BaseMotion):
         object.__setattr__(self, "start", ranges.start("start", self.start))
 
 
+def _harmonic(quantity: str) -> Callable[..., BaseMotion]:
+    """Return what makes a force or a moment of a phrase."""
+
+    def make(shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
+        amplitude: Entries = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist()}
+        length = phrase.one("time")
+        amplitude |= {"frequency": phrase.one("frequency"), "duration": length}
+        return shape(site=site, start=phrase.start, **amplitude)
+
+    return make
+
+
+def _site_and_table(text: str, folder: Path) -> tuple[tuple[str, ForceRows], str]:
+    """Take site and table of forces off the beginning of a phrase."""
+    site, rest = site_first(text, folder)
+    rows, left = file_first(force_rows)(rest, folder)
+    return (site, rows), left
+
+
 @dataclass(frozen=True, kw_only=True)
 class HarmonicForce(PayloadForce):
     """Harmonic force and moment, (force, moment) sin(2 pi f t + phase)."""
 
     kind: ClassVar[str] = "harmonic-force"
+    phrases = (
+        SpokenMotion(
+            name="force", option="payload-force", example="engine 500 N 12 Hz 10 s z", make=_harmonic("force"),
+            summary="harmonic force on the payload: site, amplitude, frequency, length, direction.",
+            needs={"force": 1, "frequency": 1, "time": 1}, begins=site_first,
+        ),
+        SpokenMotion(
+            name="moment", example="engine 80 N.m 12 Hz 10 s y", make=_harmonic("moment"),
+            summary="harmonic moment on the payload: site, amplitude, frequency, length, axis.",
+            needs={"moment": 1, "frequency": 1, "time": 1}, begins=site_first,
+        ),
+    )  # fmt: skip
 
     site: str
     frequency: float  #: frequency f [Hz]
@@ -124,6 +158,13 @@ class Blow(PayloadForce):
     """Blow on the payload, as of a hammer: a half-sine of the impulse J, pi J / (2 D) sin(pi t / D)."""
 
     kind: ClassVar[str] = "blow"
+    phrases = (
+        SpokenMotion(
+            name="hammer", example="anvil 9.8 kN.s 1 ms z", needs={"impulse": 1, "time": 1}, begins=site_first,
+            summary="a blow on the payload: site, impulse, length, direction.",
+            make=made_of(impulse="impulse", duration="time"),
+        ),
+    )  # fmt: skip
 
     site: str
     impulse: float  #: J [N s]; negative for a blow against the direction
@@ -151,6 +192,15 @@ class ForceTable(PayloadForce):
     """Force and moment given at instants, straight between them; zero before the first and after the last."""
 
     kind: ClassVar[str] = "force-table"
+    phrases = (
+        SpokenMotion(
+            name="force-table", example="engine start.csv at 1 s", needs={}, begins=_site_and_table, directed=False,
+            summary='forces and moments on the payload of a file with "time [s], fz [N], mx [N.m]" and the like.',
+            make=lambda shape, phrase, _, __, begun: shape(
+                site=begun[0], times=begun[1][0], loads=begun[1][1], start=phrase.start
+            ),
+        ),
+    )  # fmt: skip
 
     site: str
     times: Sequence[float] = field(repr=False)  #: instants since the start [s], increasing, (n,)

@@ -8,10 +8,10 @@ from os.path import isfile  # as `Path.is_file`, but a name that is too long is 
 from pathlib import Path
 from typing import Any, TypeVar
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import Direction, directions_in
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
-from wirerope_mj.motions.motion import BaseMotion
 
 # quantities that a unit tells apart, and what one of each unit is in SI; of a sweep rate in octaves/min
 UNITS: dict[str, Mapping[str, float]] = {
@@ -34,6 +34,8 @@ _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for un
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")
 START = {"at": "time"}
+LASTING = START | {"seed": "", "rise": "time", "fall": "time"}  # of a random vibration
+LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larger ones neighbours would be one
 
 Read = TypeVar("Read")
 
@@ -140,19 +142,43 @@ def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class SpokenMotion:
-    """A kind of motion as a phrase says it."""
+    """A phrase that says a motion: what stands in it, and what makes the motion of it."""
 
+    name: str  # of the key in files, and of the option of commands
     example: str  # a phrase of this kind
-    summary: str  # what it is, for a list of options
+    summary: str  # what it says, for a list of options
     needs: Mapping[str, int]  # how many values of each quantity there must be
-    # makes the motion along one direction from the phrase, its number among several, and what `begins` returned
-    make: Callable[[Phrase, Direction, int, Any], BaseMotion]
+    # makes the motion from its class, the phrase, one direction, its number among several, and what `begins` returned
+    make: Callable[..., Any]
     words: Mapping[str, str] = field(default_factory=lambda: START)  # quantity of what may follow each word
     needed_words: tuple[str, ...] = ()  # words that must be there
     # takes what stands before the phrase, a file or a name, off it: returns what it means and the rest of the text
     begins: Callable[[str, Path], tuple[object, str]] | None = None
     may: Mapping[str, int] = field(default_factory=dict)  # quantities that may be there, and how many values at most
     directed: bool = True  # whether it has a direction
+    says_more: bool = False  # than the motion's description does
+    option: str = ""  # name of the option of commands where it is another
+    written: str = ""  # pattern of the name as people write it, where it is another
+
+
+def made_of(*, started: bool = True, **arguments: str) -> Callable[..., Any]:
+    """Return what makes a motion whose arguments are quantities or words of its phrase; of a force its site, too."""
+
+    def make(shape: Callable[..., Any], phrase: Phrase, direction: Direction, _: int, site: str | None) -> Any:
+        begins = ({"start": phrase.start} if started else {}) | ({} if site is None else {"site": site})
+        values = {name: phrase.named[said] if said in phrase.named else phrase.one(said) for name, said in arguments.items()}
+        return shape(direction=direction, **values, **begins)
+
+    return make
+
+
+def lasting(phrase: Phrase, direction: Direction, number: int) -> Entries:
+    """Read length, seed and ramps of a vibration; along several directions each has a seed of its own."""
+    seed = phrase.named.get("seed", 1.0)
+    if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:
+        raise ValueError(f"a seed is an integer from 0 to {LARGEST_SEED}, got {seed:.17g}.")
+    ramps = {"rise": phrase.named.get("rise"), "fall": phrase.named.get("fall"), "start": phrase.start}
+    return {"duration": phrase.one("time"), "seed": int(seed) + number, "direction": direction, **ramps}
 
 
 def file_first(read: Callable[[Path], Read]) -> Callable[[str, Path], tuple[Read, str]]:

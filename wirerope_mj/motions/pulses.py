@@ -15,8 +15,13 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
+from wirerope_mj.motions.motion import Said, StartedMotion, doubt_of_length, unique_times
+from wirerope_mj.motions.phrases import START, SpokenMotion, made_of
 from wirerope_mj.motions.piecewise import PiecewiseLinear
+
+_NEEDS: Mapping[str, int] = {"acceleration": 1, "time": 1}
+_MAKE = made_of(peak="acceleration", duration="time")
+_RISE = 0.1  # rise and fall of a trapezoid over its length unless a phrase says them, as the shock standards draw it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +42,11 @@ class Pulse(StartedMotion):
     def velocity_change(self) -> float:
         """Velocity along the direction that the pulse leaves behind [m/s]."""
 
+    @property
+    def doubt(self) -> str:
+        """Question of whether ms were meant."""
+        return doubt_of_length(self.duration, f"was {self.duration:.4g} ms meant?")
+
     @cached_property
     def _said(self) -> Said:
         """For instance `half-sine 15 g 11 ms along z`."""
@@ -53,6 +63,11 @@ class HalfSine(Pulse):
     """
 
     kind: ClassVar[str] = "half-sine"
+    phrases = (
+        SpokenMotion(
+            name="half-sine", example="15 g 11 ms z", summary="peak, length, direction.", needs=_NEEDS, make=_MAKE
+        ),
+    )  # fmt: skip
 
     @property
     def velocity_change(self) -> float:
@@ -76,6 +91,12 @@ class Sawtooth(Pulse):
     """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2. Its values are as in `HalfSine`."""
 
     kind: ClassVar[str] = "sawtooth"
+    phrases = (
+        SpokenMotion(
+            name="sawtooth", example="20 g 11 ms z", summary="terminal peak, length, direction.", needs=_NEEDS, make=_MAKE,
+            written=r"(?:terminal[- ]peak[- ])?saw[- ]?tooth",
+        ),
+    )  # fmt: skip
 
     @property
     def velocity_change(self) -> float:
@@ -98,6 +119,16 @@ class Trapezoid(Pulse):
     """
 
     kind: ClassVar[str] = "trapezoid"
+    phrases = (
+        SpokenMotion(
+            name="trapezoid", example="10 g 18 ms rise 2 ms z", summary="peak, length, rise and fall, direction.",
+            needs=_NEEDS, words=START | {"rise": "time"},
+            make=lambda shape, phrase, direction, *_: shape(
+                peak=phrase.one("acceleration"), duration=phrase.one("time"), direction=direction, start=phrase.start,
+                rise=phrase.named.get("rise", _RISE * phrase.one("time")),
+            ),
+        ),
+    )  # fmt: skip
 
     rise: float  #: length r of the rise, and of the fall [s]
 
@@ -139,6 +170,12 @@ class VelocityStep(StartedMotion):
     """
 
     kind: ClassVar[str] = "velocity-step"
+    phrases = (
+        SpokenMotion(
+            name="velocity-step", example="2 m/s z", summary="velocity change at once.", needs={"velocity": 1},
+            make=made_of(velocity="velocity"),
+        ),
+    )  # fmt: skip
 
     velocity_change: float
     direction: Direction

@@ -17,12 +17,14 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes, random_phases, usual_ramp
 from wirerope_mj.motions.motion import Said, StartedMotion
+from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, lasting
 from wirerope_mj.motions.piecewise import UniformSpline
-from wirerope_mj.motions.psd_lines import checked_points, psd_power, psd_rms
+from wirerope_mj.motions.psd_lines import checked_points, psd_points, psd_power, psd_rms
 
 Amplitudes = Literal["fixed", "random"]
 _DEGREES = {"quintic": 5, "cubic": 3}
 KNOTS_PER_PERIOD = 8  # knots of the acceleration in a period of the highest frequency
+_LOUDEST = 50.0 * STANDARD_GRAVITY  # rms beyond which the unit of a density is questioned [m/s^2]
 MOST_POINTS = 1e8  # points of a random vibration: a gigabyte, more than an hour up to 2 kHz
 
 
@@ -51,6 +53,14 @@ class RandomVibration(AsCall, StartedMotion):
     """
 
     kind: ClassVar[str] = "random-vibration"
+    phrases = (
+        SpokenMotion(
+            name="psd", example="transport.csv 30 s z seed 1",
+            summary='random vibration of a file with "frequency [Hz], psd [g^2/Hz]".',
+            needs={"time": 1}, says_more=True, words=LASTING, begins=file_first(psd_points),
+            make=lambda shape, phrase, direction, n, points: shape(psd=points, **lasting(phrase, direction, n)),
+        ),
+    )  # fmt: skip
 
     #: points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes, and a step at two of
     #: one frequency; zero outside. `psd_from_g` makes them from g^2/Hz
@@ -88,6 +98,12 @@ class RandomVibration(AsCall, StartedMotion):
     def rms(self) -> float:
         """Rms acceleration between rise and fall [m/s^2]: of the density, about which that of random amplitudes scatters."""
         return psd_rms(self.psd)
+
+    @property
+    def doubt(self) -> str:
+        """Question of whether the unit of the density is another."""
+        loud = self.rms > _LOUDEST
+        return f"its rms is {self.rms / STANDARD_GRAVITY:.4g} g: is the unit of its density another?" if loud else ""
 
     @property
     def steady(self) -> tuple[float, float]:

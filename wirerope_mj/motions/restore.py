@@ -14,26 +14,10 @@ from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.foundation.resources import scenarios_folder
 from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
-from wirerope_mj.motions.harmonic import Sine, Sweep
-from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
-from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce
-from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
-from wirerope_mj.motions.random_vibration import RandomVibration
-from wirerope_mj.motions.records.record import Record
-from wirerope_mj.motions.scaled import Scaled, Turned
-from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
-from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
-from wirerope_mj.motions.unbalance import Unbalance
-from wirerope_mj.motions.underwater import StruckPlate
-from wirerope_mj.motions.vibration_lines import VibrationLines
-
-_KINDS: tuple[type[BaseMotion], ...] = (
-    HalfSine, Sawtooth, Trapezoid, VelocityStep, Sine, Sweep, DoubleHalfSine, DoubleTriangle, ShockTableImpact, DecayingSine,
-    VibrationLines, RandomVibration, Record, Scaled, Turned, Unbalance, HarmonicForce, ForceTable, Blow,
-    StruckPlate, SumOfMotions,
-)  # fmt: skip
-_BY_KIND: dict[str, type[BaseMotion]] = {motion.kind: motion for motion in _KINDS}
+from wirerope_mj.motions.motion import BaseMotion
+from wirerope_mj.motions.registry import BY_KIND, SPOKEN_MOTIONS
+from wirerope_mj.motions.scaled import Scaled
+from wirerope_mj.motions.spoken import motion_from_phrase
 
 
 def motion_from_dict(stored: Entries, *, folder: str | Path | None = None) -> BaseMotion:
@@ -48,9 +32,9 @@ def motion_from_dict(stored: Entries, *, folder: str | Path | None = None) -> Ba
     """
     parameters = dict(stored)
     kind = parameters.pop("kind", None)
-    if kind not in _BY_KIND:
-        raise ModelError(f"Unknown kind of motion {kind!r}; known kinds: {', '.join(_BY_KIND)}.")
-    make = _BY_KIND[kind].maker()
+    if kind not in BY_KIND:
+        raise ModelError(f"Unknown kind of motion {kind!r}; known kinds: {', '.join(BY_KIND)}.")
+    make = BY_KIND[kind].maker()
     known = inspect.signature(make).parameters
     unknown = [name for name in parameters if name not in known]
     missing = [name for name, item in known.items() if item.default is item.empty and name not in parameters]

@@ -16,6 +16,7 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, plai
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
+from wirerope_mj.motions.phrases import START, SpokenMotion, made_of
 from wirerope_mj.motions.pulses import HalfSine
 
 LEFT_AT_END = 1e-3  # fraction of the oscillation that is left at `end`
@@ -52,6 +53,15 @@ class DecayingSine(StartedMotion):
     """
 
     kind: ClassVar[str] = "decaying-sine"
+    phrases = (
+        SpokenMotion(
+            name="struck-deck", example="14 Hz 1.5 m/s damping 5 % blow 4 ms z",
+            summary="a deck of one frequency under a blow: frequency, velocity, damping, length of the blow, direction.",
+            needs={"frequency": 1, "velocity": 1}, words=START | {"damping": "ratio", "blow": "time"},
+            needed_words=("damping", "blow"),
+            make=made_of(frequency="frequency", damping="damping", velocity="velocity", impact_duration="blow"),
+        ),
+    )  # fmt: skip
 
     frequency: float
     damping: float

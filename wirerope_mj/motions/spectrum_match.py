@@ -9,15 +9,16 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arguments import finite, integer, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.budget import require_memory
-from wirerope_mj.foundation.directions import checked_direction, unit_vector
+from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.psd_lines import Points, checked_points
+from wirerope_mj.motions.phrases import LASTING, Phrase, SpokenMotion, file_first, lasting
+from wirerope_mj.motions.psd_lines import Points, checked_points, spectrum_points
 from wirerope_mj.motions.scaled import Scaled
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.motions.vibration_lines import VibrationLines
@@ -62,9 +63,28 @@ def too_steep(frequencies: Array, target: Array, damping: float) -> str:
     )
 
 
+_PHRASE: Entries = {
+    "needs": {"time": 1}, "says_more": True, "words": LASTING | {"damping": "ratio"}, "needed_words": ("damping",),
+    "begins": file_first(spectrum_points),
+}  # fmt: skip
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SpectrumMatch(Brief):
     """A motion and how well its response spectrum meets the target."""
+
+    phrases = (
+        SpokenMotion(
+            name="spectrum", example="floor.csv 20 s x damping 5 % seed 1",
+            summary='a motion with the response spectrum of a file with "frequency [Hz], acceleration [g]".', **_PHRASE,
+            make=lambda _, *said: _matched(*said).motion,
+        ),
+        SpokenMotion(
+            name="required-spectrum", example="rrs.csv 30 s x damping 5 % seed 1",
+            summary="the same, its spectrum nowhere below that of the file, as IEEE 344 and GR-63 ask.", **_PHRASE,
+            make=lambda _, *said: _matched(*said).enveloping,
+        ),
+    )  # fmt: skip
 
     motion: VibrationLines  #: the motion: lines between a rise from rest and a fall back to it
     points: Points  #: of the target, frequency [Hz] and absolute acceleration [m/s^2]
@@ -162,6 +182,10 @@ def match_spectrum(
         motion=motion, points=points, frequencies=frequencies, target=wanted, achieved=achieved, damping=float(damping),
         iterations=iterations,
     )  # fmt: skip
+
+
+def _matched(phrase: Phrase, direction: Direction, number: int, points: Points) -> SpectrumMatch:
+    return match_spectrum(points, damping=phrase.named["damping"], **lasting(phrase, direction, number))
 
 
 def _at(points: Points, per_octave: float) -> tuple[Array, Array]:

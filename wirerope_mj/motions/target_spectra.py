@@ -10,6 +10,7 @@ from wirerope_mj.foundation.arguments import between, positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
+from wirerope_mj.motions.phrases import SpokenMotion
 
 # soil factor and corner periods TB, TC, TD [s] that EN 1998-1 recommends for its ground types, from memory; a national annex
 # may have others
@@ -101,6 +102,17 @@ class DesignSpectrum:
     corners, the lower all of these; neither pulse is an envelope. Far above f2 both fall to the pulse's own peak, 0.6 a0, as
     the spectrum of every pulse does.
     """
+
+    phrases = (
+        SpokenMotion(
+            name="double-pulse", example="50 mm 3 m/s 100 g z", written="double[- ]?half[- ]?sine",
+            says_more=True, summary="the double half-sine of a design spectrum d0, v0, a0.",
+            needs={"displacement": 1, "velocity": 1, "acceleration": 1},
+            make=lambda spectrum, phrase, direction, *_: spectrum(
+                **{name: phrase.one(name) for name in ("displacement", "velocity", "acceleration")}
+            ).double_half_sine(direction=direction, start=phrase.start),
+        ),
+    )  # fmt: skip
 
     displacement: float  #: spectral displacement d0 of the low branch [m]
     velocity: float  #: spectral pseudo-velocity v0 of the middle branch [m/s]

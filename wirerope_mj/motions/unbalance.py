@@ -1,6 +1,7 @@
 """Unbalance of what rotates or reciprocates on the payload."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -8,10 +9,33 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.foundation.arguments import as_times, finite, positive
-from wirerope_mj.foundation.arrays import Array, ArrayLike
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.motions import ranges
+from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.payload_forces import PayloadForce
+from wirerope_mj.motions.phrases import START, Phrase, SpokenMotion, site_first
+
+_PHRASE: Entries = {
+    "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
+    "may": {"time": 1, "frequency": 2},
+}  # fmt: skip
+
+
+def _shaft(kind: str) -> Callable[..., BaseMotion]:
+    """Make the force of an unbalance, its direction the `kind`: axis or line; a time is that of a run-up."""
+
+    def make(shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
+        named, frequencies = phrase.named, phrase.quantities.get("frequency", ())
+        if len(frequencies) != (2 if "time" in phrase.quantities else 1):
+            raise ValueError("one frequency must stand there, or two and the time of the run-up between them.")
+        values: Entries = {"unbalance": phrase.one("unbalance"), "frequency": frequencies[0], kind: direction}
+        values |= {"order": named.get("order", 1.0), "start": phrase.start}
+        if len(frequencies) == 2:
+            values |= {"final_frequency": frequencies[1], "run_up": phrase.one("time")}
+        return shape(site=site, **values | ({"duration": named["for"]} if "for" in named else {}))
+
+    return make
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +52,17 @@ class Unbalance(PayloadForce):
     """
 
     kind: ClassVar[str] = "unbalance"
+    phrases = (
+        SpokenMotion(
+            name="unbalance", example="engine 20 kg.mm 5 to 30 Hz 20 s x", **_PHRASE, make=_shaft("axis"),
+            summary="a force on the payload, at its site force/engine: unbalance of a shaft about x, running up within 20 s; "
+            '"25 Hz" for constant speed; "order 2", "for 10 s".',
+        ),
+        SpokenMotion(
+            name="reciprocating", example="engine 8 kg.mm 25 Hz order 2 z", **_PHRASE, make=_shaft("line"),
+            summary="the same of what moves to and fro along z.",
+        ),
+    )  # fmt: skip
 
     site: str
     unbalance: float  #: mass times eccentricity, or reciprocating mass times amplitude, U [kg m]

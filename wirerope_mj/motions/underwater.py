@@ -12,6 +12,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import Said, StartedMotion
+from wirerope_mj.motions.phrases import SpokenMotion, made_of
 
 SEA_WATER = 1025.0 * 1500.0  # density times velocity of sound [Pa s/m]
 ALIKE = 1e-6  # distance of psi from 1 within which the formulas of psi = 1 are right to a millionth, and exact integrals
@@ -33,6 +34,14 @@ class StruckPlate(StartedMotion):
     """
 
     kind: ClassVar[str] = "struck-plate"
+    phrases = (
+        SpokenMotion(
+            name="struck-plate", example="14 MPa 0.9 ms 320 kg/m2 z",
+            summary="a hull plate under an underwater shock wave: peak pressure, decay, mass per area, direction.",
+            needs={"pressure": 1, "time": 1, "areal mass": 1},
+            make=made_of(pressure="pressure", decay="time", areal_mass="areal mass"),
+        ),
+    )  # fmt: skip
 
     pressure: float  #: peak p0 of the incident wave [Pa]
     decay: float  #: time theta in which it falls to 1/e [s]

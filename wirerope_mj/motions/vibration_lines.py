@@ -1,7 +1,7 @@
 """Several steady sines at once: ship vibration at shaft, blade and engine orders."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,13 +15,40 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, dire
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
-from wirerope_mj.motions.motion import Said, StartedMotion
-from wirerope_mj.motions.psd_lines import Points, checked_points
+from wirerope_mj.motions.motion import BaseMotion, Said, StartedMotion
+from wirerope_mj.motions.phrases import START, Phrase, SpokenMotion, file_first
+from wirerope_mj.motions.psd_lines import Points, checked_points, table_lines
 
 _ORDER = {"acceleration": 2, "velocity": 1, "displacement": 0}
 _UNIT = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}
 # samples in a period of the highest frequency that say the peak, and sines of them that take a second
 _SAMPLES, _MOST = 32.0, 2e7
+
+
+MOST_DWELLS = 100  # frequencies of an amplitude table's dwells
+
+
+def _dwells(
+    shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, table: tuple[str, Points]
+) -> BaseMotion:
+    """Pass the lines of an amplitude table one after the other, each from rest to rest, and then dwell at some of them."""
+    amplitudes, chosen = dict(table[1]), phrase.quantities.get("frequency", ())
+    if ("dwell" in phrase.named) != bool(chosen):
+        raise ValueError(
+            '"dwell" and its frequencies belong together, as in "dwell 60 s 7 Hz 12 Hz"; `wirerope shock` and a job find them.'
+        )
+    for frequency in chosen:
+        if frequency not in amplitudes:
+            known = ", ".join(f"{one:g}" for one in amplitudes)
+            raise ValueError(f"a dwell must be at a frequency of the table, {known} Hz, got {frequency:g} Hz.")
+    lasting = [(line, phrase.one("time")) for line in table[1]]
+    lasting += [((frequency, amplitudes[frequency]), phrase.named["dwell"]) for frequency in chosen]
+    dwells, start = [], phrase.start
+    for line, length in lasting:
+        amplitude: Entries = {table[0]: [line]}
+        dwells.append(shape(direction=direction, duration=length, start=start, **amplitude))
+        start += length
+    return sum(dwells[1:], start=dwells[0])
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -51,6 +78,16 @@ class VibrationLines(AsCall, StartedMotion):
     """
 
     kind: ClassVar[str] = "vibration-lines"
+    phrases = (
+        SpokenMotion(
+            name="amplitude-table", example="levels.csv 10 s z",
+            summary='steady sines, one frequency after the other, of a file with "from [Hz], to [Hz], displacement [mm]" in '
+            'steps of 1 Hz, or "frequency [Hz], displacement [mm]"; with "dwell 60 s" then 60 s at each response prominence of '
+            'the model, with "dwell 60 s 7 Hz 12 Hz" at these.',
+            needs={"time": 1}, says_more=True, begins=file_first(table_lines), make=_dwells, words=START | {"dwell": "time"},
+            may={"frequency": MOST_DWELLS},
+        ),
+    )  # fmt: skip
 
     quantity: str
     lines: Points
