@@ -312,6 +312,7 @@ def test_a_limit_is_said_in_its_unit():
     assert limit_from_text("acceleration/rack = 15 g").values == pytest.approx((15 * G,))
     assert limit_from_text("acceleration/a b=0 0 15 g").name == "a b"
     assert limit_from_text("clearance/rack_top = 30 30 20 mm").values == (0.03, 0.03, 0.02)
+    assert limit_from_text("acceleration/rack=1.5e1g").values == limit_from_text(" acceleration/rack  =  15  g ").values
 
 
 @pytest.mark.quick

@@ -55,7 +55,9 @@ def test_one_measure_is_what_exceedance_says(result):
         ("acceleration/rak = 3 g", "there is no measure 'acceleration/rak'; alike are acceleration/rack, "),
         ("force/m1 = 3 kN", "alike are force/m01, "),
         ("struck = 3 m", "'m' is no unit of struck; known are none"),
-        ("deflection/*/roll = 1e mm", "could not convert"),
+        ("deflection/*/roll = 1e mm", "'1e' is no number"),
+        ("deflection/*/roll = 1e999 mm", "too large for a number"),
+        ("deflection/*/roll = 3 4 mm", "one number must stand there, got 2"),
     ],
 )
 def test_what_is_no_limit_is_refused(result, text, said):

@@ -1,14 +1,14 @@
 """Limits of a payload: the acceleration of a body or a point, and the clearance around it."""
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import filter as matching
 
 from wirerope_mj.foundation.arguments import finite, one_of
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS, in_si
+from wirerope_mj.foundation.quantities import values_with_unit
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS
 
 # Kinds of limits and how many values each may have.
 SIZES = {"acceleration": (1, 3), "clearance": (3, 6)}
@@ -23,7 +23,6 @@ BETWEEN = " to "
 
 _KNOWN = {"acceleration": ACCELERATION_UNITS, "clearance": LENGTH_UNITS}
 _EXAMPLES = '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g" or "clearance/rack_top = 30 30 20 mm"'
-_TEXT = re.compile(r"\s*(\w+)/(.+?)\s*=\s*([-+.\deE\s]+?)\s*([^\d\s.+-][^\s]*)\s*")
 
 # Ways that a clearance limits, in the order of its six values.
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
@@ -86,29 +85,18 @@ def limits_by_patterns(limits: Sequence[PayloadLimit], known: Mapping[str, Seque
     ]
 
 
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise ValueError(f"{short(text)!r} is no number.") from None
-
-
 def limit_from_text(text: str) -> PayloadLimit:
     """Return the limit of a text such as `acceleration/rack = 15 g` or `clearance/rack_top = 30 30 20 mm`.
 
     Raises:
         ValueError: the text is no limit, its unit is none of its kind, or it has the wrong number of values.
     """
-    match = _TEXT.fullmatch(text)
-    if match is None:
+    subject, _, said = text.rpartition("=")
+    kind, _, name = (part.strip() for part in subject.partition("/"))
+    if not name:
         raise ValueError(f"a limit is written like {_EXAMPLES}; got {short(text)!r}.")
-    kind, name, numbers, unit = match.groups()
     try:
         one_of("kind", kind, SIZES)
-        if unit not in _KNOWN[kind]:
-            raise ValueError(f"{unit!r} is no unit of {kind}; known are {', '.join(_KNOWN[kind])}.")
-        given = [_number(number) for number in numbers.split()]
-        values = tuple(in_si(number, _KNOWN[kind][unit]) or abs(number) for number in given)  # 5e-324 mm is not 0
-        return PayloadLimit(kind=kind, name=name, values=values)
+        return PayloadLimit(kind=kind, name=name, values=values_with_unit(said, kind, _KNOWN[kind]))
     except ValueError as error:
         raise ValueError(f"limit {short(text)!r}: {error} It is written like {_EXAMPLES}.") from None

@@ -13,9 +13,10 @@ import numpy as np
 from wirerope_mj.foundation.arguments import as_times, finite
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
+from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, Said
-from wirerope_mj.motions.phrases import Phrase, SpokenMotion, file_first, made_of, site_first
+from wirerope_mj.motions.phrases import SpokenMotion, file_first, made_of, site_first
 from wirerope_mj.motions.psd_lines import ForceRows, force_rows
 
 MOST_ROWS = 20_000  # rows of a table of forces, which is stored with its run as text: two megabytes

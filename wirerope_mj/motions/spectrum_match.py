@@ -13,11 +13,12 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
 from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.phrases import LASTING, Phrase, SpokenMotion, file_first, lasting
+from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, lasting
 from wirerope_mj.motions.psd_lines import Points, checked_points, spectrum_points
 from wirerope_mj.motions.scaled import Scaled
 from wirerope_mj.motions.spectra import shock_response_spectrum

@@ -8,8 +8,9 @@ from pathlib import Path
 from wirerope_mj.foundation.directions import directions_in
 from wirerope_mj.foundation.errors import ConvergenceError, ModelWarning
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.quantities import UNITS, Phrase, parse_phrase
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.phrases import UNITS, Phrase, SpokenMotion, parse_phrase
+from wirerope_mj.motions.phrases import SpokenMotion
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 
 

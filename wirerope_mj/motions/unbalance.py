@@ -11,10 +11,11 @@ import numpy as np
 from wirerope_mj.foundation.arguments import as_times, finite, positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
+from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.payload_forces import PayloadForce
-from wirerope_mj.motions.phrases import START, Phrase, SpokenMotion, site_first
+from wirerope_mj.motions.phrases import START, SpokenMotion, site_first
 
 _PHRASE: Entries = {
     "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,

@@ -12,11 +12,12 @@ import numpy as np
 from wirerope_mj.foundation.arguments import finite, integer, the_one_given
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
+from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
 from wirerope_mj.motions.motion import BaseMotion, Said, StartedMotion
-from wirerope_mj.motions.phrases import START, Phrase, SpokenMotion, file_first
+from wirerope_mj.motions.phrases import START, SpokenMotion, file_first
 from wirerope_mj.motions.psd_lines import Points, checked_points, table_lines
 
 _ORDER = {"acceleration": 2, "velocity": 1, "displacement": 0}

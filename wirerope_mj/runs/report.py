@@ -15,7 +15,7 @@ from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import picked
-from wirerope_mj.motions.phrases import parse_phrase
+from wirerope_mj.foundation.quantities import parse_phrase
 from wirerope_mj.runs.analyses import KIND, MARKS
 from wirerope_mj.runs.folder import alterations, update_checksums, warn_of_alterations
 from wirerope_mj.runs.job import is_job, judged_job

@@ -11,8 +11,9 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.quantities import parse_phrase
 from wirerope_mj.motions import BaseMotion, load_record
-from wirerope_mj.motions.phrases import file_first, parse_phrase
+from wirerope_mj.motions.phrases import file_first
 from wirerope_mj.motions.psd_lines import Points, table_lines
 from wirerope_mj.motions.records.record import Record, record_channels
 from wirerope_mj.motions.restore import motion_of_levels

@@ -12,9 +12,10 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.directions import direction_text, unit_vector
+from wirerope_mj.foundation.quantities import parse_phrase
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions.envelope import Envelope
-from wirerope_mj.motions.phrases import parse_phrase, site_first
+from wirerope_mj.motions.phrases import site_first
 from wirerope_mj.motions.psd_lines import Points, psd_rms
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.spectra.ramp import check_samples, octave_grid

@@ -9,7 +9,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.motions.phrases import parse_phrase
+from wirerope_mj.foundation.quantities import parse_phrase
 
 EXAMPLE = "10 Hz 800 kg 4 %"
 NAME = "deck_panel"

@@ -1,7 +1,6 @@
 """Limits that are stated after the fact, on one measure of a study or on all that a pattern matches, kept in `summary.json`."""
 
 import json
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -14,8 +13,9 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.atomic_files import write_json
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.quantities import values_with_unit
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.studies.folder import SUMMARY
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import CONFIDENCE, Exceedance, exceedance_in, measures_of, unknown_measure, values_of
@@ -28,7 +28,6 @@ _UNITS = {
 KEY = "stated_limits"  # Of the list in `summary.json`; it is not there unless somebody has stated a limit
 _REMEDY = "Remove the file, and go on with --resume (`resume=True`): it is written anew."
 _EXAMPLE = '"deflection/*/roll = 35 mm"'
-_TEXT = re.compile(r"\s*(\S+)\s*=\s*([-+.\deE]+)\s*([^\d\s.+-]\S*)\s*")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,22 +52,20 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
 
     ValueError if the text is no limit, or there is no such measure among those that are known.
     """
-    match = _TEXT.fullmatch(text)
-    if match is None:
+    pattern, _, said = (part.strip() for part in text.rpartition("="))
+    if not pattern or not said:
         raise ValueError(f"a limit of a study is written like {_EXAMPLE}; got {short(text)!r}.")
-    pattern, number, unit = match.groups()
     quantity = pattern.partition("/")[0]
     names = tuple(name for name in known if fnmatchcase(name, pattern))
     if not names:
         raise ValueError(f"limit {short(text)!r}: {unknown_measure(pattern, known)}")
-    units = _UNITS.get(quantity, {})
-    if unit not in units:
-        message = f"limit {short(text)!r}: {unit!r} is no unit of {quantity}; known are {', '.join(units) or 'none'}."
-        raise ValueError(message)
     try:
-        return StatedLimit(text=text, measures=names, limit=in_si(float(number), units[unit]))
+        limit, *more = values_with_unit(said, quantity, _UNITS.get(quantity, {}))
+        if more:
+            raise ValueError(f"one number must stand there, got {len(more) + 1}.")
     except ValueError as error:
-        raise ValueError(f"limit {short(text)!r}: {error}") from None
+        raise ValueError(f"limit {short(text)!r}: {error} It is written like {_EXAMPLE}.") from None
+    return StatedLimit(text=text, measures=names, limit=limit)
 
 
 def limits_of(stated: Sequence[StatedLimit]) -> dict[str, float]:
