@@ -16,15 +16,11 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-import mujoco
 import numpy as np
 from floor import ISOLATOR, floor_mjcf
 from rounds import interleaved
 
 import wirerope_mj as wr
-from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.simulation.grid import time_grid
-from wirerope_mj.engine.simulation.lockstep import Lockstep
 from wirerope_mj.engine.simulation.stability import stable_step
 
 SHOCK = wr.HalfSine(peak=100.0, duration=0.011, direction=(0.3, 0.2, 1.0), start=0.01)
@@ -98,18 +94,11 @@ def shares(n_mounts: int, count: int, rounds: int) -> None:
         spent.setdefault(name, []).append(1e3 * (time.perf_counter() - begin) / count)
         return result
 
-    grid = time_grid(start=0.0, sample_rate=1000.0, motion=SHOCK, **STEPS)
     for _ in range(rounds):
         systems = timed("making the variant", lambda: variants(n_mounts, count))
         starts = timed("finding where it rests", lambda s=systems: [wr.equilibrium(system).state for system in s])
         timed("largest stable step", lambda s=systems: [stable_step(system) for system in s])
-        step = timed(
-            "giving each its numbers",
-            lambda s=systems, at=starts: Lockstep(s, [SHOCK] * count, at, threads=1),
-        )
-        with installed(systems[0].model, mujoco.MjData(systems[0].model)):
-            timed("stepping", lambda step=step: step.go(grid))
-        timed("peaks", lambda step=step: [step.result(number) for number in range(count)])
+        timed("steps and peaks", lambda s=systems, at=starts: wr.simulate_batch(s, SHOCK, initial=at, threads=1, **STEPS))
     print(f"\nwhere the time of a variant goes, one thread, {n_mounts} mounts")
     for name, values in spent.items():
         print(f"{name:34} {np.median(values):8.2f} ms")

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.engine.simulation.lockstep import check_same_layout
 from wirerope_mj.foundation.resources import models_folder
 
 # Variants are compared with each other, at steps that are coarse for friction.
@@ -122,11 +121,10 @@ def test_long_motions_of_every_kind_are_evaluated_alike_in_blocks(monkeypatch):
     assert_each_as_alone([system] * 4, motions, **STEPS)
 
 
-def test_a_failing_variant_says_what_it_says_alone_and_stops_no_other(monkeypatch):
+def test_a_failing_variant_says_what_it_says_alone_and_stops_no_other():
     system = wr.load_system(models_folder() / "sdof_shaker.xml")
     (name,) = system.payloads
     motions = [half_sine(level, "z") for level in (10.0, 1e7, 20.0)]
-    monkeypatch.delattr("wirerope_mj.engine.simulation.batch._alone")  # it is found from where all was well, not from the start
     results = wr.simulate_batch(system, motions, **STEPS)
     with pytest.raises(wr.SimulationError) as alone:
         wr.simulate(system, motions[1], corners=all_corners(motions), **STEPS)
@@ -218,11 +216,9 @@ def test_systems_of_another_layout_are_named():
 
 
 @pytest.mark.filterwarnings("ignore::wirerope_mj.AccuracyWarning")  # stops are struck on purpose
-def test_every_field_that_acts_is_compared_or_expanded():
-    """A model whose only difference is one number of its geometry is not taken for the same."""
+def test_numbers_of_contacts_and_gravity_are_a_variant_s_own():
+    """A model whose only difference is a number of its contacts is not taken for the same."""
     system = wr.load_system(models_folder() / "shock_table_contacts.xml")
-    other = dataclasses.replace(system, assembly=dataclasses.replace(system.assembly))
-    check_same_layout([system, other])
     twin = wr.load_system(models_folder() / "shock_table_contacts.xml")
     twin.model.pair_solref[:] *= 2.0
     twin.model.opt.gravity[2] *= 0.5
@@ -278,7 +274,7 @@ def test_a_variant_that_mujoco_gives_up_stops_no_other(tmp_path):
         wr.simulate(system, half_sine(100.0), **STEPS)
 
 
-def test_models_that_sleep_are_stepped_one_by_one():
+def test_models_that_sleep_are_what_they_are_alone():
     isolators = {"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=2e4, c=20.0))}
     text = house.sdof_text().replace("<mujoco>", '<mujoco><option><flag sleep="enable"/></option>')
     system = wr.load_system(text, isolators=isolators)

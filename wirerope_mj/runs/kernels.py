@@ -52,7 +52,6 @@ def _step_through_nothing() -> None:
     group = group_of([equations(system)], np.zeros((1, moving(system).size)), [0])
     drive = np.zeros((1, 1, len(system.assembly.tables.drive)))
     group.go(np.zeros((5, 0)), drive[:, :0], drive[:, :0], np.zeros((1, 0, 3)), np.zeros(0, dtype=np.int64), NOTHING)
-    group.finish(0.0, drive, drive, np.zeros((1, 1, 3)), NOTHING, -1)
 
 
 def _law() -> Law:

@@ -149,7 +149,7 @@ class ByKernel:
     def finish(self) -> State:
         positions, rates = base_before(self._motion, self._system.assembly.tables.drive, self.time)
         at_end = (positions[np.newaxis, np.newaxis], rates[np.newaxis, np.newaxis])
-        self._group.finish(self.time, *at_end, np.zeros((1, 1, 3)), NO_SAMPLES, -1)
+        self._group.finish(self.time, *at_end, np.zeros((1, 1, 3)), NO_SAMPLES)
         return final_state(self._system, self._start, self._group.states[:, 0], self.time)
 
     def _moment(self) -> tuple[Array, Array, Array, Array]:

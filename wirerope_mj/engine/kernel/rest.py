@@ -16,6 +16,7 @@ from wirerope_mj.engine.kernel.links import half_turn, place_links, product, qua
 from wirerope_mj.engine.kernel.steps import forward
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import WIDTH, rows, table
+from wirerope_mj.mounts.laws.path import put
 
 # what a lane evaluates next: its position, a column of the Jacobian to either side, a trial position, or nothing more
 BEGIN, ABOVE, BELOW, TRY, FOUND, LOST = range(6)
@@ -42,13 +43,6 @@ def moved(lay, position, step, out):
             c, s = half_turn(u * u + v * v + w * w)
             turned = unit(product(quaternion(position, q + 3), (c, s * u, s * v, s * w)))
             out[q + 3], out[q + 4], out[q + 5], out[q + 6] = turned
-
-
-@njit
-def put(values, out):
-    """Copy values to `out`: an assignment of arrays would compile the texts of Numba's complaint about their shapes."""
-    for i in range(out.size):
-        out[i] = values[i]
 
 
 @njit
@@ -156,7 +150,7 @@ def consider(search, number, result, jacobian, settings):
     phase, counts, value, step, inverse, _trial = search
     own, n = phase[number], value.shape[1]
     if own == BEGIN:
-        put(result, value[number])
+        put(result, 0, value[number], 0, n)
         propose(search, number, settings)
     elif own == ABOVE:
         for i in range(n):
@@ -177,7 +171,7 @@ def consider(search, number, result, jacobian, settings):
         if largest(result) < largest(value[number]):
             serves = updated(inverse[number], step[number], value[number], result, settings[SLOW])
             counts[number, 0] = 1 if serves else 0
-            put(result, value[number])
+            put(result, 0, value[number], 0, n)
             propose(search, number, settings)
             return True
         counts[number, 2] += 1
@@ -278,7 +272,7 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
                 if tried > settings[MOST]:
                     phase[number] = LOST
                 elif consider(search, number, result, jacobian, settings):
-                    put(trial[number], position[number])
+                    put(trial[number], 0, position[number], 0, nq)
                 waiting += phase[number] < FOUND
         for number in range(WIDTH):
             residual[number] = largest(value[number]) if phase[number] == FOUND else np.inf
@@ -287,9 +281,9 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
         evaluate_at(structure, shared, numbers, states, memory, before, carried, follows, sizes, scratch)
         for mount in range(structure[at.N_MOUNTS]):
             for c in range(3):
-                put(memory[structure[at.RECORD] + at.RECORD_SIZE * mount + c], before[3 * mount + c])
+                put(memory[structure[at.RECORD] + at.RECORD_SIZE * mount + c], 0, before[3 * mount + c], 0, WIDTH)
         for k in range(structure[at.N_STATES]):
-            put(states[first + k], carried[k])
+            put(states[first + k], 0, carried[k], 0, WIDTH)
     slopes(structure, shared, numbers, states, memory, free, grams)
 
 
@@ -305,7 +299,7 @@ def slopes(structure, shared, numbers, states, memory, free, grams):
         deflections(lay, fix, num, y, work)
         states[nq + free[i]] = 0.0
         for axis in range(axes):
-            put(memory[structure[at.RECORD] + at.RECORD_SIZE * (axis // 3) + 6 + axis % 3], rates[i, axis])
+            put(memory[structure[at.RECORD] + at.RECORD_SIZE * (axis // 3) + 6 + axis % 3], 0, rates[i, axis], 0, WIDTH)
     for i in range(n):
         for j in range(n):
             for number in range(WIDTH):
@@ -314,4 +308,4 @@ def slopes(structure, shared, numbers, states, memory, free, grams):
                     total += rates[i, axis, number] * rates[j, axis, number]
                 grams[number, i, j] = total
     for row in range(kept.shape[0]):
-        put(kept[row], memory[structure[at.RECORD] + row])
+        put(kept[row], 0, memory[structure[at.RECORD] + row], 0, WIDTH)

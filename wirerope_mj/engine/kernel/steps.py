@@ -218,7 +218,8 @@ def advance(structure, shared, numbers, states, memory, clock, which, grid, posi
         memory: working memory of the lanes, (n_work, WIDTH).
         clock: (CLOCK_SIZE,), see `observe`.
         which: motion of every lane, (WIDTH,).
-        grid: starts, stops, numbers of steps, whether sampled, and events of the segments, (5, n_segments).
+        grid: starts, stops, numbers of steps, whether sampled, and events of the segments, (5, n_segments). One without a step
+            is an instant that is observed, such as the last of all.
         positions: of the driven slides at the starts, (n_motions, n_segments, n_driven).
         rates: of the driven slides there, (n_motions, n_segments, n_driven).
         motion: accelerations of the base at all half steps, (n_motions, n_points, 3); behind them forces and moments at the
@@ -234,34 +235,25 @@ def advance(structure, shared, numbers, states, memory, clock, which, grid, posi
     point = 0
     for segment in range(grid.shape[1]):
         start, steps = grid[0, segment], int(grid[2, segment])
-        h = (grid[1, segment] - start) / steps
+        h = (grid[1, segment] - start) / max(steps, 1)
         place_base(lay, fix, states, which, positions, rates, segment)
         clock[EVENT] = grid[4, segment]
-        for step in range(steps):
-            for instant in range(3):
-                load(lay, memory, motion, which, point + instant, instant)
-            base = base_at(motion, which, together, point)
-            forward(lay, fix, num, y, work, base)
+        for step in range(max(steps, 1)):
+            load(lay, memory, motion, which, point, 0)
+            forward(lay, fix, num, y, work, base_at(motion, which, together, point))
             watch(lay, fix, y, work)
             sampled = step == 0 and grid[3, segment] != 0.0
             observe(lay, fix, num, y, work, clock, start + step * h, out, sample if sampled else -1)
             sample += 1 if sampled else 0
+            if steps == 0:
+                break
+            load(lay, memory, motion, which, point + 1, 1)
+            load(lay, memory, motion, which, point + 2, 2)
             middle, end = base_at(motion, which, together, point + 1), base_at(motion, which, together, point + 2)
             take_step(lay, fix, num, y, work, middle, end, h)
             point += 2
         point = ends[segment]
     return sample
-
-
-@njit
-def finish(structure, shared, numbers, states, memory, clock, which, time, positions, rates, motion, out, sample):
-    """Observe the last instant, with the base as it is just before it."""
-    lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
-    place_base(lay, fix, states, which, positions, rates, 0)
-    load(lay, memory, motion, which, 0, 0)
-    forward(lay, fix, num, y, work, base_at(motion, which, False, 0))
-    watch(lay, fix, y, work)
-    observe(lay, fix, num, y, work, clock, time, out, sample)
 
 
 @inlined

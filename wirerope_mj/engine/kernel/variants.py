@@ -12,7 +12,7 @@ from wirerope_mj.engine.kernel import equations as made
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import Bodies, Equations, Integers
 from wirerope_mj.engine.kernel.observe import CLOCK_SIZE
-from wirerope_mj.engine.kernel.steps import advance, finish
+from wirerope_mj.engine.kernel.steps import advance
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.tables import rated_travel, turning
 from wirerope_mj.engine.system.varied import change_masses, moving_bodies, tune
@@ -221,9 +221,10 @@ class Group:
         """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`."""
         advance(*self._lanes, grid, positions, rates, table, ends, out, 0)
 
-    def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array, sample: int) -> None:
-        """Observe the last instant; `sample` is its number, -1 if it is none."""
-        finish(*self._lanes, time, positions, rates, table, out, sample)
+    def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array) -> None:
+        """Observe the last instant; `out` takes its values, (n_kept, 1, n_values), or is `NOTHING`."""
+        instant = np.array([[time], [time], [0.0], [float(out.size > 0)], [control.SMOOTH]])
+        self.go(instant, positions, rates, table, np.ones(1, dtype=np.int64), out)
 
 
 def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]) -> Group:

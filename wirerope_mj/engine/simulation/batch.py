@@ -4,6 +4,7 @@ import math
 import os
 import warnings
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -20,7 +21,6 @@ from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.simulation.engines import Engine, equations, failure, refused, result_of, unsupported_run
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
-from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
 from wirerope_mj.engine.simulation.recorder import Recorder
 from wirerope_mj.engine.simulation.run import (
     RunResult,
@@ -45,13 +45,10 @@ from wirerope_mj.engine.statics.linear import soft_equalities
 from wirerope_mj.engine.system import System, on_deck, varied
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import ModelWarning, SimulationError, WireRopeError
+from wirerope_mj.foundation.errors import ModelError, ModelWarning, SimulationError, WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import BaseMotion
-
-# options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data
-_OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -131,7 +128,7 @@ def simulate_batch(
     if not systems:
         return []
     one_of("engine", engine, ("auto", "mujoco", "kernel"))
-    check_same_layout(systems)
+    _check_same_layout(systems)
     samples = len(systems) * duration if responses else 0.0  # of all that are kept at once
     check_size(systems[0], duration=duration, sample_rate=sample_rate, timestep=timestep, kept=samples)
     results: dict[int, BatchResult | BatchFailure] = {}
@@ -179,6 +176,25 @@ def _judge_step(
             sample_rate=sample_rate, engine=engine,
         )  # fmt: skip
         warn_of_given_step(timestep, error, stacklevel=4)
+
+
+def _check_same_layout(systems: Sequence[System]) -> None:
+    """Raise ModelError if one of the systems differs from the first in more than numbers of its model."""
+    first = _layout(systems[0])
+    for number, system in enumerate(systems):
+        differs = [part for part, value in _layout(system).items() if value != first[part]] if system is not systems[0] else []
+        if differs:
+            raise ModelError(
+                f"`systems[{number}]` has another layout than `systems[0]` ({', '.join(differs)} differ): the systems of a "
+                "batch have the same bodies, joints, geoms, mounts and internal states. Give each layout a batch of its own."
+            )
+
+
+def _layout(system: System) -> dict[str, object]:
+    """Return what the systems of a batch have in common."""
+    sizes = {size: getattr(system.model, size) for size in ("nq", "nv", "na", "nbody", "njnt", "ngeom", "nsite", "nuserdata")}
+    drive = system.assembly.tables.drive.tolist()
+    return {**sizes, "subjects": system.assembly.subjects, "mounts": list(system.mounts), "drive": drive}
 
 
 def _variants(
@@ -241,37 +257,21 @@ def _in_lanes(
 def _by_mujoco(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, why: dict[int, str]
 ) -> dict[int, BatchResult | BatchFailure]:
-    """Compute variants by MuJoCo, all stepped through one grid: the results by number."""
-    results: dict[int, BatchResult | BatchFailure] = {}
+    """Compute variants by MuJoCo, each for itself through one grid: the results by number."""
     model = variants[0].system.model
-    with installed(model, mujoco.MjData(model)) as kind:
-        if kind == "native" and not model.opt.enableflags & _OUTSIDE_THE_STATE:
-            side_by_side = Lockstep(
-                [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], threads=threads
-            )
-            recorders = _recorders(variants, grid, responses)
-
-            def sink(sample: int, values: Array) -> None:
-                for recorder, row in zip(recorders, values, strict=True):
-                    recorder.add(sample, row[np.newaxis])
-
-            side_by_side.go(grid, sink if responses else None)
-            for index in side_by_side.live.tolist():
-                variant = variants[index]
-                done = side_by_side.result(index, why[variant.number])
-                results[variant.number] = _result(variant, grid, done, recorders[index] if responses else None)
-            results |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
-    # Where it is not known yet what went wrong, it is learned by going the same way alone, as does what threads cannot serve.
-    alone = [variant for variant in variants if variant.number not in results]
-    return results | {v.number: _alone(v, grid, kind, responses, why[v.number]) for v in alone}
+    with installed(model, mujoco.MjData(model)) as kind, ThreadPoolExecutor(threads) as pool:
+        step = (
+            pool.map if threads > 1 and kind == "native" else map
+        )  # one thread at a time may be in the interpreter's callbacks
+        results = list(step(lambda v: _alone(v, grid, kind, responses, why[v.number]), variants))
+    return {variant.number: result for variant, result in zip(variants, results, strict=True)}
 
 
 def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool, why: str) -> BatchResult | BatchFailure:
     own = replace(grid, motion=variant.motion)
     recorder = next(iter(_recorders([variant], grid, responses)), None)
-    sink = (lambda first, values: None) if recorder is None else recorder.add
     try:
-        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=sink)
+        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=recorder and recorder.add)
     except WireRopeError as error:
         return BatchFailure(error=error)
     return _result(variant, grid, replace(done, why=why), recorder)

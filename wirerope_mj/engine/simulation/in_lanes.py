@@ -149,7 +149,7 @@ def _finish(
     for own, numbers in groups:
         wanted = sink is not None and sample >= 0
         out = np.empty((own.size, 1, own.equations.n_values)) if wanted else NOTHING
-        own.finish(stop, positions, rates, table, out, 0 if wanted else -1)
+        own.finish(stop, positions, rates, table, out)
         if sink is not None and wanted:
             for number, rows in zip(numbers, out, strict=True):
                 sink(number, sample, rows)

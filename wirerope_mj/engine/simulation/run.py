@@ -111,9 +111,9 @@ class RunResult:
 
 def run(
     system: System, motion: BaseMotion, grid: TimeGrid, initial: State, *, callback: Kind,
-    sink: Callable[[int, Array], None], progress: Callable[[float], None] | None = None,
+    sink: Callable[[int, Array], None] | None = None, progress: Callable[[float], None] | None = None,
 ) -> RunResult:  # fmt: skip
-    """Step `system` through `grid` from `initial` by MuJoCo and hand every sample to `sink`.
+    """Step `system` through `grid` from `initial` by MuJoCo and hand every sample to `sink`, if there is one.
 
     The system's model is copied, so that one system serves several threads. `sink` takes the number of the first of some
     samples and the system's sensor values, (n_samples, n_values), which it must copy; `progress` takes the simulated time [s]
@@ -138,14 +138,14 @@ def run(
                         progress(float(block.start[segment]))
                 stepper.begin(base)
                 steps = int(block.steps[segment])
-                if block.sampled[segment]:
+                if sink is not None and block.sampled[segment]:
                     mujoco.mj_step(stepper.model, data)
                     sink(sample, values[np.newaxis])
                     sample, steps = sample + 1, steps - 1
                 if steps:
                     mujoco.mj_step(stepper.model, data, nstep=steps)
         final = stepper.finish()
-        if sample < grid.sample_times.size:
+        if sink is not None and sample < grid.sample_times.size:
             sink(sample, values[np.newaxis])
         stepper.check()
     if progress is not None:

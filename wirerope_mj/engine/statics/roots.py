@@ -14,7 +14,7 @@ from wirerope_mj.engine.control.mounts import bent, turned
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.path import SCRATCH, advance
+from wirerope_mj.mounts.laws.path import SCRATCH, advance, put
 from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 
@@ -144,9 +144,11 @@ def follow(lay, par, single, coupled, partners, scales, planes, before, after, s
             p[line], p[line + 1] = before[mount, 0], before[mount, other]
             p[line + 2], p[line + 3] = dx / length, dy / length
             j, k = int(lay[row]) + first, int(lay[row + at.AXIS_COLUMNS * other]) + first
-            z[:n], z[n : 2 * n] = states[j : j + n], states[k : k + n]
+            put(states, j, z, 0, n)
+            put(states, k, z, n, n)
             advance(law, p, 0, 0.0, length, z, 0, 2 * n, slopes, trial)
-            states[j : j + n], states[k : k + n] = z[:n], z[n : 2 * n]
+            put(z, 0, states, j, n)
+            put(z, n, states, k, n)
 
 
 class SlowPath:

@@ -30,6 +30,13 @@ _SECANTS, _ROUNDED = 60, 1e-15  # of a law's deflection on a bracket: ten are us
 
 
 @njit
+def put(values, i, out, j, n):
+    """Copy n values: an assignment of arrays would compile the texts of Numba's complaint about their shapes."""
+    for k in range(n):
+        out[j + k] = values[i + k]
+
+
+@njit
 def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
     """Carry a rate-independent law's states in place from deflection x0 to x1 and return the work done on it [J].
 
@@ -92,19 +99,19 @@ def segment_on_bracket(p, i, x0, x1, z, j, n_states, slopes, trial):
 
     With the states that it has there d + F / K = x1, by secants.
     """
-    own, unused, stiffness = z[j : j + n_states].copy(), np.empty(n_states), p[i]
+    own, unused, stiffness = np.empty(n_states), np.empty(n_states), p[i]
     force = on_bracket(p, i, x0, 0.0, z, j, unused, 0)
     d0 = x0 - force / stiffness
     before, last, d, work, f = d0, x0 - x1, d0 + 0.5 * (x1 - x0), 0.0, force
     for _ in range(_SECANTS):
-        own[:] = z[j : j + n_states]
+        put(z, j, own, 0, n_states)
         work = segment_behind(p, i, d0, d, own, n_states, slopes, trial)
         f = behind_bracket(p, i, d, 0.0, own, 0, unused, 0)
         left = d - x1 + f / stiffness
         if abs(left) <= _ROUNDED * (abs(x1) + abs(d)) or d == before or left == last:
             break
         before, last, d = d, left, d - left * (d - before) / (left - last)
-    z[j : j + n_states] = own
+    put(own, 0, z, j, n_states)
     return work + 0.5 * (f * f - force * force) / stiffness
 
 
@@ -118,7 +125,7 @@ def follow_path(law, p, deflection, z, n_states):
         if t > 0:
             gain = advance(law, p, 0, deflection[t - 1], deflection[t], z, 0, n_states, slopes, trial)
             work[t] = work[t - 1] + gain
-        states[t] = z[:n_states]
+        put(z, 0, states[t], 0, n_states)
         force[t] = evaluate(law, p, 0, deflection[t], 0.0, z, 0, unused, 0)
     return force, states, work
 
@@ -141,7 +148,7 @@ def follow_plane(law, p, at, path, n_states):
             if length > 0.0:
                 p[at], p[at + 1], p[at + 2], p[at + 3] = path[t - 1, 0], path[t - 1, 1], dx / length, dy / length
                 work[t] += integrate(law, p, 0, 0.0, 1.0, length, z, 0, n_states, slopes, trial)
-        states[t] = z
+        put(z, 0, states[t], 0, n_states)
         if law == ON_BRACKETS:
             n = n_states // 2
             force[t, 0], force[t, 1] = on_brackets(p, LINE, n, path[t, 0], path[t, 1], 0.0, 0.0, z, 0, n, trial, 0, n)
