@@ -195,3 +195,15 @@ def _overload_raised(x, n):  # type: ignore[no-untyped-def]
     if x == LANES:
         return lambda x, n: _power_lanes(x, n)
     return lambda x, n: x if n == 1.0 else x**n
+
+
+def over(a: Any, b: float) -> Any:
+    """Return a / b, b a number that all lanes have: in lanes by its reciprocal, a division less for all but one."""
+    return a * (1.0 / b) if isinstance(a, np.ndarray) else a / b
+
+
+@overload(over, jit_options=INLINED)
+def _overload_over(a, b):  # type: ignore[no-untyped-def]
+    if a == LANES:
+        return lambda a, b: a * (1.0 / b)
+    return lambda a, b: a / b

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.observer import parabola_extreme
+from wirerope_mj.engine.control.peaks import parabola_extreme
 from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System

@@ -12,6 +12,7 @@ from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws import BoucWenBaberNoori, Law, Loop
 from wirerope_mj.mounts.laws.cubic import position, reversals
+from wirerope_mj.mounts.laws.path import put
 from wirerope_mj.mounts.laws.power import ORDER
 from wirerope_mj.mounts.laws.registry import PARALLEL, component, evaluate
 from wirerope_mj.mounts.laws.steady import carry, next_start
@@ -100,7 +101,7 @@ def closed_states(law, p, turning, n_states):
     fine = carry(law, p, 0.0, turning[0], z, c, a) if n_states > 0 else True
     starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
     for cycle in range(_ROUNDS if n_states > 0 else 0):
-        start[:] = z
+        put(z, 0, start, 0, n_states)
         fine = fine and round_path(law, p, turning, z, c, a)
         gain = np.abs(z - start).max()
         if not fine or gain <= _CLOSED * max(np.abs(z).max(), np.abs(start).max()):
@@ -108,7 +109,7 @@ def closed_states(law, p, turning, n_states):
         if n_states > 1:
             if cycle > 1 and (z == before).all():  # two ends that alternate by rounding
                 break
-            before[:] = start
+            put(start, 0, before, 0, n_states)
             if law == PARALLEL and not lead_each(p, start, z, memory, cycle) and cycle > 3:
                 break
             continue
@@ -144,9 +145,9 @@ def closed_states_in_time(law, p, time, deflection, rate, n_states):
     z, start = np.zeros(n_states), np.zeros(n_states)
     starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
     for cycle in range(_ROUNDS if n_states > 0 else 0):
-        start[:] = z
+        put(z, 0, start, 0, n_states)
         _, states, _ = follow_time(law, p, time, deflection, rate, z, n_states)
-        z[:] = states[-1]
+        put(states[-1], 0, z, 0, n_states)
         if not np.isfinite(z).all() or np.abs(z - start).max() <= 1e-14 * np.abs(states).max():
             break
         if n_states > 1:

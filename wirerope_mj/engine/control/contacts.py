@@ -7,6 +7,7 @@ or in parallel with others, has a row, in the order of mounts, axes and laws. Wi
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.mounts import bent, point_velocity, turned
+from wirerope_mj.engine.control.peaks import touch
 from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.registry import PARALLEL, STOP
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, LOSS, stop_force
@@ -81,31 +82,8 @@ def track_contact(lay, i, u, w, time, one, other, distance, force, power):
     if distance >= 0.0 and force <= 0.0:  # within a margin, but not pressed
         return
     row = contact_row(u, w + int(lay[i + at.USER_CONTACTS]), int(lay[i + at.N_CONTACTS]), one, other)
-    touch(u, w, row, time, -distance, force, power)
-
-
-@njit
-def touch(u, w, k, time, depth, force, power):
-    """Update the memory in row `k` with a touch at this step: depth [m], force [N], which adds to what presses, power [W].
-
-    The work is the sum of power times step: the trapezoidal rule, as a touch begins and ends without a force.
-    """
-    before = u[w + at.TIME_1]
-    if u[w + at.HISTORY] > 0.0:
-        u[k + at.WORK] += power * (time - before)
-    if u[k + at.TOUCHES] == 0.0:
-        u[k + at.FIRST_TOUCH], u[k + at.TOUCHES] = time, 1.0
-        u[k + at.FROM_START] = 1.0 if u[w + at.HISTORY] == 0.0 else 0.0
-    elif u[k + at.LAST_TOUCH] == before and before < time:
-        u[k + at.TOUCHED_FOR] += time - before
-    elif u[k + at.LAST_TOUCH] < before:
-        u[k + at.TOUCHES] += 1.0
-    u[k + at.LAST_TOUCH] = time
-    u[k + at.FORCE_NOW] += force
-    if u[k + at.FORCE_NOW] > u[k + at.FORCE_PEAK]:
-        u[k + at.FORCE_PEAK], u[k + at.FORCE_TIME] = u[k + at.FORCE_NOW], time
-    if depth > u[k + at.DEPTH]:
-        u[k + at.DEPTH], u[k + at.DEPTH_TIME] = depth, time
+    u[row + at.FORCE_NOW] += force
+    touch(u, row, u[w + at.HISTORY], u[w + at.TIME_1], time, -distance, u[row + at.FORCE_NOW], power, True)
 
 
 @inlined
@@ -165,8 +143,7 @@ def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtre
                     v = rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel)
                     pull = stop_force(par, p, x, v, act[z] if par[p + LOSS] != 0.0 else 0.0)
                     if pull != 0.0:
-                        u[row + at.FORCE_NOW] = 0.0
-                        touch(u, w, row, time, depth, abs(pull), pull * v)
+                        touch(u, row, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, abs(pull), pull * v, True)
                 row += at.CONTACT_MEMORY
             axis += at.AXIS_COLUMNS
         record += 6

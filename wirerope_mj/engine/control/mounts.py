@@ -129,29 +129,39 @@ def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
     xfrc[x + 5] += rx * fy - ry * fx
 
 
+@inlined
+def coupled_forces(law, axial, p, first, n, x, y, vx, vy, z, j, k, zdot, jdot, kdot):
+    """Return what the hysteretic vector on every scale of roll and another axis adds to their forces [N], and write its rates.
+
+    On brackets (`law` says so) that is all of both, of a loop with the axial axis its elastic energy, else nothing. (x, y) and
+    (vx, vy) are the deflections and their rates; the states of both begin at `z[j:]` and `z[k:]`, their rates at `zdot[jdot:]`
+    and `zdot[kdot:]`.
+    """
+    if law == WITH_ANOTHER:
+        return on_brackets(p, first, n, x, y, vx, vy, z, j, k, zdot, jdot, kdot)
+    for scale in range(n):
+        biaxial_rates(p, first + RATE_NUMBERS * scale, vx, vy, z, j + scale, k + scale, zdot, jdot + scale, kdot + scale)
+    if axial:
+        return loop_force(p, first + RATE_NUMBERS * n, x, y)
+    return 0.0 * x, 0.0 * x
+
+
 @njit
 def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz):
     """Give roll and another axis of the mount in row `m` a hysteretic vector on every scale, whose rates replace theirs.
 
-    Returns what that adds to the mount's force [N], world axes: of a loop its elastic energy, on brackets all of both. `axis`
-    is the row behind the mount's axes, `u[record:]` its deflection and force, (ux, uy, uz) the rate of the deflection.
+    Returns what that adds to the mount's force [N], world axes. `axis` is the row behind the mount's axes, `u[record:]` its
+    deflection and force, (ux, uy, uz) the rate of the deflection.
     """
     first, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + 1])
     state = axis - 3 * at.AXIS_COLUMNS + 2
     j, k = index(lay[state]), index(lay[state + at.AXIS_COLUMNS * other])
     roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
     along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
-    n = index(lay[state + 1])
-    if lay[state - 2] == WITH_ANOTHER:
-        x, y = u[record], u[record + other]
-        fu, fw = on_brackets(par, first, n, x, y, roll, along, act, a + j, a + k, u, rates + j, rates + k)
-    else:
-        for _ in range(n):
-            biaxial_rates(par, first, roll, along, act, a + j, a + k, u, rates + j, rates + k)
-            first, j, k = first + RATE_NUMBERS, j + 1, k + 1
-        if other != AXIAL:
-            return 0.0, 0.0, 0.0
-        fu, fw = loop_force(par, first, u[record], u[record + AXIAL])
+    fu, fw = coupled_forces(
+        lay[state - 2], other == AXIAL, par, first, index(lay[state + 1]), u[record], u[record + other], roll, along, act,
+        a + j, a + k, u, rates + j, rates + k,
+    )  # fmt: skip
     u[record + 3] += fu
     u[record + 3 + other] += fw
     return (

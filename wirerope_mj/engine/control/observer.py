@@ -1,8 +1,7 @@
 """Measurements at the start of every step: kinematics of bodies and points, mounts, and the peaks of all of them.
 
 MuJoCo calls the sensor callback once per Runge-Kutta step, in the forward pass at the step's start, when positions,
-velocities and accelerations belong to the same instant. The peaks are refined by the parabola through the three steps
-around an extreme; a parabola is never drawn across a corner of the base motion.
+velocities and accelerations belong to the same instant.
 """
 
 import math
@@ -10,6 +9,7 @@ import math
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.contacts import write_forces
 from wirerope_mj.engine.control.mounts import bent, turned
+from wirerope_mj.engine.control.peaks import parabola_bounds, track_travel, track_vector
 from wirerope_mj.foundation.jit import index, inlined, njit
 
 
@@ -69,125 +69,28 @@ def bend_point(lay, k, out, o, r, site_xmat, qpos, qvel, qacc):
     out[o + 15] += az + wx * uy - wy * ux + bx * ey - by * ex
 
 
-@njit
-def parabola_extreme(t0, y0, t1, y1, t2, y2):
-    """Return instant and value of the extreme of the parabola through three points whose middle one is extreme.
-
-    An extreme of exactly zero stays: it belongs to a stop that lets go, whose force rests at zero behind a corner, and a
-    parabola across the corner would let it pull.
-    """
-    left, right = (y1 - y0) / (t1 - t0), (y2 - y1) / (t2 - t1)
-    curvature = (right - left) / (t2 - t0)
-    if curvature == 0.0 or y1 == 0.0:
-        return t1, y1
-    time = 0.5 * (t0 + t1 - left / curvature)
-    return time, y0 + (time - t0) * (left + curvature * (time - t1))
-
-
 @inlined
-def track_component(u, m, c, history, t0, t1, t2, y2):
-    """Update the extremes of one component with its newest value `y2`."""
-    if history == 0:
-        u[m + at.LOW + c], u[m + at.LOW_TIME + c], u[m + at.HIGH + c], u[m + at.HIGH_TIME + c] = y2, t2, y2, t2
-        return
-    if y2 > u[m + at.HIGH + c]:
-        u[m + at.HIGH + c], u[m + at.HIGH_TIME + c] = y2, t2
-    if y2 < u[m + at.LOW + c]:
-        u[m + at.LOW + c], u[m + at.LOW_TIME + c] = y2, t2
-    if history < 2:
-        return
-    y0, y1 = u[m + at.BEFORE + c], u[m + at.LAST + c]
-    if y1 >= y0 and y1 >= y2:
-        time, value = parabola_extreme(t0, y0, t1, y1, t2, y2)
-        if value > u[m + at.HIGH + c]:
-            u[m + at.HIGH + c], u[m + at.HIGH_TIME + c] = value, time
-    elif y1 <= y0 and y1 <= y2:
-        time, value = parabola_extreme(t0, y0, t1, y1, t2, y2)
-        if value < u[m + at.LOW + c]:
-            u[m + at.LOW + c], u[m + at.LOW_TIME + c] = value, time
-
-
-@inlined
-def norm_at(u, m, first):
-    """Return the norm of one of the channel's remembered vectors."""
-    return math.sqrt(u[m + first] ** 2 + u[m + first + 1] ** 2 + u[m + first + 2] ** 2)
-
-
-@inlined
-def track_norm(u, m, history, t0, t1, t2, s, j):
-    """Update the peak of the norm with the newest vector `s[j:j + 3]`."""
-    y2 = math.sqrt(s[j] ** 2 + s[j + 1] ** 2 + s[j + 2] ** 2)
-    if history == 0 or y2 > u[m + at.PEAK]:
-        u[m + at.PEAK], u[m + at.PEAK_TIME] = y2, t2
-        for c in range(3):
-            u[m + at.PEAK_VECTOR + c] = s[j + c]
-    if history < 2:
-        return
-    y0, y1 = norm_at(u, m, at.BEFORE), norm_at(u, m, at.LAST)
-    if y1 < y0 or y1 < y2:
-        return
-    time, value = parabola_extreme(t0, y0, t1, y1, t2, y2)
-    if value > u[m + at.PEAK]:
-        u[m + at.PEAK], u[m + at.PEAK_TIME] = value, time
-        for c in range(3):
-            v0, v1, v2 = u[m + at.BEFORE + c], u[m + at.LAST + c], s[j + c]
-            left = (v1 - v0) / (t1 - t0)
-            curvature = ((v2 - v1) / (t2 - t1) - left) / (t2 - t0)
-            u[m + at.PEAK_VECTOR + c] = v0 + (time - t0) * (left + curvature * (time - t1))
-
-
-@inlined
-def track_travels(lay, i, u, w, history, t0, t1, t2):
-    """Update the travel of every mount along all axes at once: the sum of (deflection / rated)^2.
-
-    An instant is not judged while the mount moves along its axis in the way that is not rated.
-    """
-    row = i + index(lay[i + at.MOUNTS])
-    m, record = w + index(lay[i + at.USER_TRAVELS]), w + index(lay[i + at.USER_MOUNTS])
-    for _ in range(index(lay[i + at.N_MOUNTS])):
-        roll, shear, axial = u[record], u[record + 1], u[record + 2]
-        along = lay[row + at.TRAVEL + 2] if axial < 0.0 else lay[row + at.TRAVEL + 3]
-        y2 = lay[row + at.TRAVEL] * roll * roll + lay[row + at.TRAVEL + 1] * shear * shear + along * axial * axial
-        judged = axial == 0.0 or along > 0.0
-        if history == 0:
-            u[m + at.FARTHEST], u[m + at.FARTHEST_TIME] = y2, t2
-            u[m + at.JUDGED], u[m + at.JUDGED_TIME] = y2 if judged else -1.0, t2
-        if y2 > u[m + at.FARTHEST]:
-            u[m + at.FARTHEST], u[m + at.FARTHEST_TIME] = y2, t2
-        if judged and y2 > u[m + at.JUDGED]:
-            u[m + at.JUDGED], u[m + at.JUDGED_TIME] = y2, t2
-        y0, y1 = u[m + at.TRAVEL_BEFORE], u[m + at.TRAVEL_LAST]
-        if history == 2 and y1 >= y0 and y1 >= y2:
-            time, value = parabola_extreme(t0, y0, t1, y1, t2, y2)
-            if value > u[m + at.FARTHEST]:
-                u[m + at.FARTHEST], u[m + at.FARTHEST_TIME] = value, time
-            if u[m + at.WAS_JUDGED] != 0.0 and value > u[m + at.JUDGED]:
-                u[m + at.JUDGED], u[m + at.JUDGED_TIME] = value, time
-        u[m + at.TRAVEL_BEFORE], u[m + at.TRAVEL_LAST], u[m + at.WAS_JUDGED] = y1, y2, 1.0 if judged else 0.0
-        row, m, record = row + at.MOUNT_COLUMNS, m + at.TRAVEL_MEMORY, record + 6
+def norm(a, i):
+    """Return the norm of the vector `a[i:i + 3]`."""
+    return math.sqrt(a[i] * a[i] + a[i + 1] * a[i + 1] + a[i + 2] * a[i + 2])
 
 
 @inlined
 def track_peaks(lay, i, u, w, time, s, first):
-    """Update all channels with the values of this step; `s[first:]` are the system's sensor values."""
-    event, history = u[w + at.EVENT], int(u[w + at.HISTORY])
-    if event == at.JUMP and history > 1:
-        history = 1  # what follows a jump is compared with what was, but no parabola is drawn to it
-    t0, t1 = u[w + at.TIME_2], u[w + at.TIME_1]
-    n_channels = index(lay[i + at.N_CHANNELS])
-    channel = i + index(lay[i + at.CHANNELS])
-    m = w + index(lay[i + at.USER_CHANNELS])
-    for _ in range(n_channels):
-        j = first + index(lay[channel])
+    """Update all channels and travels with the values of this step; `s[first:]` are the system's sensor values."""
+    event, history, t0, t1 = u[w + at.EVENT], u[w + at.HISTORY], u[w + at.TIME_2], u[w + at.TIME_1]
+    bounds = parabola_bounds(event, history, t0, t1, time)
+    channel, m = i + index(lay[i + at.CHANNELS]), w + index(lay[i + at.USER_CHANNELS])
+    for _ in range(index(lay[i + at.N_CHANNELS])):
+        j, before, last = first + index(lay[channel]), m + at.BEFORE, m + at.LAST
+        track_vector(u, m, before, last, s, j, (norm(u, before), norm(u, last), norm(s, j)), bounds, t0, t1, time)
         for c in range(3):
-            track_component(u, m, c, history, t0, t1, time, s[j + c])
-        track_norm(u, m, history, t0, t1, time, s, j)
-        for c in range(3):
-            u[m + at.BEFORE + c] = u[m + at.LAST + c]
-            u[m + at.LAST + c] = s[j + c]
-        channel += at.CHANNEL_COLUMNS
-        m += at.CHANNEL_MEMORY
-    track_travels(lay, i, u, w, history, t0, t1, time)
+            u[before + c], u[last + c] = u[last + c], s[j + c]
+        channel, m = channel + at.CHANNEL_COLUMNS, m + at.CHANNEL_MEMORY
+    row, m, record = i + index(lay[i + at.MOUNTS]), w + index(lay[i + at.USER_TRAVELS]), w + index(lay[i + at.USER_MOUNTS])
+    for _ in range(index(lay[i + at.N_MOUNTS])):
+        track_travel(u, m, lay, row + at.TRAVEL, u, record, bounds, t0, t1, time)
+        row, m, record = row + at.MOUNT_COLUMNS, m + at.TRAVEL_MEMORY, record + 6
     u[w + at.TIME_2], u[w + at.TIME_1] = t1, time
     u[w + at.HISTORY] = 1.0 if event != at.SMOOTH else min(history + 1.0, 2.0)
     u[w + at.EVENT] = at.SMOOTH

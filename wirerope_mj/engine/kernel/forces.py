@@ -1,6 +1,6 @@
 """Forces of the mounts on the links, and the rates of their states: the same laws that the callback evaluates."""
 
-from wirerope_mj.engine.control.mounts import AXIAL, righting
+from wirerope_mj.engine.control.mounts import AXIAL, coupled_forces, righting
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.links import (
     cross,
@@ -17,33 +17,21 @@ from wirerope_mj.engine.kernel.links import (
     vector,
 )
 from wirerope_mj.foundation.jit import inlined, njit
-from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER, on_brackets
-from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
 from wirerope_mj.mounts.laws.registry import evaluate
 
 
 @njit
 def couple_axes(lay, m, axis, num, y, work, record):
-    """Give roll and another axis of the mount in row `m` one hysteretic force on every scale: its rates replace the axes'.
-
-    What that adds to the mount's force goes to its record: of a loop its elastic energy, on brackets all of both axes.
-    """
-    rates = lay[at.RATES]
-    first, other, z = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER], lay[at.NQ] + lay[at.NV]
+    """Give roll and another axis of the mount in row `m` one hysteretic force on every scale: its rates replace the axes'."""
+    rates, z = lay[at.RATES], lay[at.NQ] + lay[at.NV]
+    first, other = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER]
     j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
-    roll, along = work[record + 6], work[record + 6 + other]
-    if lay[axis] == WITH_ANOTHER:
-        here, there, n = work[record], work[record + other], lay[axis + 3]
-        fu, fw = on_brackets(num, first, n, here, there, roll, along, y, z + j, z + k, work, rates + j, rates + k)
-        work[record + 3], work[record + 3 + other] = fu, fw
-        return
-    for _ in range(lay[axis + 3]):
-        biaxial_rates(num, first, roll, along, y, z + j, z + k, work, rates + j, rates + k)
-        first, j, k = first + RATE_NUMBERS, j + 1, k + 1
-    if other == AXIAL:
-        fu, fw = loop_force(num, first, work[record], work[record + AXIAL])
-        work[record + 3] += fu
-        work[record + 3 + AXIAL] += fw
+    fu, fw = coupled_forces(
+        lay[axis], other == AXIAL, num, first, lay[axis + 3], work[record], work[record + other], work[record + 6],
+        work[record + 6 + other], y, z + j, z + k, work, rates + j, rates + k,
+    )  # fmt: skip
+    work[record + 3] += fu
+    work[record + 3 + other] += fw
 
 
 @njit

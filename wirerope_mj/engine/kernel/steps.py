@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from wirerope_mj.engine.control import layout as control
-from wirerope_mj.engine.control.observer import track_component
+from wirerope_mj.engine.control.peaks import update_component
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import apply_mounts, push_base, push_loads
 from wirerope_mj.engine.kernel.links import (
@@ -259,11 +259,13 @@ def advance(structure, shared, numbers, states, memory, clock, which, grid, posi
 @inlined
 def track_base(base, clock, time, motion, which, point):
     """Update the extremes of the base's acceleration, as those of a channel."""
-    history = int(clock[HISTORY])
+    low, high, times = control.LOW, control.HIGH, control.LOW_TIME - control.LOW
     for c in range(3):
-        now = motion[which, point, c]
-        track_component(base, 0, c, history, clock[TIME_2], clock[TIME_1], time, now)
-        base[control.BEFORE + c], base[control.LAST + c] = base[control.LAST + c], now
+        y0, y1, y2 = base[control.BEFORE + c], base[control.LAST + c], motion[which, point, c]
+        if clock[HISTORY] == 0.0:
+            base[low + c], base[low + times + c], base[high + c], base[high + times + c] = y2, time, y2, time
+        update_component(base, low + c, high + c, times, clock[HISTORY] >= 2.0, clock[TIME_2], y0, clock[TIME_1], y1, time, y2)
+        base[control.BEFORE + c], base[control.LAST + c] = y1, y2
 
 
 @inlined

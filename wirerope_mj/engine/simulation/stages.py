@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.engine.control.layout import SMOOTH
-from wirerope_mj.engine.control.observer import parabola_extreme
+from wirerope_mj.engine.control.peaks import parabola_extreme
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries, Integers

@@ -9,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.adaptive import integrate
-from wirerope_mj.mounts.laws.path import SCRATCH, segment_on_bracket
+from wirerope_mj.mounts.laws.path import SCRATCH, put, segment_on_bracket
 from wirerope_mj.mounts.laws.power import ORDER, carry_power, follow_power
 from wirerope_mj.mounts.laws.registry import (
     BOUC_WEN_LAWS,
@@ -115,7 +115,7 @@ def settle(law, p, turning, n_states, tolerance):
     starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
     c, a = np.empty(ORDER + 1), np.empty(ORDER + 1)
     for _ in range(200):
-        before[:] = z
+        put(z, 0, before, 0, n_states)
         for t in range(1, turning.size):
             if not carry(law, p, turning[t - 1], turning[t], z, c, a):
                 z[:] = np.nan

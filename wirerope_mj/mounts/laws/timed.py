@@ -11,7 +11,7 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS, position, reversals, shifted, speed, zero_between
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop import Loop
-from wirerope_mj.mounts.laws.path import SCRATCH, follow_path, segment_of_one
+from wirerope_mj.mounts.laws.path import SCRATCH, follow_path, put, segment_of_one
 from wirerope_mj.mounts.laws.registry import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_one
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
 from wirerope_mj.mounts.laws.stop import STOP
@@ -189,7 +189,7 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
                 if end > start:
                     work[t] += work_of_all(law, p, cubic, start, end, z, n_states, trial, unused)
                     start = end
-        states[t] = z[:n_states]
+        put(z, 0, states[t], 0, n_states)
         force[t] = evaluate(law, p, 0, deflection[t], rate[t], z, 0, unused, 0)
     return force, states, work
 
