@@ -174,7 +174,7 @@ class KernelFiles(_Cache):
 def content_of(code: CompileResult) -> bytes:
     """Return what a file holds of compiled code, which is translated for that."""
     code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name)  # machine code of what C calls
-    return bytes(dumps(code._reduce()))
+    return bytes(dumps(code._replace(type_annotation="")._reduce()))  # which nothing reads: as a text it takes a tenth of all
 
 
 def _processors(codegen: Any) -> tuple[tuple[str, ...], ...]:

@@ -271,7 +271,8 @@ def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool, why: 
     own = replace(grid, motion=variant.motion)
     recorder = next(iter(_recorders([variant], grid, responses)), None)
     try:
-        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=recorder and recorder.add)
+        sink = recorder.add if recorder is not None else None
+        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=sink)
     except WireRopeError as error:
         return BatchFailure(error=error)
     return _result(variant, grid, replace(done, why=why), recorder)

@@ -13,10 +13,9 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.install import Kind, state_of
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.equations import Equations, not_held
 from wirerope_mj.engine.kernel.equations import equations as equations
-from wirerope_mj.engine.kernel.steps import probe
-from wirerope_mj.engine.kernel.variants import Group, group_of
+from wirerope_mj.engine.kernel.equations import not_held
+from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.simulation.grid import TimeGrid, time_grid
 from wirerope_mj.engine.simulation.in_lanes import InLanes, final_state, go_in_lanes, moving
 from wirerope_mj.engine.simulation.run import RunResult, peaks_of, run
@@ -98,7 +97,7 @@ def _differs(system: System) -> str:
             user[system.assembly.tables.user.forces :][: loads.size] = loads
             mujoco.mj_forward(model, data)
             expected.append(np.concatenate([data.qacc, data.act_dot]))
-    got = _accelerations(equations(system), states, base, loads)
+    got = _accelerations(system, states, base, loads)
     kinds = slice(0, model.nv), slice(model.nv, None)
     apart = max(_apart(np.array(expected)[:, kind], got[:, kind]) for kind in kinds)
     if not apart <= AGREEMENT:
@@ -124,17 +123,21 @@ def without_constraints(model: mujoco.MjModel) -> mujoco.MjModel:
     return model
 
 
-def _accelerations(own: Equations, states: Array, base: Array, loads: Array) -> Array:
+def _accelerations(system: System, states: Array, base: Array, loads: Array) -> Array:
     """Return accelerations and state rates, (n, nv + n_states), in states (n, n_state) with the base's accelerations (n, 3).
 
     Forces and moments at the sites for them are the same in all, (6 n_forces,).
     """
-    group = group_of([own] * WIDTH, states[:WIDTH], [0] * WIDTH)
-    group.memory[own.lay[at.LOADS] :][: loads.size] = loads[:, np.newaxis]
-    lanes = [np.ascontiguousarray(one.reshape(-1, WIDTH, one.shape[1]).swapaxes(1, 2)) for one in (states, base)]
-    out = np.empty((len(lanes[0]), states.shape[1] - own.n_extra, WIDTH))
-    probe(own.lay, own.fix, group.numbers, lanes[0], group.memory, lanes[1], out)
-    return out.swapaxes(1, 2).reshape(states.shape[0], -1)
+    own, model, found = equations(system), system.model, []
+    rates = states[:, np.newaxis, model.nq + np.array(system.assembly.driven_dofs, dtype=int)]
+    table = np.concatenate([base, np.tile(loads, (len(base), 1))], axis=1)[:, np.newaxis]
+    for first in range(0, len(states), WIDTH):
+        some = slice(first, first + WIDTH)
+        group = group_of([own] * WIDTH, states[some], range(WIDTH))
+        group.finish(0.0, np.zeros_like(rates[some]), rates[some], table[some], NOTHING)
+        parts = (int(own.lay[at.RHS]), model.nv), (int(own.lay[at.RATES]), model.na)
+        found.append(np.concatenate([group.memory[begin : begin + size] for begin, size in parts]))
+    return np.concatenate(found, axis=1).T
 
 
 def _apart(expected: Array, got: Array) -> float:
