@@ -25,7 +25,7 @@ from wirerope_mj.studies.vary.variants import Work
 
 FARTHER = 1.05  # Predicted over tested deflection from which on the law there is not what was tested: 5 % is a peak's error
 DRAWS = 64  # Draws of the posterior that are run: a band's ends are then known to a sixth of its half width
-FEWEST = 0.5  # Part of the draws whose laws rise with deflection from which on opened laws are those of the tests
+FEWEST = 0.5  # Part of the draws whose laws rise with deflection from which on draws are of opened laws
 ERRORS = 16  # Errors of the model with which each draw is multiplied: they cost nothing
 SAMPLE_RATE = 1000.0  # Samples at which steps end [Hz]
 # Levels at which draws are run where stops close, as multiples of the model's own error about the motion's own level
@@ -110,7 +110,8 @@ def predict(
 
     Draws are those of `Calibration.opened`, whose laws harden, and are unlike on their two sides, as far as the tests leave
     that open: within the tested travel little, beyond it what such laws may do there. A rope's force rises with deflection:
-    draws whose laws fall within what they travel are left out, and where those are most, draws are of the laws as they are.
+    draws whose laws fall within what they travel, or fail, are left out, and where those are most, draws are of the laws as
+    they are.
 
     Each is multiplied by 1 + e, where e is the model's own error of a peak: Student's t with as many degrees of freedom as
     errors of peaks in the tests are known, and of their size; of what no test measured that of the laws as they are, since what
@@ -130,25 +131,22 @@ def predict(
     ).timestep
     measures = tuple(measure_names(calibration.system))
     for used in (calibration.opened, calibration):
-        forward, kept = used.forward, np.ones(count, dtype=bool)
+        forward = used.forward
         work = Work(
             system=forward.system, motions=(motion,), columns=forward.columns, duration=duration, timestep=step,
             sample_rate=SAMPLE_RATE, initial=initial, corners=motion.corners,
         )  # fmt: skip
         chosen = used.posterior.values[generator.choice(len(used.posterior.values), count, replace=False)]
-        samples = forward.measures(work, chosen)
-        if used is not calibration:
-            kept = np.array(
-                [
-                    _rise(calibration.system, forward.isolators_at(values), travel_of(measures, row))
-                    for values, row in zip(chosen, samples, strict=True)
-                ]
-            )
+        samples = forward.measures(work, chosen) if used is calibration else _at_level(forward, work, chosen, 1.0)
+        kept = np.array([not np.isnan(row).all() for row in samples])
+        if used is calibration:
+            break
+        for row in np.flatnonzero(kept):
+            kept[row] = _rise(calibration.system, forward.isolators_at(chosen[row]), travel_of(measures, samples[row]))
         if kept.sum() >= FEWEST * count:
             break
     chosen, samples, count = chosen[kept], samples[kept], int(kept.sum())
-    done = samples[~np.isnan(samples).all(axis=1)]
-    reached, tested = travel_of(measures, np.median(np.nan_to_num(done), axis=0)), calibration.tested_travel
+    reached, tested = travel_of(measures, np.median(np.nan_to_num(samples), axis=0)), calibration.tested_travel
     farthest = _farthest(reached, tested)
     most, before = max(reached.values(), default=0.0), max(tested.values(), default=0.0)
     farther, (peak_error, peaks) = max(most / before, 1.0) if before > 0.0 else 1.0, used.peak_error
