@@ -63,37 +63,32 @@ class Calibrated(Summarised):
     def normals(self) -> Array:
         """Draws of the unknowns as standard normals before, (n, d), where what tests say is off by the model's own error.
 
-        That error does not average out over a test as noise does. It is embedded (Sargsyan, Najm and Ghanem 2015): the tests
-        show u + e, so that what they say is worth less against what was stated before. Their information, the inverse of the
-        draws' covariance less 1, is that of u with the covariance of e added; draws are moved and widened to what follows.
+        That error does not average out over a test as noise does. So the likelihood counts the less, as a power of itself
+        (Miller and Dunson 2019), that unknowns move the response by the model's error in each direction, as one observation of
+        it would tell them, on average over the directions; by how much they are told in proportion to each other, such as
+        stiffness to mass, stays. Of a channel's unknowns each could besides be the whole of the error, which is embedded in
+        them (Sargsyan, Najm and Ghanem 2015): what a law does not follow and what a gain or a delay takes up instead cannot be
+        told from each other, and a model that is off by a part x of the response looks x / (2 pi f) late.
         """
-        draws, whole, error = self.posterior.normals, np.eye(len(self.names)), self.embedded
-        middle, sizes, axes = draws.mean(axis=0), *np.linalg.eigh(np.atleast_2d(np.cov(draws.T)))
-        covariance = axes * np.minimum(sizes, 1.0 - 1e-6) @ axes.T  # tests do not make less known
-        told = np.linalg.inv(covariance) - whole
-        after = np.linalg.inv(whole + told @ np.linalg.inv(whole + error @ told))
-        moved = after @ np.linalg.solve(whole + told @ error, np.linalg.solve(covariance, middle))
-        widened = np.linalg.cholesky(after) @ np.linalg.inv(np.linalg.cholesky(covariance))
-        return moved + (draws - middle) @ widened.T
-
-    @cached_property
-    def embedded(self) -> Array:
-        """Covariance of u, (d, d), that would make the model's own error of histories.
-
-        Unknowns share the error, in all directions that move the response: it counts as one observation of the whole of it,
-        not as many as there are samples. Along stiffness over mass little is added; of what moves the response little, all
-        that was told is in doubt. Of a channel's each could besides be the whole of it: what a law does not follow and what
-        a gain or a delay takes up instead cannot be told from each other, and a model that is off by a part x of the response
-        looks x / (2 pi f) late.
-        """
-        moved, size, error = np.zeros((len(self.names),) * 2), len(self.names), 0.0
+        size, error = len(self.names), 0.0
+        whole, moved = np.eye(size), np.zeros((size, size))
         slopes = np.split(self.fit.jacobian, self.problem.ends[:-1])
         for one, noise, slope in zip(self.problem.series, self.fit.noises, slopes, strict=True):
             error += float(np.mean((noise.deviation(one) / one.rms) ** 2))
             moved += slope.T @ slope / (len(slope) * one.rms**2)
         chain = [name.startswith("channel/") for name in self.names]
-        alone = np.diag(np.where(chain, error / np.maximum(np.diag(moved), TINY), 0.0))
-        return error * np.linalg.inv(size * moved + TINY * np.eye(size)) + alone
+        embedded = np.diag(np.where(chain, error / np.maximum(np.diag(moved), TINY), 0.0))
+        told = np.linalg.inv(self.fit.covariance) - whole
+        directions, alike = (np.trace(np.linalg.solve(told + TINY * whole, one)) for one in (told, moved))
+        fewer = max(error * directions / max(alike, TINY), 1.0)
+        draws = self.posterior.normals
+        middle, sizes, axes = draws.mean(axis=0), *np.linalg.eigh(np.atleast_2d(np.cov(draws.T)))
+        covariance = axes * np.minimum(sizes, 1.0 - 1e-6) @ axes.T  # tests do not make less known
+        told = np.linalg.inv(covariance) - whole
+        left = np.linalg.inv(fewer * whole + told @ embedded)
+        after = np.linalg.inv(whole + left @ told)
+        widened = np.linalg.cholesky(after) @ np.linalg.inv(np.linalg.cholesky(covariance))
+        return after @ left @ np.linalg.solve(covariance, middle) + (draws - middle) @ widened.T
 
     @cached_property
     def samples(self) -> Array:
