@@ -211,7 +211,7 @@ def _isolators(system: System) -> _Part:
 
 
 def _scatter(isolator: Isolator) -> float:
-    """Return the largest relative standard deviation of a secant stiffness that the stated scatter makes.
+    """Find the largest relative standard deviation of a secant stiffness by the stated scatter.
 
     Secants are those from rest to half of each rated travel, and of vanishing deflections where none is rated.
     """

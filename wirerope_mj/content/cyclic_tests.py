@@ -127,7 +127,7 @@ def measures_table(device: Isolator) -> Table:
 
 
 def isolator_chart(device: Isolator) -> Chart:
-    """Return a panel for each axis: steady loops at 25, 50 and 100 % of the rated travel, first loading, and the ratings.
+    """Draw for each axis steady loops at 25, 50 and 100 % of the rated travel, first loading, and the ratings.
 
     Without a rated travel the largest loop is 5 % of the height, beyond the gap of a stop, or the whole of a table. Axes that
     share their law share a panel.

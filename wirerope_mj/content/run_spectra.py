@@ -101,7 +101,7 @@ def run_spectra(
 def run_densities(
     motion: BaseMotion, response: Response, names: Sequence[str]
 ) -> Mapping[str, Mapping[str, PowerSpectralDensity]]:
-    """Return the power spectral densities of a random vibration while it is stationary, by axis and name; else nothing.
+    """Compute power spectral densities of a random vibration while it is stationary, by axis and name.
 
     They begin where the base is stationary and the response has settled, all at the same instant: after the longest
     `settling` of the densities without it.

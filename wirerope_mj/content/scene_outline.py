@@ -180,7 +180,7 @@ _STILL = 1e-6  # [m]: what moves less is not worth a picture
 
 
 def worst_instant(run: JudgedRun) -> SceneView | None:
-    """Return the scene at the worst instant of what is most critical, displacements enlarged; None where nothing moves.
+    """Show the worst instant of what is most critical, displacements enlarged; None where nothing moves.
 
     What is most critical at rest, by its static load, is shown when it uses most of its other limits.
     """

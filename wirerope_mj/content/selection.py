@@ -153,7 +153,7 @@ def numbered(groups: Sequence[Sequence[str]]) -> dict[str, int]:
 
 
 def worst_names(response: Response) -> list[str]:
-    """Return the bodies and points to draw, three at most; of those that move alike, the first.
+    """Choose the bodies and points to draw, three at most; of those that move alike, the first.
 
     First those that are nearest to their limits of acceleration, then others with limits, then the largest accelerations.
     """

@@ -170,7 +170,7 @@ _TURN = 2.0 * math.pi
 
 
 def four_way_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
-    """Return pseudo-velocity over frequency with the diagonals of equal displacement [mm] and equal acceleration [g].
+    """Draw pseudo-velocity over frequency with the diagonals of equal displacement [mm] and equal acceleration [g].
 
     On this paper a shock is a trapezoid: its displacement on the left, its velocity change at the top, its acceleration on
     the right. Displacements are read exactly; accelerations are 2 pi f times the pseudo-velocity, which the absolute
@@ -192,7 +192,7 @@ def four_way_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
 def shock_spectra_chart(
     spectra: Mapping[str, ShockResponseSpectrum], *, test: tuple[ArrayLike, ArrayLike] | None = None
 ) -> Chart:
-    """Return the largest absolute accelerations (maximax) over frequency, "base" in grey.
+    """Draw the largest absolute accelerations (maximax) over frequency, "base" in grey.
 
     `test` are frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.
     """
@@ -261,7 +261,7 @@ def _diagonals(across: tuple[float, float], upward: tuple[float, float]) -> Iter
 
 
 def _round_numbers(low: float, high: float, *, scale: float) -> Sequence[float]:
-    """Return 1, 2 and 5 times the powers of ten of `scale` between two values."""
+    """List 1, 2 and 5 times the powers of ten of `scale` between two values."""
     first, last = math.floor(math.log10(low / scale)), math.ceil(math.log10(high / scale))
     numbers = [scale * m * 10.0**e for e in range(first, last + 1) for m in (1.0, 2.0, 5.0)]
     return [number for number in numbers if low < number < high]

@@ -194,7 +194,7 @@ def capital(text: str) -> str:
 
 
 def exceeding_inputs(table: pa.Table, inputs: Sequence[str], values: Array, limit: float) -> str:
-    """Return for which values of the only input a limit is exceeded by `values`, (n,); "" if none is, or several inputs vary.
+    """Write for which values of the only input `values`, (n,), exceed a limit; "" if none do, or several inputs vary.
 
     Of a number the value at which the limit is first crossed, interpolated between two variants; of choices their names.
     """

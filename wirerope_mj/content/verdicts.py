@@ -91,7 +91,7 @@ def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
 
 
 def full_table(verdicts: Sequence[Verdict]) -> Table | None:
-    """Return every verdict, exceeded ones first, then by utilisation, those not judged last; None without verdicts.
+    """Tabulate every verdict, exceeded ones first, those not judged last; None without verdicts.
 
     A long note that is that of the row above is not written again.
     """

@@ -23,7 +23,7 @@ def is_dense(time: Array, values: Array, tolerance: Array | float) -> bool:
 
 
 def rows_of_line(time: Array, values: Array, tolerance: Array | float, *, limit: int = MOST_ROWS) -> Rows:
-    """Return the rows of a polyline that stays within `tolerance`, (k,) or one for all, of every value, (n_t, k).
+    """Find the rows of a polyline that stays within `tolerance`, (k,) or one for all, of every value, (n_t, k).
 
     Where more than `limit` rows are needed, the extremes of every interval are kept, and the tolerance is not.
     """
@@ -73,7 +73,7 @@ def _needed(time: Array, values: Array, tolerance: Array | float, *, hold: bool)
 
 
 def envelope(time: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Return instants (m,), and lowest and highest of series (n_t, k) about each of them, (m, k).
+    """Find instants (m,), and lowest and highest of series (n_t, k) about each of them, (m, k).
 
     Each is taken over three of the intervals, so that it holds a period of what oscillates three times slower, too.
     """

@@ -65,7 +65,7 @@ def strips_of(findings: list[LevelSummary]) -> list[Strip]:
 
 
 def animation_of(strip: Strip) -> Animation:
-    """Return the motions of a strip one after the other.
+    """Join the motions of a strip one after the other.
 
     Each ends where the payload's acceleration is largest: this is what stands in the scene when one goes from point to point.
     """

@@ -38,7 +38,7 @@ _TABS = (1040.0, 730.0)  # The same of the tabs beside them, without their title
 
 
 def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab: str, scene: str) -> rrb.Blueprint:
-    """Return the layout with `tab` and `scene` in front, the first scene without one; `factor` enlarges the ghosts' motion.
+    """Lay out a recording with `tab` and `scene` in front, the first scene without one; `factor` enlarges the ghosts' motion.
 
     ValueError if there is no such tab or scene.
     """

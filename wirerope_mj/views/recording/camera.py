@@ -30,7 +30,7 @@ class Camera:
 
 
 def whole_scene(response: Response, *, aspect: float = _ASPECT, mount: str | None = None) -> Camera:
-    """Return a camera that sees everything, as near as its pane, `aspect` times as wide as high, allows.
+    """See everything, as near as its pane, `aspect` times as wide as high, allows.
 
     It looks from the front and the right, or from where a mount is hidden less.
     """
@@ -64,7 +64,7 @@ def _fitted(points: Array, back: Array, aspect: float) -> Camera:
 
 
 def close_up(response: Response, mount: str, *, height: float, width: float, row: int, wide: bool = False) -> Camera:
-    """Return a camera that sees a mount of the given size [m] past the bodies around it, as they stand at a sample.
+    """See a mount of the given size [m] past the bodies around it, as they stand at a sample.
 
     Of some directions the one is taken from which most of the device is seen, whatever is transparent counted by how much it
     hides; where several show it alike, neither along the bars nor square to them, and from outside.

@@ -113,7 +113,7 @@ def one_run(run: RunResult, over_frequency: Panel | None = None) -> Drawn:
 def several_runs(
     responses: Mapping[str, Response], align: Align, verdicts: Mapping[str, Sequence[Verdict]] | None = None
 ) -> Drawn:
-    """Return what a recording draws of runs over each other; verdicts as `compare_runs` takes them.
+    """Draw runs over each other; verdicts as `compare_runs` takes them.
 
     ValueError if there are too few or too many, or `align` is unknown; RecordError if they share nothing, or a run has no
     shock to align.

@@ -36,7 +36,7 @@ def round_down(factor: float) -> float:
 
 
 def enlarged(response: Response, factor: float) -> Response:
-    """Return the same motions, `factor` times as far from their mean relative to the base; forces stay as they are.
+    """Enlarge motions: `factor` times as far from their mean relative to the base; forces stay as they are.
 
     Deflections grow alike, so that the mounts still end on the bodies: exactly where these only shift, and in the first
     order of the angle where they turn.

@@ -249,7 +249,7 @@ def log_state(rec: Stream, response: Response) -> None:
 
 
 def read_state(path: str | Path, *, run: str = "") -> dict[str, Array]:
-    """Return the columns under /state of a recording, (n_t,) each, by name and in the order of `response.parquet`.
+    """Read the columns under /state of a recording, (n_t,) each, by name and in the order of `response.parquet`.
 
     Where it lays several runs over each other, `run` is the name of one. RecordError if the file holds none.
     """

@@ -81,7 +81,7 @@ def rgba8(rgba: Array) -> list[int]:
 
 
 def coil(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
-    """Return vertices, triangles and normals of a wire rope wound around two bars.
+    """Mesh a wire rope wound around two bars: vertices, triangles, normals.
 
     x is across the bars (roll), y along them (shear), z from the base's bar at 0 to the payload's bar at 1: the height
     is left to the transform, which stretches and shears.

@@ -24,7 +24,7 @@ BANNER, BELOW = "banner", "below"
 
 
 def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, ...]:
-    """Return verdict, scenario, peaks, all verdicts and the modes of a run; `scenario_text` is Markdown, or TOML, set as such.
+    """Write verdict, scenario, peaks, all verdicts and the modes of a run; `scenario_text` is Markdown, or TOML, set as such.
 
     Of a run whose system is not at hand there are no modes.
     """

@@ -135,7 +135,7 @@ _START = 15.0
 
 
 def viewer_files() -> dict[str, bytes]:
-    """Return the files of the web viewer by name: 43 MB, which its server is asked for once and then ended.
+    """Fetch the files of the web viewer by name: 43 MB, for which its server is asked once and then ended.
 
     The server itself is not what the page talks to: its recordings could be read by whatever page is open in the browser.
     WireRopeError if there is no viewer, or it does not hand them out.

@@ -20,7 +20,7 @@ SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second take
 
 
 def layout(content: Pane, window: tuple[float, float], *, cases: bool = False) -> rrb.Blueprint:
-    """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats.
+    """Lay out `content`, paused at the start of `window` [s], which is what playing repeats.
 
     With `cases` there are several recordings, and the panel that lists them is open.
     """
@@ -76,7 +76,7 @@ def time_axis(window: tuple[float, float]) -> rrb.TimeAxis:
 
 
 def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, float | None]) -> rrb.Spatial2DView:
-    """Return a view of the plot of a loop, whose frame has this width.
+    """View the plot of a loop, whose frame has this width.
 
     `trails` are entities, and how long each reaches behind the cursor [s]; None for the whole past.
     """
