@@ -10,6 +10,7 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.kernel.equations import not_held
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.statics import model_warnings, static_table
+from wirerope_mj.engine.statics.linear import linear_system
 from wirerope_mj.engine.statics.payloads import payloads_of
 
 G, K, C = 9.80665, 2.0e5, 40.0
@@ -19,22 +20,23 @@ PULSE = wr.HalfSine(peak=10 * G, duration=0.011, direction="z", start=0.02)
 SPRING, DAMPER = 3.0e4, 25.0
 
 
-def two_bodies(other="", *, joint="", block_geom="", plate_geom="", on_plate=False):
-    """Make a plate on a mount and a block on a slide, of the world or of the plate."""
+def two_bodies(other="", *, joint="", block_geom="", plate_geom="", on_plate=False, rack=""):
+    """Make a plate on a mount and a block on a slide, of the world or of the plate; `rack` stands beside them on a mount."""
     block = (
         f'<body name="block" pos="0 0 {0.05 if on_plate else 0.35}"><joint name="jb" type="slide" axis="0 0 1" {joint}/>'
         f'<geom name="b" type="box" size=".02 .02 .02" mass="{BLOCK}" {block_geom}/><site name="sb"/></body>'
     )
-    world = deck({"d": 'pos="0 0 .2"'}, slides="z") + (
+    world = deck({"d": 'pos="0 0 .2"', "dr": 'pos="1 0 .2"'}, slides="z") + (
         f'<body name="plate" pos="0 0 .3"><joint name="jp" type="slide" axis="0 0 1"/>'
         f'<geom name="p" type="box" size=".05 .05 .03" mass="{PLATE}" {plate_geom}/><site name="u" pos="0 0 -.1"/>'
-        f'<site name="sp"/>{block if on_plate else ""}</body>{"" if on_plate else block}'
+        f'<site name="sp"/>{block if on_plate else ""}</body>{"" if on_plate else block}{rack}'
     )
-    return wr.load_system(mjcf(world, [("m1", "u", "d", "a")], gravity=G, other=other), isolators={"a": LAW})
+    mounts = [("m1", "u", "d", "a"), *([("m2", "ur", "dr", "a")] if rack else [])]
+    return wr.load_system(mjcf(world, mounts, gravity=G, other=other), isolators={"a": LAW})
 
 
 def one_body(mass=PLATE + BLOCK):
-    world = deck({"d": 'pos="0 0 .2"'}, slides="z") + (
+    world = deck({"d": 'pos="0 0 .2"', "dr": 'pos="1 0 .2"'}, slides="z") + (
         f'<body name="plate" pos="0 0 .3"><joint name="jp" type="slide" axis="0 0 1"/><geom size=".05" mass="{mass}"/>'
         '<site name="u" pos="0 0 -.1"/></body>'
     )
@@ -146,6 +148,30 @@ def test_a_weld_that_is_written_soft_is_rigid_in_modes_and_its_figure_in_a_run_i
     assert f"38.05 Hz is {soft:.4g} Hz there" in said
     with pytest.warns(wr.ModelWarning, match="gives way in a simulation"):
         wr.simulate(system, PULSE, duration=0.05)
+
+
+RACK = (
+    '<body name="rack" pos="1 0 .3"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="60"/>'
+    '<site name="ur" pos="0 0 -.1"/></body>'
+)
+
+
+def test_what_gives_way_is_said_by_the_frequency_that_it_moves_most():
+    soft = 'solimp="0.9 0.95 0.001 0.5 3"'
+    welded = two_bodies(f'<equality><weld body1="plate" body2="block" {soft}/></equality>', rack=RACK)
+    rigid = np.sqrt(K / (PLATE + BLOCK)) / (2 * np.pi)
+    assert wr.modes(welded).frequencies == pytest.approx([np.sqrt(K / 60.0) / (2 * np.pi), rigid], rel=1e-6)
+    assert any(f"gives way in a simulation: the natural frequency of {rigid:.4g} Hz" in line for line in model_warnings(welded))
+    pressed = f'contype="1" conaffinity="1" condim="1" {soft}'
+    with pytest.warns(wr.ModelWarning, match=f"gives way as MuJoCo has it.* frequency of {rigid:.4g} Hz, if it were rigid"):
+        wr.modes(two_bodies(block_geom=pressed, plate_geom=pressed, rack=RACK))
+
+
+def test_mounts_count_once_beside_a_tendon_while_callbacks_are_installed():
+    system = two_bodies('<tendon><fixed name="t" stiffness="0"><joint joint="jb" coef="1"/></fixed></tendon>')
+    alone = linear_system(system, closed=False).stiffness
+    with installed(system.model, mujoco.MjData(system.model)):  # as another thread does that simulates
+        np.testing.assert_allclose(linear_system(system, closed=False).stiffness, alone, rtol=1e-9, atol=1e-9 * K)
 
 
 def test_springs_and_dampers_of_tendons_and_actuators_count_in_modes_and_run_alike():

@@ -161,18 +161,19 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     small = held.real - rest.other - rest.weight
     values, shapes = solve(held.real, rest.mass, rest.motions)
     if rest.pressed.names:
-        # The lowest frequency with contacts and limits at rest taken as rigid is not to be another one as they are.
-        rigid = held_rigidly(rest, held.real)
-        for frequency in rigid[rigid > 0.0][:1]:
-            soft = frequency_of(values)
-            nearest = float(soft[np.nanargmin(np.abs(soft - frequency))])
-            if abs(nearest / frequency - 1.0) > GIVES_WAY:
-                warnings.warn(
-                    f"{', '.join(rest.pressed.names)}: at rest it gives way as MuJoCo has it, here and in a simulation: a "
-                    f"natural frequency of {frequency:.4g} Hz, if it were rigid, is {nearest:.4g} Hz. Write "
-                    'solimp="0.9999 0.9999" into it, or weld what never parts.',
-                    ModelWarning, stacklevel=2,
-                )  # fmt: skip
+        # No frequency with contacts and limits at rest taken as rigid is to be another one as they are.
+        rigid, soft = held_rigidly(rest, held.real), frequency_of(values)
+        rigid = rigid[rigid > 0.0]
+        nearest = soft[[int(np.nanargmin(np.abs(soft - frequency))) for frequency in rigid]]
+        moved = np.abs(nearest / rigid - 1.0)
+        if moved.max(initial=0.0) > GIVES_WAY:
+            most = int(np.argmax(moved))
+            warnings.warn(
+                f"{', '.join(rest.pressed.names)}: at rest it gives way as MuJoCo has it, here and in a simulation: a natural "
+                f"frequency of {rigid[most]:.4g} Hz, if it were rigid, is {nearest[most]:.4g} Hz. Write "
+                'solimp="0.9999 0.9999" into it, or weld what never parts.',
+                ModelWarning, stacklevel=2,
+            )  # fmt: skip
     tangents, bracket = springs.tangents(), []
     for part in tangents:  # each frequency for the shape that its own is most like
         squares, others = solve(rest.other + rest.weight + part, rest.mass, rest.motions)

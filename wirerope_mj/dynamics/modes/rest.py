@@ -176,7 +176,7 @@ def _pressed(model: mujoco.MjModel, data: mujoco.MjData, free: Integers) -> Pres
         else:
             contact = data.contact[number]
             ends = (model.geom(int(geom)) for geom in contact.geom)
-            name = "contact of " + " and ".join(repr(end.name or model.body(end.bodyid).name) for end in ends)
+            name = "contact of " + " and ".join(repr(end.name or model.body(int(end.bodyid[0])).name) for end in ends)
             reference, first = contact.solref[0], contact.efc_address
             if kinds[row] == _PYRAMIDAL:
                 moves[row] = rates[first : first + 2 * (contact.dim - 1)].mean(axis=0)  # edges lean either way of the normal
