@@ -12,6 +12,7 @@ import pytest
 from house import deck, hysteresis, mjcf, sdof, sdof_text
 
 import wirerope_mj as wr
+from wirerope_mj.engine.control import install
 from wirerope_mj.foundation.resources import models_folder
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
@@ -202,6 +203,21 @@ def test_a_callback_of_the_process_is_refused_by_name_in_every_room(name):
         set_callback(None)
     wr.simulate(system, SHOCK, duration=0.02, timestep=1e-4, initial=relaxed, engine="mujoco")
     assert get_callback() is None
+
+
+def test_callbacks_that_another_thread_installs_meanwhile_are_not_taken_for_foreign_ones(monkeypatch):
+    class Lock:
+        def __enter__(self):
+            pass
+
+        def __exit__(self, *_):
+            mujoco.set_mjcb_control(lambda *_: None)  # as a thread that waited for the lock does
+
+    monkeypatch.setattr(install, "_lock", Lock())
+    try:
+        install.check_callbacks()
+    finally:
+        mujoco.set_mjcb_control(None)
 
 
 def test_the_mounts_act_on_a_model_beside_one_that_is_not_ours():

@@ -35,15 +35,14 @@ _OWN, _ACTING = ("control", "act_dyn", "sensor"), ("passive", "act_gain", "act_b
 
 def check_callbacks() -> None:
     """Raise SimulationError if the process has a callback of its own, which no result here would hold."""
-    with _lock:
-        names = _ACTING if _users else _OWN + _ACTING
-    for name in names:
-        if getattr(mujoco, f"get_mjcb_{name}")() is not None:
-            raise SimulationError(
-                f"`mjcb_{name}` of this process is set: MuJoCo's callbacks act on every model, mounts act through them, and "
-                f"kernel, modes and statics know nothing of them. Call mujoco.set_mjcb_{name}(None) first; your law is an "
-                "`OwnLaw`, and a force on the payload part of the motion."
-            )
+    with _lock:  # until all are looked at: another thread may install ours meanwhile
+        for name in _ACTING if _users else _OWN + _ACTING:
+            if getattr(mujoco, f"get_mjcb_{name}")() is not None:
+                raise SimulationError(
+                    f"`mjcb_{name}` of this process is set: MuJoCo's callbacks act on every model, mounts act through them, "
+                    f"and kernel, modes and statics know nothing of them. Call mujoco.set_mjcb_{name}(None) first; your law "
+                    "is an `OwnLaw`, and a force on the payload part of the motion."
+                )
 
 
 check_callbacks()
