@@ -12,7 +12,7 @@ import numba
 import pytest
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
-from wirerope_mj.foundation import kernel_files
+from wirerope_mj.foundation import kernel_files, kernel_proof
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.kernel_proof import TESTED, doubt
 from wirerope_mj.foundation.linked_code import LinkedCode
@@ -311,6 +311,19 @@ def test_with_a_numba_that_is_not_known_kernels_are_compiled_by_numba_alone_and_
         assert re.search(why, err)
         assert f"pip install 'numba=={TESTED}.*'" in err
     assert use() == (7.0, 2.5, [])
+
+
+@pytest.mark.parametrize(("error", "kept"), [(MemoryError, False), (OSError, False), (RuntimeError, True)])
+def test_a_doubt_is_kept_if_it_is_one_of_this_numba_and_not_of_the_moment(error, kept, tmp_path, monkeypatch):
+    def refuse(linked):
+        raise error("no")
+
+    monkeypatch.setattr(kernel_proof, "SHIPPED", tmp_path)
+    monkeypatch.setattr(kernel_proof, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(kernel_proof, "_try", refuse)
+    assert kernel_proof._doubt() == f"{error.__name__}: no"
+    monkeypatch.setattr(kernel_proof, "_try", lambda linked: None)
+    assert bool(kernel_proof._doubt()) is kept
 
 
 def test_this_numba_is_known():

@@ -50,6 +50,8 @@ def _doubt() -> str:
         reason = ""
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
+        if isinstance(error, MemoryError | OSError):  # says nothing of Numba, and may not come again
+            return reason
     keep(cache_folder() / name, reason.encode())
     return reason
 
