@@ -1,6 +1,7 @@
 """Several lines at once: amplitudes in the quantity given, phases, and a start and end at rest."""
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -34,6 +35,16 @@ def test_amplitudes_are_those_of_the_quantity_given(quantity, order):
     acceleration = np.fft.rfft(motion.acceleration(time)[:, 0])
     np.testing.assert_allclose(np.angle(1j * acceleration[[2, 5]]), [0.4, 2.0], rtol=1e-10)
     assert np.abs(np.delete(spectrum, [2, 5])).max() < 1e-13
+
+
+def test_the_peak_of_a_long_vibration_is_said_from_few_samples_at_once():
+    motion = VibrationLines(acceleration=[(10.0, 1.0), (250.0, 1.0)], direction="z", duration=300.0)
+    tracemalloc.start()
+    try:
+        assert "peak acceleration 2 m/s^2" in motion.description
+        assert tracemalloc.get_traced_memory()[1] < 10e6  # 2.4 million samples are 19 MB
+    finally:
+        tracemalloc.stop()
 
 
 def test_lines_of_a_while_start_and_end_at_rest():
