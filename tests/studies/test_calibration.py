@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration_truths import one_test as foreign_test
-from house import sdof
+from house import sdof, sdof_text
 from virtual_tests import CASES, one_test
 
 import wirerope_mj as wr
@@ -159,6 +159,15 @@ def test_opened_laws_are_what_they_were_where_their_terms_are_zero():
     path = 0.02 * np.sin(np.linspace(0.0, 9.0, 300))
     before, after = (one.mounts["m1"].isolator.axial.trace(path).force for one in (system, laws.system))
     np.testing.assert_allclose(after, before, atol=1e-5 * np.ptp(before))  # the terms' own hysteresis: 1e-6 of the stiffness
+
+
+def test_a_linear_law_on_a_bracket_stays_closed_and_others_are_opened():
+    hysteretic, linear = LAW, wr.KelvinVoigt(k=4e4, c=10.0)
+    isolator = wr.Isolator(name="a", roll=hysteretic, axial=linear, bracket=wr.Bracket(roll=1e7, axial=1e7))
+    system = wr.load_system(sdof_text(mass=20.0), isolators={"a": isolator})
+    laws = open_laws(system, {"mount/*/stiffness": wr.Uniform(1, 2)}, {("m1", "roll"): 0.02, ("m1", "axial"): 0.02})
+    assert laws.added == ("mount/m1/roll/laws[1].k2", "mount/m1/roll/laws[1].k3")
+    assert laws.system.mounts["m1"].written.axial == linear
 
 
 def test_coupled_laws_are_opened_by_their_own_terms_and_unchanged_in_the_middle():

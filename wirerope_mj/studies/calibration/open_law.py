@@ -52,6 +52,9 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
             reached = max((travel.get((mount, axis), 0.0) for mount in mounts), default=0.0)
             if law is None or isolator.is_stop or reached < LOOKED_AT * largest:
                 continue
+            bracket = isolator.bracket is not None and axis in isolator.bracket.stated
+            if bracket and not all(part.smoothable for part in law.components):
+                continue  # it holds a linear law alone, and none beside the terms
             stiffness, place = secant_stiffness(law, reached), f"mount/{','.join(mounts)}/{axis}"
             sizes = {"k2": stiffness / reached, "k3": stiffness / reached**2}
             if AXES.index(axis) in isolator.coupled_axes:  # stands beside no other law; some have such terms of their own
