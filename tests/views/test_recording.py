@@ -1,10 +1,13 @@
+import errno
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun as rr
 from kills import interruptible
 from made_up_floor import floor_response
 from recordings import column, entities
@@ -36,6 +39,18 @@ def test_state_holds_every_column_bit_for_bit(floor, recording):
     assert list(state) == floor.samples.names
     for number, name in enumerate(floor.samples.names):
         assert state[name].tobytes() == np.ascontiguousarray(values[:, number]).tobytes(), name
+
+
+@pytest.mark.parametrize("fails", [(rr.RecordingStream, "save"), (threading.Thread, "start")], ids=["save", "thread"])
+def test_a_recording_that_cannot_begin_ends_at_once_and_leaves_nothing(fails, tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    response = floor_response(mounts=1, equipment=0, rows=50)
+    monkeypatch.setattr(*fails, refuse)
+    with pytest.raises(OSError, match="Too many open files"):
+        record_rerun(response, tmp_path / "floor.rrd")
+    assert not list(tmp_path.iterdir())
 
 
 def test_state_keeps_bits_that_are_no_ordinary_numbers(tmp_path):

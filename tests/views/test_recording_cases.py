@@ -1,29 +1,51 @@
 """The recording of a job: a recording for each case, one layout in which each is shown under its own titles."""
 
 import re
+import shutil
 
 import pytest
 from rerun.chunk import RrdReader
 
 import wirerope_mj as wr
 from wirerope_mj.content.judged_run import judged_run
-from wirerope_mj.views.recording import show, viewer
+from wirerope_mj.foundation.half_written import clear_half_written
+from wirerope_mj.views.recording import record, show, viewer
 from wirerope_mj.views.recording.record import record_cases
 
 UP, ACROSS = "upwards, 10 g", "athwartships"
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
-    """Return the file of two cases, one of which moves the cabinet up and down, the other to and fro."""
-    path = tmp_path_factory.mktemp("cases") / "job.rrd"
+def runs():
+    """Return two cases, one of which moves the cabinet up and down, the other to and fro."""
     system = wr.load_system("cabinet")
     runs = {}
     for name, peak, direction in ((UP, 10.0, "z"), (ACROSS, 6.0, "y")):
         motion = wr.HalfSine(peak=peak * wr.STANDARD_GRAVITY, duration=0.011, direction=direction, start=0.02)
         runs[name] = judged_run(system, motion, wr.simulate(system, motion, duration=0.2, accuracy=1e-2))
+    return runs
+
+
+@pytest.fixture(scope="module")
+def recorded(runs, tmp_path_factory):
+    path = tmp_path_factory.mktemp("cases") / "job.rrd"
     record_cases(runs, path, notes={UP: "clause 5.1", ACROSS: ""})
     return path
+
+
+def test_what_a_killed_process_leaves_of_a_recording_is_removed_by_the_next(runs, tmp_path, monkeypatch):
+    left = tmp_path / "left"
+
+    def copy(parts, path):
+        assert all(part.is_file() for part in parts)
+        shutil.copytree(path.parent, left)
+
+    monkeypatch.setattr(record, "join_recordings", copy)
+    (tmp_path / "job").mkdir()
+    record_cases(runs, tmp_path / "job" / "job.rrd", notes={UP: "", ACROSS: ""})
+    assert list(left.iterdir())
+    clear_half_written(left)
+    assert not list(left.iterdir())
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """Recordings of one response, or of two or more over each other: one writer, one layout."""
 
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +22,7 @@ from wirerope_mj.content.run import panel_over_frequency
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.half_written import hidden_folder
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
@@ -92,10 +92,12 @@ def record_cases(runs: Mapping[str, JudgedRun], path: Path, *, notes: Mapping[st
     """
     drawn = _drawn_cases(runs, notes)
     layout, factor = layout_of_cases(list(drawn.values()))
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".") as folder:
+    with hidden_folder(path) as folder:
+        if folder is None:
+            raise RecordError(f"{path}: another process is writing this recording. Wait for it, or choose another folder.")
         parts = []
         for number, (name, run) in enumerate(runs.items()):
-            parts.append(Path(folder) / f"{number}.rrd")
+            parts.append(folder / f"{number}.rrd")
             with atomic_recording(parts[-1], application=f"{APPLICATION} cases") as rec:
                 _write_alone(rec, run, drawn[name], title=name, common=(None if number else layout, factor))
         join_recordings(parts, path)

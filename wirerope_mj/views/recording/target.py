@@ -84,10 +84,15 @@ class _Recording(Stream):
             return
         with interrupts_held():
             reading, writing = os.pipe()
-            self._writer = threading.Thread(target=_write, args=(reading, self._path, self.errors), daemon=True)
-            self._writer.start()
-            self._rec.save(_OPEN_FILES / str(writing))
-            os.close(writing)  # rerun has opened it once more
+            writer = threading.Thread(target=_write, args=(reading, self._path, self.errors), daemon=True)
+            try:
+                writer.start()
+                self._writer = writer
+                self._rec.save(_OPEN_FILES / str(writing))
+            finally:
+                os.close(writing)  # rerun has opened it once more, or there is nothing to write
+                if self._writer is None:
+                    os.close(reading)
 
     def send_blueprint(self, blueprint: rr.blueprint.Blueprint, **how: bool) -> None:
         """Send a layout; rerun itself would keep the layout's stream and its threads."""
