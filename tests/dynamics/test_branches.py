@@ -245,7 +245,7 @@ def test_a_branch_ends_where_a_mount_leaves_its_travel():
 def test_continuation_steps_have_the_length_that_was_asked_for():
     """Predictor and corrector work in the same units: the arclength between two points is the step."""
     search = OrbitSearch(sdof(HARDENING, mass=1.0), direction="z", history="relaxed", accuracy=1e-4)
-    path = Continuation(search, parameter="frequency", other=1.0, periods=1, unit=0.02, tolerance=1e-9)
+    path = Continuation(search, parameter="frequency", held=1.0, periods=1, unit=0.02, tolerance=1e-9)
     with search.flow.ready():
         x = search.settled(search.coordinates.rest(), path.drive(0.2), 30)
         found = close(search.flow, shot(search.flow, x, path.drive(0.2)), tolerance=1e-9, iterations=20)

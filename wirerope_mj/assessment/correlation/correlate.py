@@ -86,11 +86,11 @@ class ChannelCorrelation:
         What rests before and after the event is noise, which would be rated, too.
         """
         histories = self.pair.measured[self.event], self.pair.model[self.event]
-        own, size = self.pair.rate, histories[0].size
-        rate = min(_ISO_RATE, (_ISO_MOST - 1) * own / (size - 1))
-        if rate <= own:
-            return iso_rating(*(coarser(values, own, rate) for values in histories))
-        time, finer = np.arange(size) / own, np.arange(int((size - 1) / own * rate) + 1) / rate
+        sampled, size = self.pair.rate, histories[0].size
+        rate = min(_ISO_RATE, (_ISO_MOST - 1) * sampled / (size - 1))
+        if rate <= sampled:
+            return iso_rating(*(coarser(values, sampled, rate) for values in histories))
+        time, finer = np.arange(size) / sampled, np.arange(int((size - 1) / sampled * rate) + 1) / rate
         return iso_rating(*(scipy.interpolate.CubicSpline(time, values)(finer) for values in histories))
 
     @cached_property

@@ -144,7 +144,7 @@ def delay_of(response: Response, measured: Measured, channel: MeasuredChannel, *
 
 
 def _moments(values: Array, begin: Array, end: Array) -> tuple[Array, Array]:
-    """Return the sums of squares about their mean, and the means, of samples from `begin` to before `end`, (n,) each."""
+    """Sum squares about their mean, and average, samples from `begin` to before `end`, (n,) each."""
     first, second = (np.concatenate([[0.0], np.cumsum(power)]) for power in (values, values**2))
     mean = (first[end] - first[begin]) / (end - begin)
     return second[end] - second[begin] - (end - begin) * mean**2, mean

@@ -55,14 +55,14 @@ class Continuation:
     """The numerics of following a branch: points, tangents, predictor and corrector."""
 
     def __init__(
-        self, search: OrbitSearch, *, parameter: Parameter, other: float, periods: int, unit: float, tolerance: float
+        self, search: OrbitSearch, *, parameter: Parameter, held: float, periods: int, unit: float, tolerance: float
     ) -> None:
-        """Prepare to follow `parameter` with the `other` one fixed; `unit` of ln p counts as one unit of arclength."""
+        """Prepare to follow `parameter` with the other one `held`; `unit` of ln p counts as one unit of arclength."""
         self.search, self.flow, self.parameter = search, search.flow, parameter
-        self.other, self.periods, self.unit, self.tolerance = other, periods, unit, tolerance
+        self.held, self.periods, self.unit, self.tolerance = held, periods, unit, tolerance
 
     def drive(self, value: float, steps: int | None = None) -> Drive:
-        frequency, acceleration = (value, self.other) if self.parameter == "frequency" else (self.other, value)
+        frequency, acceleration = (value, self.held) if self.parameter == "frequency" else (self.held, value)
         drive = self.search.drive(frequency, acceleration, self.periods)
         return drive if steps is None else replace(drive, steps=steps)
 

@@ -45,7 +45,7 @@ class GrowingBranch:
     def __init__(self, search: OrbitSearch, options: BranchOptions, folder: Path | None) -> None:
         self.search, self.options, self.system, self.folder = search, options, search.system, folder
         self.path = Continuation(
-            search, parameter=options.parameter, other=options.other, periods=options.periods, unit=options.largest_step,
+            search, parameter=options.parameter, held=options.held, periods=options.periods, unit=options.largest_step,
             tolerance=options.tolerance,
         )  # fmt: skip
         self.rows: list[Row] = []
@@ -290,7 +290,7 @@ class GrowingBranch:
 
     def _content(self) -> Entries:
         options = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.options).items()}
-        options["acceleration" if self.options.parameter == "frequency" else "frequency"] = options.pop("other")
+        options["acceleration" if self.options.parameter == "frequency" else "frequency"] = options.pop("held")
         return {
             "system": fingerprint(self.system), **options, "complete": self.complete, "message": self.message,
             "model_steps": self.search.flow.steps + self._earlier_steps, "gaps": self.gaps,

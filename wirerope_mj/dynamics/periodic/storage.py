@@ -50,12 +50,12 @@ class Row:
 
 @dataclass(frozen=True, kw_only=True)
 class BranchOptions:
-    """The arguments of `follow_branch`, all checked; `other` is the parameter that stays fixed."""
+    """The arguments of `follow_branch`, all checked; `held` is the parameter that stays fixed."""
 
     parameter: Parameter
     start: float
     stop: float
-    other: float
+    held: float
     direction: Direction
     payload: str
     response_direction: Direction
@@ -95,12 +95,12 @@ def branch_options(
     one_of("payload", payload, observed_bodies(system))
     moved = checked_direction(direction)
     parameter: Parameter = "frequency" if frequency is None else "acceleration"
-    held = "acceleration" if frequency is None else "frequency"
-    other = positive(held, acceleration if frequency is None else frequency)
+    name, value = ("acceleration", acceleration) if frequency is None else ("frequency", frequency)
+    held = positive(name, value)
     check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=moved))
     along = moved if response_direction is None else checked_direction(response_direction, "response_direction")
     return BranchOptions(
-        parameter=parameter, other=other, direction=moved, payload=payload, response_direction=along, periods=periods,
+        parameter=parameter, held=held, direction=moved, payload=payload, response_direction=along, periods=periods,
         history=history, most_points=most_points, smoothing=None if smoothing is None else positive("smoothing", smoothing),
         **values,
     )  # fmt: skip

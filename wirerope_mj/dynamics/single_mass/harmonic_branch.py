@@ -192,8 +192,11 @@ class _Path:
         def matrix_at(tried: _Tried, _: Array) -> Array:
             return self.jacobian(tried.y, tried.gap) * last.scale
 
-        found = corrected(at, matrix_at, last.matrix, length * last.tangent, last.tangent, length, self.tolerance)
-        return None if found is None else self.point(found[0].y, last.scale * last.tangent, found[2])
+        correction = corrected(at, matrix_at, last.matrix, length * last.tangent, last.tangent, length, self.tolerance)
+        if correction is None:
+            return None
+        tried, _, corrections = correction
+        return self.point(tried.y, last.scale * last.tangent, corrections)
 
     def follow(self, begin: Array, end: float, largest_step: float) -> Iterator[tuple[Array, bool]]:
         """Yield the points after the first and whether they are folds, up to the frequency `end` (logarithm of omega)."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from wirerope_mj.dynamics.sweep.envelope import Channels, Lawful
+from wirerope_mj.dynamics.sweep.envelope import Channels, require_lawful
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.kernel import layout as kernel
@@ -197,7 +197,7 @@ class Cycles:
     def __init__(self, system: System, motion: Sine | Sweep, start: State, timestep: float, engines: ExitStack) -> None:
         self.steps, self.largest_step = 0, 0.0  # so far [1, s]
         self._motion, self._timestep, self._engines = motion, timestep, engines
-        self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
+        self._system, self._mounts = system, Channels.of(system).mounts
         self._n_channels = system.assembly.tables.channels.size
         self.why = unsupported_run(system, motion)  # why it is not the kernel that steps, "" as long as it is
         self._by = self._stepped(ByMujoco(system, motion, start)) if self.why else ByKernel(system, motion, start)
@@ -216,7 +216,7 @@ class Cycles:
             self._by = self._stepped(self._by.handed_over())
             self._by.go(grid, ends, minimum, maximum)
         frequencies = frequencies_at(self._motion, (instants[:-1] + instants[1:]) / 2.0)
-        self._lawful.require(frequencies, minimum[:, self._mounts], maximum[:, self._mounts])
+        require_lawful(self._system, frequencies, minimum[:, self._mounts], maximum[:, self._mounts])
         try:
             self._by.check()
         except SimulationError as error:

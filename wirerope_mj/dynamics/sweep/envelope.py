@@ -46,34 +46,27 @@ class Channels:
         return cls(base=every.index(system.base), names=names, bodies=bodies, mounts=mounts)
 
 
-class Lawful:
-    """How far the laws of all mounts hold."""
+def require_lawful(system: System, frequency: Array, minimum: Array, maximum: Array) -> None:
+    """Raise SimulationError at the first cycle in which a mount went to where its law does not hold.
 
-    def __init__(self, system: System) -> None:
-        self._mounts = system.mounts
-        axes = [mount.isolator.axes.values() for mount in system.mounts.values()]
-        ends = [[(math.inf, math.inf) if law is None else law.travel_ends for law in laws] for laws in axes]
-        self._ends = np.array(ends).reshape(-1, 3, 2)
-
-    def require(self, frequency: Array, minimum: Array, maximum: Array) -> None:
-        """Raise SimulationError at the first cycle in which a mount went to where its law does not hold.
-
-        The cycles are given by frequencies [Hz], (n,), and extreme deflections [m], (n, n_mounts, 3).
-        """
-        reached = np.stack([-minimum, maximum], axis=-1)
-        beyond = reached > self._ends + ROUNDING
-        if not beyond.any():
-            return
-        row, number, index, side = np.argwhere(beyond)[0]
-        name, mount = list(self._mounts.items())[number]
-        axis, law = list(mount.isolator.axes.items())[index]
-        assert law is not None  # what has no law has no end of it
-        far, end = reached[row, number, index, side], law.travel_ends[side]
-        went = f"reached {far:.4g} m" if far < RAN_AWAY * end else "ran away"
-        raise SimulationError(
-            f"at {frequency[row]:.5g} Hz mount {name!r} {went} on its {axis} axis, whose law holds up to {end:.4g} m, where "
-            f"{law.travel_rule}. Shake more gently, or use an isolator with more travel."
-        )
+    The cycles are given by frequencies [Hz], (n,), and extreme deflections [m], (n, n_mounts, 3).
+    """
+    axes = [mount.isolator.axes.values() for mount in system.mounts.values()]
+    ends = [[(math.inf, math.inf) if law is None else law.travel_ends for law in laws] for laws in axes]
+    reached = np.stack([-minimum, maximum], axis=-1)
+    beyond = reached > np.array(ends).reshape(-1, 3, 2) + ROUNDING
+    if not beyond.any():
+        return
+    row, number, index, side = np.argwhere(beyond)[0]
+    name, mount = list(system.mounts.items())[number]
+    axis, law = list(mount.isolator.axes.items())[index]
+    assert law is not None  # what has no law has no end of it
+    far, end = reached[row, number, index, side], law.travel_ends[side]
+    went = f"reached {far:.4g} m" if far < RAN_AWAY * end else "ran away"
+    raise SimulationError(
+        f"at {frequency[row]:.5g} Hz mount {name!r} {went} on its {axis} axis, whose law holds up to {end:.4g} m, where "
+        f"{law.travel_rule}. Shake more gently, or use an isolator with more travel."
+    )
 
 
 class TravelWatch:

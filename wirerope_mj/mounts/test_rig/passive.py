@@ -15,12 +15,12 @@ _FEW = 6.0  # four standard errors of the variance of n samples, 4 sqrt(2 / n), 
 
 
 def is_noise(values: Array, noise: float) -> bool:
-    """Return whether a series, (n,), is no more than its noise of that standard deviation."""
+    """Tell whether a series, (n,), is no more than its noise of that standard deviation."""
     return bool(values.var() <= max(_OWN, 1.0 + _FEW / np.sqrt(values.size)) * noise**2)
 
 
 def has_cycle(force: Array) -> bool:
-    """Return whether a force of one cycle [N], (n,), has more at its frequency than noise of its size would have there.
+    """Tell whether a force of one cycle [N], (n,), has more at its frequency than noise of its size would have there.
 
     Of n samples of white noise, the fraction r that one frequency has in their variance is exceeded with the probability
     (1 - r)^((n - 3) / 2), whatever the noise's size. The sample that repeats the first is left out.
@@ -31,7 +31,6 @@ def has_cycle(force: Array) -> bool:
 
 
 def no_cycle_text(deflection: Array) -> str:
-    """Return that a deflection [m], (n,), is noise, as text with how large it is."""
     noise = rms_noise(deflection)
     return (
         f"the deflection never changes by more than its noise, {1e3 * noise:.3g} mm, "
@@ -40,7 +39,7 @@ def no_cycle_text(deflection: Array) -> str:
 
 
 def force_noise(loop: Loop) -> float:
-    """Return the standard deviation of the noise in a loop's forces [N].
+    """Estimate the standard deviation of the noise in a loop's forces [N].
 
     It is that from sample to sample, or what the averaged cycles differ by: noise of low frequency shows there alone.
     """
@@ -48,13 +47,13 @@ def force_noise(loop: Loop) -> float:
 
 
 def noise_text(loop: Loop) -> str:
-    """Return how large the noise of a loop's force is, as text: `noise of 12 N, 34 % of the force's rms value`."""
-    noise, own = force_noise(loop), float(loop.force.std())
-    return f"noise of {noise:.3g} N, {100.0 * min(noise / own, 1.0):.3g} % of the force's rms value"
+    """Say how large the noise of a loop's force is: `noise of 12 N, 34 % of the force's rms value`."""
+    noise, size = force_noise(loop), float(loop.force.std())
+    return f"noise of {noise:.3g} N, {100.0 * min(noise / size, 1.0):.3g} % of the force's rms value"
 
 
 def area_in_noise(loop: Loop) -> bool:
-    """Return whether the area of a loop [J] is no larger than noise of force and deflection makes it.
+    """Tell whether the area of a loop [J] is no larger than noise of force and deflection makes it.
 
     The area is the sum of f_i (x_i+1 - x_i-1) / 2, and of x_i (f_i-1 - f_i+1) / 2, over its samples: independent errors of f
     and x with the standard deviations s_f and s_x give its variance as s_f^2 sum dx_i^2 + s_x^2 sum df_i^2.
