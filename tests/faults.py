@@ -137,7 +137,7 @@ def fault(name: str, before: Path, reference: Reference, folder: Path, number: i
     return wrong
 
 
-SEVERAL = {"report", "cases", "loops", "new", "isolators", "levels", "identify", "compare --map", "statics"}
+SEVERAL = {"report", "cases", "loops", "new", "isolators", "levels", "schemas", "identify", "compare --map", "statics"}
 """Commands that write several files, each of which is whole."""
 
 

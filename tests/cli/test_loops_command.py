@@ -118,7 +118,7 @@ def test_several_elements_are_described_as_lists(folder, capsys):
         (["sdof_36hz", "--axis", "roll"], "has no force on this axis, only on axial"),
         (["enidine_wr16_400", "--csv", "t.csv"], "one axis: name it with --axis"),
         (["short.toml", "--amplitudes", "1"], "short.toml: .*`beta` is missing; needed: alpha, beta"),
-        (["unknown.toml", "--amplitudes", "1"], "unknown.toml: .*no law 'bouc'; the laws are"),
+        (["unknown.toml", "--amplitudes", "1"], "unknown.toml, line 1: there is no `law` 'bouc'; the laws are"),
         (["broken.toml", "--amplitudes", "1"], "broken.toml: not valid TOML"),
     ],
 )

@@ -1,5 +1,6 @@
 """Slips of a working day: each is refused before anything is computed or written, with one message that says what to change."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,7 @@ def said(capsys, *arguments):
 def test_a_fault_of_the_last_case_is_found_before_the_first_is_simulated(here, capsys, line, message):
     Path("job.toml").write_text(f"{JOB}{line}\n", encoding="utf-8")
     text = said(capsys, "cases", "job.toml", "--out", "out")
-    assert "job.toml, case 2 'second'" in text
+    assert re.search(r"job\.toml, line \d+: \[\[case\]\] 2 'second'", text)
     assert message in text
     assert not Path("out").exists()
 

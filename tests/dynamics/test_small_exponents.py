@@ -199,7 +199,7 @@ def test_an_exponent_too_small_is_refused_with_the_bound_and_the_file(tmp_path):
     file.write_text(file.read_text().replace("n = 0.1\n", "n = 0.001\n"))
     with pytest.raises(ValueError, match=r"`n` must be >= 0.05, got 0.001: .*dry friction"):
         softening(0.001)
-    with pytest.raises(wr.ModelError, match=r"jump.toml: \[axial\] `n` must be >= 0.05, got 0.001"):
+    with pytest.raises(wr.ModelError, match=r"jump.toml, line \d+: \[axial\] `n` must be >= 0.05, got 0.001"):
         wr.load_isolator(file)
 
 

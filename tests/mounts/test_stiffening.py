@@ -87,9 +87,9 @@ def test_the_factor_grows_with_the_logarithm_of_the_cycles():
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"after_50": -0.1}, r"`after_50` must be a finite number >= 0 and <= 1, got -0\.1"),
-        ({"after_50": 20.0}, r"`after_50` must be a finite number >= 0 and <= 1, got 20"),
-        ({"after_50": True}, "`after_50` must be a finite number >= 0 and <= 1, got True"),
+        ({"after_50": -0.1}, r"`after_50` must be a finite number from 0 to 1, got -0\.1"),
+        ({"after_50": 20.0}, r"`after_50` must be a finite number from 0 to 1, got 20"),
+        ({"after_50": True}, "`after_50` must be a finite number from 0 to 1, got True"),
         ({"after_50": 0.2, "cycles": 0.5}, r"`cycles` must be a finite number >= 1, got 0\.5"),
         ({"after_50": 0.2, "cycles": math.inf}, "`cycles` must be a finite number >= 1, got inf"),
         ({"after_50": 0.2, "cycles": "50"}, "`cycles` must be a finite number >= 1, got '50'"),
@@ -240,7 +240,7 @@ def test_a_model_is_written_with_the_isolator_as_it_was(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("after_50 = 0.2", "after_50 = 20", r"\[stiffening\] `after_50` must be a finite number >= 0 and <= 1, got 20"),
+        ("after_50 = 0.2", "after_50 = 20", r"\[stiffening\] `after_50` must be a finite number from 0 to 1, got 20"),
         ("after_50 = 0.2\n", "", r"\[stiffening\] `after_50` is missing; needed: after_50"),
         ("cycles = 20.0", "cycles = 0", r"\[stiffening\] `cycles` must be a finite number >= 1, got 0"),
         ("cycles =", "cycle =", r"\[stiffening\] `cycle` is unknown; known: after_50, cycles. Did you mean `cycles`"),

@@ -72,3 +72,6 @@ def test_the_command_writes_them_where_editors_find_them(tmp_path, capsys):
     assert main(["schemas", str(tmp_path / "schemas")]) == 0
     assert str(tmp_path / "schemas" / "job.json") in capsys.readouterr().out
     assert {path.name for path in (tmp_path / "schemas").iterdir()} == {f"{kind}.json" for kind in FILES}
+    assert main(["schemas", str(tmp_path / "schemas")]) == 2
+    assert "isolator.json: the file exists; --force replaces it" in capsys.readouterr().err
+    assert main(["schemas", str(tmp_path / "schemas"), "--force"]) == 0

@@ -116,16 +116,17 @@ def levels(name: str | None = None, *, out: Path | None = None, force: Flag = Fa
     return 0
 
 
-def schemas(folder: Path) -> int:
+def schemas(folder: Path, *, force: Flag = False) -> int:
     """Write JSON Schemas of all TOML files, by which editors complete and check their keys.
 
     A file names its own in its first line, `#:schema schemas/isolator.json`, as Taplo and the editors that use it read it.
 
     Args:
         folder: folder to write them to, such as schemas.
+        force: replace files that are there.
     """
     from wirerope_mj.runs.schemas import write_schemas
 
-    for path in write_schemas(folder):
+    for path in write_schemas(folder, force=force):
         print(f"written: {path}")
     return 0

@@ -229,7 +229,8 @@ def _said_of(option: Any, marks: tuple[Any, ...], plural: bool) -> str:
     metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
     limits = [(sign, getattr(meta, name)) for meta in metas for name, sign in signs.items()]
-    text += " and".join(f" {sign} {limit:g}" for sign, limit in limits if limit is not None)
+    bounded = " and".join(f" {sign} {limit:g}" for sign, limit in limits if limit is not None)
+    text += re.sub(r"^ >= (\S+) and <= ", r" from \1 to ", bounded)
     text += "".join(f" [{unit}]" for meta in metas if (unit := unit_of(meta)))
     return text + (" that is not empty" if any(meta.min_length for meta in metas) else "")
 

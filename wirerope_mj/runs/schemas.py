@@ -8,6 +8,8 @@ from pathlib import Path
 
 from wirerope_mj.assessment.durability.mission import Mission
 from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.schema import schema
 from wirerope_mj.motions.restore import Levels
 from wirerope_mj.mounts.isolator import Isolator
@@ -35,14 +37,21 @@ def file_schema(kind: str) -> Entries:
     return content | ({"$defs": {"law": law_schema()}} if Isolator in FILES[kind] else {})
 
 
-def write_schemas(folder: Path) -> list[Path]:
-    """Write the schemas of all kinds of files into a folder and return their paths."""
-    folder.mkdir(parents=True, exist_ok=True)
+def write_schemas(folder: Path, *, force: bool = False) -> list[Path]:
+    """Write the schemas of all kinds of files into a folder, each atomically, and return their paths.
+
+    RecordError if one of the files is there, and `force` is not given.
+    """
     paths = [folder / f"{kind}.json" for kind in FILES]
     for path in paths:
-        path.write_text(json.dumps(file_schema(path.stem), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        if path.exists() and not force:
+            raise RecordError(f"{path}: the file exists; --force replaces it.")
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in paths:
+        with atomic_file(path) as beside:
+            beside.write_text(json.dumps(file_schema(path.stem), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     return paths
 
 
 if __name__ == "__main__":
-    write_schemas(SHIPPED)
+    write_schemas(SHIPPED, force=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
-from wirerope_mj.foundation.structure import In, Key, Place, bounds, structure
+from wirerope_mj.foundation.structure import In, Key, Place, structure
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Travel
 from wirerope_mj.mounts.isolator.tables import read_curve
@@ -66,7 +66,7 @@ class CurveSheet:
     tension: Side | None = None  #: absent: the curve of compression, mirrored
     shear: Side | None = None
     roll: Side | None = None  #: absent: the curve of shear
-    yield_deflection: Annotated[float, In({"mm": 1e-3, "in": 0.0254}), bounds(ge=0.0)] = 0.0  #: where there is hysteresis
+    yield_deflection: Length = 0.0  #: where there is hysteresis
     static_load: Force | None = None
     height: Length | None = None
     width: Length | None = None
