@@ -428,7 +428,8 @@ def test_units_in_capitals_are_known(spelled, unit):
 
 def test_peer_is_read_in_small_letters_and_no_comment_is_taken_for_it(tmp_path):
     (tmp_path / "r.at2").write_text(PEER.format("NPTS=  400, DT= .0010000 SEC").lower())
-    assert np.abs(wr.load_record(tmp_path / "r.at2", channels={"acceleration": "z"}).samples).max() == pytest.approx(G * PEAK, rel=1e-4)
+    record = wr.load_record(tmp_path / "r.at2", channels={"acceleration": "z"})
+    assert np.abs(record.samples).max() == pytest.approx(G * PEAK, rel=1e-4)
     head = b"# acceleration time history in units of g\n# DT 0.001 s\nSampling Freq(Hz),1000\n"
     (tmp_path / "r.csv").write_bytes(head + text("time [s],z [g]", [TIME, WAVE]))
     assert np.abs(wr.load_record(tmp_path / "r.csv").samples).max() == pytest.approx(G * PEAK, rel=1e-4)
