@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
@@ -27,7 +28,7 @@ from wirerope_mj.studies import folder as study_folder
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import compute, died
 from wirerope_mj.studies.results.varied import summary
-from wirerope_mj.studies.study import chunks
+from wirerope_mj.studies.study import chunks, load_study
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 
@@ -213,6 +214,34 @@ def test_a_study_stays_whole_until_the_one_that_replaces_it_is(alone, tmp_path, 
     replaced = table_study(seed=2).run(folder, workers=1, force=True, when_done=lambda result: (result.folder / "new").touch())
     assert rows(replaced.table) != rows(alone.table)
     assert sorted(path.name for path in folder.iterdir()) == sorted([*FILES, "new"])
+
+
+def test_a_study_that_is_computed_stays_whatever_is_written_of_it(alone, tmp_path):
+    def refuse(result):
+        raise ValueError("no such measure")
+
+    folder = tmp_path / "study"
+    shutil.copytree(alone.folder, folder)
+    with pytest.raises(ValueError, match="no such measure"):
+        table_study(seed=2).run(folder, workers=1, force=True, when_done=refuse)
+    assert [path.name for path in tmp_path.iterdir()] == ["study"]
+    assert load_study(folder).study.seed == 2
+
+
+@pytest.mark.parametrize(("broken", "why"), [("died", "processes that computed variants died"), ("failed", "every variant")])
+def test_a_study_that_is_not_whole_replaces_none(alone, tmp_path, monkeypatch, broken, why):
+    def compute_none(work, chunk):
+        if broken == "died" and chunk.number:
+            return compute(work, chunk)
+        return replace(died(work, chunk, "Nothing rests."), died=broken == "died")
+
+    folder = tmp_path / "study"
+    shutil.copytree(alone.folder, folder)
+    before = files(folder)
+    monkeypatch.setattr(local, "compute", compute_none)
+    with pytest.raises(wr.SimulationError, match=f"{why}.*study that was there is as it was"):
+        table_study(seed=2).run(folder, workers=1, force=True)
+    assert files(folder) == before
 
 
 def test_variants_that_failed_by_physics_are_not_computed_again(tmp_path, monkeypatch):

@@ -19,11 +19,11 @@ from wirerope_mj.foundation.atomic_files import (
     worked_on_alone,
     write_json,
 )
-from wirerope_mj.foundation.errors import DiskFullError, RecordError
+from wirerope_mj.foundation.errors import DiskFullError, RecordError, SimulationError
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.studies.definition import StudyDefinition
-from wirerope_mj.studies.engines.compute import Part
+from wirerope_mj.studies.engines.compute import DONE, Part
 from wirerope_mj.studies.inputs_file import STUDY, check_same, read_inputs, write_inputs
 from wirerope_mj.studies.responses import RESPONSES, write_response
 
@@ -36,23 +36,54 @@ ROW_GROUP = 2048  # Rows, at least, that are joined in one row group of the tabl
 
 @contextmanager
 def study_folder(
-    study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, search: Entries | None = None
+    study: StudyDefinition,
+    folder: Path,
+    *,
+    keep: str,
+    resume: bool,
+    force: bool,
+    when_done: Callable[[Path], object],
+    search: Entries | None = None,
 ) -> Iterator[Path]:
     """Lend the folder in which `study` is computed while the block does: `folder`, where what is done is kept whatever happens.
 
-    A study that `force` replaces stays as it is until the block ends well; the new one stands in a hidden folder until then.
-    `search` is what a search adds to `study.toml`. Raises what `prepare` and `computed_alone` do.
+    A study that `force` replaces stays as it is until the block ends well and the new one is whole, which stands in a hidden
+    folder until then. `when_done` is called with the folder of the study that is computed, which stays whatever that raises.
+    `search` is what a search adds to `study.toml`. Raises what `prepare` and `computed_alone` do; SimulationError if
+    processes of a study that would replace another died, or all its variants failed.
     """
     if resume or not force or not (folder / STUDY).is_file():
         with computed_alone(folder, prepare(study, folder, keep=keep, resume=resume, search=search)):
             yield folder
+            when_done(folder)
         return
+    failure: Exception | None = None
     with (
         worked_on_alone(folder, kind="study"),
         atomic_folder(folder, force=True, kind="study", marks=MARKS) as temporary_path,
     ):
         _begin(study, temporary_path, keep, search)
         yield temporary_path
+        _check_whole(temporary_path, folder)
+        try:
+            with place_named(folder):
+                when_done(temporary_path)
+        except Exception as error:
+            failure = error
+    if failure is not None:
+        raise failure
+
+
+def _check_whole(new: Path, folder: Path) -> None:
+    """Raise SimulationError if the study computed in `new` is not to replace the one in `folder`."""
+    rows = read_table(new, ["status", "message"])
+    reason = ""
+    if dead(new):
+        reason = "processes that computed variants died."
+    elif DONE not in rows["status"].to_pylist():
+        reason = f"every variant failed; variant 0: {rows['message'][0]}"
+    if reason:
+        raise SimulationError(f"{folder}: {reason} The study that was there is as it was.")
 
 
 def prepare(study: StudyDefinition, folder: Path, *, keep: str, resume: bool, search: Entries | None = None) -> str:

@@ -84,19 +84,24 @@ class Study(StudyDefinition):
             resume: whether the study that stands there goes on; it starts if there is none.
             force: whether a study that stands there is replaced, once this one is done.
             progress: whether a progress bar is shown on standard error.
-            when_done: called with the result before that takes the place of another, to write more into its folder.
+            when_done: called with the result before that takes the place of another, to write more into its folder; an error of
+                it is raised once it has.
 
         Raises:
             ValueError: an argument is out of range.
             ModelError: a variant cannot be; says which and why.
             RecordError: the folder is not that of this study.
-            SimulationError: the cluster cannot be reached.
+            SimulationError: the cluster cannot be reached, or what would replace another study is not whole.
         """
         folder = Path(folder)
         run = checked_engine(engine, workers=workers, address=address)
         one_of("keep", keep, KEPT)
         self.table()  # every variant is checked before anything is written
-        with study_folder(self, folder, keep=keep, resume=resume, force=force) as place:
+
+        def call(place: Path) -> None:
+            when_done(read_result(place, type(self)))
+
+        with study_folder(self, folder, keep=keep, resume=resume, force=force, when_done=call) as place:
             warn_of_missing_modes(self.base, self.motions)
             if keep == RESPONSES:
                 warn_of_aliasing(self.motions, self.sample_rate)
@@ -105,7 +110,6 @@ class Study(StudyDefinition):
                 _compute_missing(self, place, keep, partial(run, workers=workers, address=address), progress)
             parts = math.ceil(self.size / chunk_size(self, keep))
             finish(place, parts, lambda: summary(read_result(place, type(self))))
-            when_done(read_result(place, type(self)))
         return read_result(folder, type(self))
 
 

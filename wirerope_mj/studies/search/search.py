@@ -293,13 +293,17 @@ class Search(SearchDefinition):
             ValueError: an argument is out of range, or the optimiser is not installed.
             ModelError: a design of the first generation cannot be.
             RecordError: the folder is not that of this search.
-            SimulationError: the cluster cannot be reached.
+            SimulationError: the cluster cannot be reached, or what would replace another search is not whole.
         """
         folder, study = Path(folder), self.study
         run = checked_engine(engine, workers=workers, address=address)
         one_of("keep", keep, KEPT)
         added = {"optimiser": check_installed(), **self.to_dict()}
-        with study_folder(study, folder, keep=keep, resume=resume, force=force, search=added) as place:
+
+        def call(place: Path) -> None:
+            when_done(_loaded(place, study))
+
+        with study_folder(study, folder, keep=keep, resume=resume, force=force, when_done=call, search=added) as place:
             parts = 0
             if not (place / TABLE).is_file():
                 with share_bar("search", "designs/s", total=self.generations, parts="generations", enabled=progress) as update:
@@ -308,7 +312,6 @@ class Search(SearchDefinition):
                         evolving.evolve()
                 parts = evolving.parts
             finish(place, parts, lambda: _summary(_loaded(place, study)))
-            when_done(_loaded(place, study))
         return _loaded(folder, study)
 
 
