@@ -4,9 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from writing_commands import files
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.runs import from_scenario
+from wirerope_mj.runs.from_scenario import limits_of, study_job
+from wirerope_mj.runs.job_file import load_job
 
 JOB = """
 name = "Two cases"
@@ -22,6 +26,31 @@ name = "along"
 half-sine = "10 g 11 ms x"
 duration = 0.4
 """
+
+
+def test_a_study_of_a_job_stays_whole_until_the_one_that_replaces_it_is(tmp_path, monkeypatch):
+    (tmp_path / "job.toml").write_text(JOB.replace("0.4", "0.1"))
+    job, folder = load_job(tmp_path / "job.toml"), tmp_path / "s"
+
+    def compute(peak, **how):
+        vary = {"motion/level": wr.Uniform(0.5, peak)}
+        return study_job(job, folder, vary=vary, how={"workers": 1, **how}, drawn={"variants": 2, "accuracy": 1e-2})
+
+    compute(1.0)
+    before = files(folder)
+
+    def interrupted(scenario):
+        if "along" in str(scenario.name):
+            raise KeyboardInterrupt
+        return limits_of(scenario)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(from_scenario, "limits_of", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            compute(2.0, force=True)
+    assert files(folder) == before
+    assert compute(2.0, force=True).to_dict("cases")
+    assert wr.load_study(folder / "along").study.vary["motion/level"] == wr.Uniform(0.5, 2.0)
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 """Studies of a scenario, whose system and motion they take and of which something varies, and of every load case of a job."""
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from wirerope_mj.content.study import job_study_content
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.atomic_files import write_json
+from wirerope_mj.foundation.atomic_files import atomic_folder, write_json
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -21,8 +22,8 @@ from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.study import CONTENT
 from wirerope_mj.studies.measures import measure_names, payload_points
 from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
-from wirerope_mj.studies.results.study_summary import StudySummary, summary_of
-from wirerope_mj.studies.study import Study
+from wirerope_mj.studies.results.study_summary import summary_of
+from wirerope_mj.studies.study import Study, load_study
 from wirerope_mj.studies.vary.distributions import Distribution
 from wirerope_mj.studies.vary.vary_option import EXAMPLE, available_lines, signatures
 
@@ -133,13 +134,20 @@ def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution],
     them, and raises.
     """
     folder = Path(folder)
-    cases: dict[str, StudySummary] = {}
-    for case in job.cases:
-        study = study_of(case.scenario, vary=vary, name=case.name, **drawn)
-        limits = [limit_of_text(text, measure_names(study.base)) for text in limits_of(case.scenario)[0]]
-        result = study.run(folder / case.folder, when_done=partial(write_stated, limits=limits), **how)
-        cases[case.name] = summary_of(result)
-    content = job_study_content(job.name, job.question, cases)
-    write_json(folder / CONTENT, content.to_dict("answer", "cases"))
-    write_page(content, [folder / "report.html"])
-    return content
+
+    def content_of(place: Path) -> Content:
+        cases = {case.name: summary_of(load_study(place / case.folder)) for case in job.cases}
+        return job_study_content(job.name, job.question, cases)
+
+    # Cases of two answers never stand together: a finished study of a job is replaced as a whole.
+    replaces = how.get("force") and not how.get("resume") and (folder / CONTENT).is_file()
+    whole = partial(atomic_folder, force=True, kind="study of a job", marks=(CONTENT,)) if replaces else nullcontext[Path]
+    with whole(folder) as place:
+        for case in job.cases:
+            study = study_of(case.scenario, vary=vary, name=case.name, **drawn)
+            limits = [limit_of_text(text, measure_names(study.base)) for text in limits_of(case.scenario)[0]]
+            study.run(place / case.folder, when_done=partial(write_stated, limits=limits), **how)
+        content = content_of(place)
+        write_json(place / CONTENT, content.to_dict("answer", "cases"))
+        write_page(content, [place / "report.html"])
+    return content_of(folder)
