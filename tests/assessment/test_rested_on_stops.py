@@ -1,6 +1,7 @@
 """Isolation that rests on its stops is short-circuited: said first in `new`, `statics`, `shock` and `cases`."""
 
 import json
+import re
 
 import pytest
 from house import deck, mjcf
@@ -52,6 +53,7 @@ def test_stops_that_carry_weight_at_rest_are_an_exceeded_check(kind):
     assert {row.criterion.sense for row in rows} == {"virgin", "relaxed"}
     for row in rows:
         assert row.verdict == "exceeded"
+        assert (row.utilisation, row.margin) == (None, None)  # its limit is only from when on stops carry anything
         if kind != "contact":
             assert row.value == pytest.approx(SHARE, rel=1e-6)  # of the search's own tolerance, on a stiff stop
         assert f"carries {100 * row.value:.2g} % of the weight" in row.note
@@ -84,7 +86,9 @@ def test_it_is_said_first_by_every_command(short_circuited, capsys, monkeypatch)
     assert said in next(line for line in lines[1:] if line.strip()).lower()
     shock = ["shock", "rack/rack.xml", "--half-sine", "5 g 11 ms z", "--duration", "0.2"]
     assert main([*shock, "--out", "run", "--initial", "relaxed"]) in (0, 1)
-    assert f"FAIL: {said}" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert f"FAIL: {said}" in out
+    assert not re.search(r"\d{4} %", out)  # of a limit of 1 % of the weight
     headline = json.loads((short_circuited / "run" / "summary.json").read_text())["headline"]
     assert said in json.dumps(headline)
     (short_circuited / "job.toml").write_text(

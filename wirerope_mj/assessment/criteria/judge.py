@@ -85,7 +85,7 @@ def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
         "payload": [row for row in rows if row.criterion.kind not in (*_OF_MOUNTS, RATTLE_SPACE)],
         "rattle space": [row for row in rows if row.criterion.kind == RATTLE_SPACE],
     }
-    judged = [part for part, members in parts.items() if any(row.utilisation is not None for row in members)]
+    judged = [part for part, members in parts.items() if any(row.verdict in (WITHIN, EXCEEDED) for row in members)]
     missing = [part for part in ("mounts", "payload") if parts[part] and part not in judged]
     if not missing:
         return "", ""
@@ -108,7 +108,7 @@ def amplified_text(verdicts: Sequence[Verdict]) -> str:
 
 def fail_text(count: str, verdicts: Sequence[Verdict], where: str = "") -> str:
     """Say that limits are exceeded, how many and which most; first of all where weight rests on stops at rest."""
-    rested = most_used(row for row in verdicts if row.criterion.kind == RESTED)
+    rested = max((row for row in verdicts if row.criterion.kind == RESTED), key=lambda row: row.value, default=None)
     if rested is None:
         return f"{FAIL}: {count}; worst {critical_text(verdicts)}{where}"
     rest = [row for row in verdicts if row.criterion.kind != RESTED]

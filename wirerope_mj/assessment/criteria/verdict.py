@@ -90,7 +90,11 @@ class Verdict:
 
     @property
     def utilisation(self) -> float | None:
-        """Value over limit; None = not judged."""
+        """Value over limit; None = not judged, or weight on stops, whose limit says only from when on there is any."""
+        return None if self.criterion.kind == RESTED else self._ratio
+
+    @property
+    def _ratio(self) -> float | None:
         return None if self.limit is None or math.isnan(self.value) else self.value / self.limit
 
     @property
@@ -106,9 +110,9 @@ class Verdict:
         """One of "within", "exceeded" and "not judged", or what became of a contact pair; a value at its limit is within."""
         if self.contact:
             return self.contact
-        if self.utilisation is None:
+        if self._ratio is None:
             return NOT_JUDGED
-        return WITHIN if self.utilisation <= 1.0 else EXCEEDED
+        return WITHIN if self._ratio <= 1.0 else EXCEEDED
 
     def to_dict(self) -> Entries:
         """Write the verdict as plain values; what is not known or not finite is None."""
