@@ -9,7 +9,10 @@ from house import deck, mjcf
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import rested_verdicts
 from wirerope_mj.cli import main
+from wirerope_mj.content.study import study_content
 from wirerope_mj.engine.statics import static_table
+from wirerope_mj.studies.catalogue import try_parts
+from wirerope_mj.studies.results.study_summary import summary_of
 
 G, MASS, K, STOP = 9.80665, 20.0, 4e4, 1e6
 SAG = MASS * G / K  # 4.9 mm
@@ -96,6 +99,25 @@ def test_it_is_said_first_by_every_command(short_circuited, capsys, monkeypatch)
     )
     assert main(["cases", "job.toml", "--out", "cases"]) in (0, 1)
     assert f"FAIL: {said}" in capsys.readouterr().out
+
+
+def test_a_study_says_it_before_that_its_limits_are_kept(tmp_path):
+    system, pulse = on_stop(GAP)["own"], wr.HalfSine(peak=0.1 * G, duration=0.011, direction="z")
+    isolators = {name: system.isolators[name] for name in ("a", "s")}
+    vary = {"motion/level": wr.Uniform(0.5, 1.0)}
+    study = wr.Study(model=system.mjcf, isolators=isolators, motion=pulse, vary=vary, variants=2, duration=0.05)
+    verdict = study_content(summary_of(study.run(tmp_path / "study", workers=1))).verdict
+    assert verdict.tone == "exceeded"
+    assert verdict.text.startswith("Isolation is short-circuited at rest, ")
+
+
+def test_a_part_that_leaves_the_weight_on_stops_keeps_no_limits():
+    system, pulse = on_stop(GAP)["own"], wr.HalfSine(peak=0.1 * G, duration=0.011, direction="z")
+    laws = {"soft": LAW, "stiff": wr.KelvinVoigt(k=4 * K, c=100.0)}
+    parts = {name: wr.Isolator(name=name, roll=law, shear=law, axial=law) for name, law in laws.items()}
+    soft, stiff = sorted(try_parts(system, parts, {"up": pulse}), key=lambda part: part.name)
+    assert soft.reason.startswith("isolation is short-circuited at rest, ")
+    assert stiff.reason == ""
 
 
 def test_what_stands_on_its_mounts_alone_has_no_such_check():

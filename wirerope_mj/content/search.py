@@ -7,7 +7,7 @@ import numpy as np
 from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement
 from wirerope_mj.content.numbers import number, several
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Note, Panel
-from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question, varied_table
+from wirerope_mj.content.study import failed_blocks, numerics_table, rested_first, study_facts, study_question, varied_table
 from wirerope_mj.content.study_statements import travel_statements
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.tables import Column, Table, left
@@ -45,7 +45,7 @@ def search_content(result: SearchResult) -> Content:
         title=study.name.replace("_", " ").capitalize(),
         facts=study_facts(result, "Designs", str(result.inputs["search"]["optimiser"])),
         question=study_question(result, "search"),
-        verdict=Statement("headline", text, tone="within" if count else "exceeded", values=values),
+        verdict=rested_first(Statement("headline", text, tone="within" if count else "exceeded", values=values), study),
         sections=(
             Section("answer", "", answer, "headline"),
             Section("sought", "Objectives and limits", sought),

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria import rested_verdicts
 from wirerope_mj.content.base import amplified
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.credibility import study_credibility_blocks
@@ -21,6 +22,8 @@ from wirerope_mj.content.study_statements import (
     percent,
     statements,
 )
+from wirerope_mj.engine.statics import static_table
+from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.result import StudyResult
@@ -60,7 +63,7 @@ def study_content(summary: StudySummary) -> Content:
         title=study.name.replace("_", " ").capitalize(),
         facts=study_facts(result, "Variants", _METHODS.get(study.sampling, study.sampling)),
         question=study_question(result, "study"),
-        verdict=_verdict(summary),
+        verdict=rested_first(_verdict(summary), study),
         sections=(
             Section("answer", "", answer, "headline"),
             Section("varied", "Varied quantities", lambda: (varied_table(study),)),
@@ -118,6 +121,19 @@ def _verdict(summary: StudySummary) -> Statement:
         text = f"Within the limits{of} in all {most.judged} variants{rest}"
         tone = "unjudged" if uncounted or missing else "within"
     return Statement("headline", text, tone=tone, values=values)
+
+
+def rested_first(verdict: Statement, study: StudyDefinition) -> Statement:
+    """Say before a verdict that stops or contacts carry weight at rest in the system as its model says it, where they do."""
+    try:
+        rows = rested_verdicts(static_table(study.base))
+    except ConvergenceError:
+        return verdict
+    if not rows:
+        return verdict
+    note = max(rows, key=lambda row: row.value).note
+    text = f"{note[:1].upper()}{note[1:]}; {verdict.text[:1].lower()}{verdict.text[1:]}"
+    return replace(verdict, text=text, tone="exceeded")
 
 
 def payload_scope(summaries: Sequence[StudySummary]) -> tuple[str, str]:
@@ -297,7 +313,7 @@ def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary
     for number, (title, summary) in enumerate(cases.items(), start=1):
         sections.append(Section(f"case-{number}", title, partial(case_blocks, summary)))
     facts = ("Load cases", str(len(cases))), ("Variants", f"{first.variants} of each")
-    verdict = _job_headline(cases)
+    verdict = rested_first(_job_headline(cases), first.study)
     return Content(title=name, facts=facts, question=(question,), verdict=verdict, sections=tuple(sections))
 
 

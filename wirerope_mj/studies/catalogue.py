@@ -5,9 +5,10 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from wirerope_mj.assessment.criteria import rested_verdicts
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.simulation.stepper import HISTORIES
-from wirerope_mj.engine.statics import equilibrium
+from wirerope_mj.engine.statics import equilibrium, static_table
 from wirerope_mj.engine.statics.find import settle_together
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System, load_system
@@ -99,6 +100,14 @@ def shifted(system: System, isolator: Isolator) -> dict[str, list[float]]:
     return {name: shift for name, shift in shifts.items() if shift is not None}
 
 
+def _rested(system: System) -> str:
+    """Say what stops and contacts carry at rest, on which no part isolates; "" where they carry nothing."""
+    if not any(mount.isolator.stops for mount in system.mounts.values()) and not system.model.geom_contype.any():
+        return ""
+    rows = rested_verdicts(static_table(system))
+    return max(rows, key=lambda row: row.value).note if rows else ""
+
+
 def _settled(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
     """Find the equilibria from which all begin; of a part without one the reason."""
     systems = sorted((one.system for one in tried if one.system), key=slowest_period)
@@ -108,7 +117,7 @@ def _settled(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
         try:
             assert one.system is not None
             equilibrium(one.system, history=HISTORIES[initial])
-            result.append(one)
+            result.append(replace(one, reason=_rested(one.system)))
         except WireRopeError as error:
             result.append(replace(one, reason=str(error)))
     return result
