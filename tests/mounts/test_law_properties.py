@@ -44,10 +44,12 @@ def test_every_law_is_tested():
 def size(law, force):
     """Return what errors of a force are measured by: its own largest value, at least one thousandth of a unit.
 
-    Near zero a table's force is what cancels of cubics from the knot before it, of the size of the table and of z_max.
+    Near zero a table's force is what cancels of cubics from the knot before it, of the size of the table and of z_max; that of
+    Vaiana and Rosati's law is what cancels of its limit curves.
     """
-    table = [*law.upper, *law.lower, *law.force, law.z_max] if law.name == "tabulated" else []
-    return float(np.abs([*force, *table, 1e-3]).max())
+    parts = [*law.upper, *law.lower, *law.force, law.z_max] if law.name == "tabulated" else []
+    parts += [law.f0, law.f0_minus, 2.0 * law.g1, 2.0 * law.g1_minus] if law.name == "vaiana-rosati" else []
+    return float(np.abs([*force, *parts, 1e-3]).max())
 
 
 @every_law
