@@ -11,6 +11,8 @@ from wirerope_mj.cli import main
 from wirerope_mj.runs import from_scenario
 from wirerope_mj.runs.from_scenario import limits_of, study_job
 from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.studies.engines import local
+from wirerope_mj.studies.engines.compute import died
 
 JOB = """
 name = "Two cases"
@@ -47,6 +49,11 @@ def test_a_study_of_a_job_stays_whole_until_the_one_that_replaces_it_is(tmp_path
     with monkeypatch.context() as patch:
         patch.setattr(from_scenario, "limits_of", interrupted)
         with pytest.raises(KeyboardInterrupt):
+            compute(2.0, force=True)
+    assert files(folder) == before
+    with monkeypatch.context() as patch:
+        patch.setattr(local, "compute", lambda work, chunk: died(work, chunk, "its process died"))
+        with pytest.raises(wr.SimulationError, match="processes that computed variants died"):
             compute(2.0, force=True)
     assert files(folder) == before
     assert compute(2.0, force=True).to_dict("cases")

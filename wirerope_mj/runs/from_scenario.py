@@ -20,6 +20,7 @@ from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import subjects_of
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.study import CONTENT
+from wirerope_mj.studies.folder import check_whole
 from wirerope_mj.studies.measures import measure_names, payload_points
 from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
 from wirerope_mj.studies.results.study_summary import summary_of
@@ -147,6 +148,8 @@ def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution],
             study = study_of(case.scenario, vary=vary, name=case.name, **drawn)
             limits = [limit_of_text(text, measure_names(study.base)) for text in limits_of(case.scenario)[0]]
             study.run(place / case.folder, when_done=partial(write_stated, limits=limits), **how)
+            if replaces:
+                check_whole(place / case.folder, folder)
         content = content_of(place)
         write_json(place / CONTENT, content.to_dict("answer", "cases"))
         write_page(content, [place / "report.html"])

@@ -64,7 +64,7 @@ def study_folder(
     ):
         _begin(study, temporary_path, keep, search)
         yield temporary_path
-        _check_whole(temporary_path, folder)
+        check_whole(temporary_path, folder)
         try:
             with place_named(folder):
                 when_done(temporary_path)
@@ -74,7 +74,7 @@ def study_folder(
         raise failure
 
 
-def _check_whole(new: Path, folder: Path) -> None:
+def check_whole(new: Path, folder: Path) -> None:
     """Raise SimulationError if the study computed in `new` is not to replace the one in `folder`."""
     rows = read_table(new, ["status", "message"])
     reason = ""
