@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj.engine.kernel.steps import advance
 from wirerope_mj.foundation.resources import scenarios_folder
 
 # Routes of one step are compared with each other, at steps that are coarse for friction.
@@ -193,3 +194,11 @@ def test_chains_of_hinges_and_slides_on_the_base_and_off_it_are_mujocos():
     assert swing > 3e-3, "half a degree: it is meant to swing"
     # Base and arm push back on each other through the drive's 1e10 kg in both, so that even that agrees.
     assert max(apart(kernel, mujoco).values()) < AGREEMENT, apart(kernel, mujoco)
+
+
+def test_steps_are_compiled_for_one_layout_of_arrays():
+    """The comparison with MuJoCo, a run and a batch hand on arrays of one kind: each further kind is compiled for seconds."""
+    system = wr.load_system("shock_table")
+    wr.simulate(system, SHOCK, duration=0.02, timestep=1e-3, engine="kernel")
+    wr.simulate_batch([system] * 2, SHOCK, duration=0.02, timestep=1e-3, engine="kernel")
+    assert len(advance.signatures) == 1

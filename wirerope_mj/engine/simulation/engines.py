@@ -129,7 +129,8 @@ def _accelerations(system: System, states: Array, base: Array, loads: Array) -> 
     Forces and moments at the sites for them are the same in all, (6 n_forces,).
     """
     own, model, found = equations(system), system.model, []
-    rates = states[:, np.newaxis, model.nq + np.array(system.assembly.driven_dofs, dtype=int)]
+    driven = model.nq + np.array(system.assembly.driven_dofs, dtype=int)
+    rates = np.ascontiguousarray(states[:, np.newaxis, driven])  # another layout would compile all of it again
     table = np.concatenate([base, np.tile(loads, (len(base), 1))], axis=1)[:, np.newaxis]
     for first in range(0, len(states), WIDTH):
         some = slice(first, first + WIDTH)
