@@ -122,13 +122,21 @@ def test_an_interrupt_at_any_call_of_the_system_leaves_the_old_or_the_new_and_no
 
 
 LIBRARY = """
-import sys, tempfile
+import contextlib, sys, tempfile, threading
 from wirerope_mj.cli import app as program
 from wirerope_mj.foundation.interrupts import end
+
+def forget(first):
+    with contextlib.suppress(FileNotFoundError):
+        while True:
+            tempfile.NamedTemporaryFile(delete=False).close()
+            first.set()
 
 def library(*words, **settings):
     tempfile.NamedTemporaryFile(delete=False).close()
     if sys.argv[1:]:
+        threading.Thread(target=forget, args=(first := threading.Event(),), daemon=True).start()
+        first.wait()
         end(15)
 
 program.app, program._add = library, lambda name: None

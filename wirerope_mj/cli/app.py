@@ -5,15 +5,18 @@ import atexit
 import gc
 import os
 import re
+import shutil
 import sys
 import tempfile
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from importlib.metadata import version
 from inspect import getdoc
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from cyclopts import App
 from cyclopts.exceptions import CycloptsError
@@ -28,7 +31,7 @@ from wirerope_mj.foundation.errors import (
     StudyWarning,
     WireRopeError,
 )
-from wirerope_mj.foundation.interrupts import INTERRUPTED, MESSAGE
+from wirerope_mj.foundation.interrupts import INTERRUPTED, MESSAGE, at_end
 from wirerope_mj.foundation.plain_text import plain_lines, short
 from wirerope_mj.foundation.processes import allow_one_beside
 
@@ -77,8 +80,13 @@ def _add(name: str) -> None:
 
 
 _known: set[str] = set()
-# Temporary files of a command, those of libraries among them: gone when it is, also where an interrupt ends it at once.
-_scratch: list[tempfile.TemporaryDirectory[str]] = []
+
+
+def _clear(scratch: str) -> None:
+    """Remove a command's temporary files, those of libraries among them, even while another thread still makes some."""
+    with suppress(OSError):
+        os.rename(scratch, f"{scratch}-gone")  # from here on nothing can be made in it
+    shutil.rmtree(f"{scratch}-gone", ignore_errors=True)
 
 
 def tell_all(name: str) -> None:
@@ -125,8 +133,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         allow_one_beside()
         gc.set_threshold(_NEW_OBJECTS)
         with suppress(OSError):  # where nothing can be written; commands that need no file run there, too
-            _scratch.append(tempfile.TemporaryDirectory(prefix="wirerope-"))
-            tempfile.tempdir = _scratch[0].name
+            scratch = os.path.join(tempfile.gettempdir(), f"wirerope-{uuid4().hex[:12]}")
+            at_end(partial(_clear, scratch))  # first: an interrupt may come between
+            os.mkdir(scratch, 0o700)
+            tempfile.tempdir = scratch
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with _warnings_shown():
