@@ -397,3 +397,15 @@ def test_pinching_whose_width_begins_at_zero_is_integrated_in_finite_steps():
     fine = np.concatenate([np.linspace(a, b, 60, endpoint=False) for a, b in itertools.pairwise(stroke)] + [stroke[-1:]])
     # Each of the few strokes is known to 1e-8, and the widths of the pinching to as much.
     assert law.trace(stroke).force[-1] == pytest.approx(law.trace(fine).force[-1], rel=1e-7)
+
+
+@pytest.mark.parametrize("rounding", [1e-5, 1e-4, 2e-3])
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
+def test_work_on_a_stop_is_that_of_its_potential_however_short_its_rounding_is(exponent, rounding):
+    """Its force beyond a short rounding begins nearly as the power of a depth: 5e-9 of the work was lost there."""
+    k, depth = 4e6, 0.01
+    law = laws.Stop(gap_below=2e-3, k=k, exponent=exponent, rounding=rounding)
+    within = quad(lambda t: k * rounding * (rounding * (t**3 - t**4 / 2.0)) ** exponent, 0.0, 1.0, epsabs=0.0, epsrel=1e-13)[0]
+    ends = (depth - 0.5 * rounding) ** (exponent + 1.0) - (0.5 * rounding) ** (exponent + 1.0)
+    work = within + k / (exponent + 1.0) * ends
+    assert law.trace([0.0, -law.gap_below - depth]).work[-1] == pytest.approx(work, rel=1e-12)

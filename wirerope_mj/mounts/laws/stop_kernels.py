@@ -88,9 +88,13 @@ def next_corner(p, i, x, s):
 
 
 @njit
-def at_touch(p, i, x):
-    """Return whether a stop that is not rounded just touches at a deflection."""
-    return p[i + ROUNDING] == 0.0 and (x == -p[i + BELOW] or x == p[i + ABOVE])
+def at_touch(p, i, x, length):
+    """Return whether an interval that begins at x does so where the force is, or nearly is, not smooth: where the stop touches.
+
+    That is the touch of a stop that is not rounded, and of others where less than a quarter of the interval is beyond it.
+    """
+    depth = max(-x - p[i + BELOW], x - p[i + ABOVE])
+    return (p[i + ROUNDING] == 0.0 and depth == 0.0) or 0.0 < depth < 0.25 * length
 
 
 @njit
@@ -118,7 +122,7 @@ def advance_stop(p, i, x0, x1, z, j):
             # On each panel w is an exponential over at most one of its lengths.
             length = abs(end - x)
             panels = _PANELS + (int(min(_STEEPEST * p[i] * length, 160.0)) if lossy else 0)
-            touch = -1 if at_touch(p, i, x) else 1 if at_touch(p, i, end) else 0
+            touch = -1 if at_touch(p, i, x, length) else 1 if at_touch(p, i, end, length) else 0
             for panel in range(panels):
                 for node in range(8):
                     part, weight = graded((panel + NODES[node]) / panels, touch)
