@@ -19,7 +19,9 @@ STUCK = {
     "        except BaseException:\n            pass",
     "waits": "lock = threading.Lock()\n    lock.acquire()\n    try:\n        print('here', flush=True)\n"
     "        lock.acquire()\n    finally:\n        lock.acquire()",
-    "computes": "print('here', flush=True)\n    hashlib.pbkdf2_hmac('sha256', b'', b'', 2**31 - 1)",
+    "computes": "while True:\n        try:\n            print('here', flush=True)\n"
+    "            hashlib.pbkdf2_hmac('sha256', b'', b'', 2**31 - 1)\n"
+    "        except BaseException:\n            pass",  # the signal came before it began
 }
 PROCESS = """
 import hashlib, pathlib, sys, threading, time

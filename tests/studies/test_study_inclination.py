@@ -52,7 +52,7 @@ def test_a_turned_variant_is_made_again_from_its_changes():
     variant = wr.varied(wr.load_system("cabinet"), turns={"m01": [0.1, 0.0, 0.2]})
     again = [type(one).from_dict(one.to_dict()) for one in variant.changes]
     assert [one.turns for one in again] == [{"m01": (0.1, 0.0, 0.2)}]
-    with pytest.raises(ValueError, match=r"`turns\['m01'\]` must be three finite numbers \[rad\]"):
+    with pytest.raises(ValueError, match=r"`turns\['m01'\]` must be 3 finite numbers \[rad\]"):
         wr.varied(wr.load_system("cabinet"), turns={"m01": [0.1]})
 
 
