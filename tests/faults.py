@@ -7,6 +7,7 @@ else is, or after a kill once the next command has cleared up. The error is one 
 
 import argparse
 import ctypes
+import faulthandler
 import os
 import random
 import re
@@ -29,7 +30,7 @@ from wirerope_mj.foundation.half_written import clear_half_written
 
 KINDS = ("EIO once", "no space", "short writes", "kill", "EIO from now on")
 _LIBRARY = "WIREROPE_FAULTY_CALLS"
-_ENDS = 120.0  # A command that takes longer hangs [s]
+_ENDS = 600.0  # A command that takes longer hangs [s]; it says where
 
 
 def library(folder: Path) -> Path:
@@ -53,6 +54,7 @@ def given(words: list[str], folder: Path, number: int, kind: int) -> tuple[int, 
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
             os.dup2(handle, 2)
             sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w", buffering=1)
+            faulthandler.dump_traceback_later(0.9 * _ENDS, file=sys.stderr)
             faulty = ctypes.CDLL(os.environ[_LIBRARY])
             faulty.begin_faults(os.fsencode(f"{folder}/"), ctypes.c_long(number), kind)
             code = wirerope(words)
@@ -74,9 +76,12 @@ def given(words: list[str], folder: Path, number: int, kind: int) -> tuple[int, 
     return os.waitstatus_to_exitcode(status), said, calls
 
 
+_MINUTE = re.compile(rb"20\d\d-\d\d-\d\d \d\d:\d\d")
+
+
 def contents(folder: Path) -> dict[str, bytes]:
-    """Return the contents of all files below a folder, by their paths in it, but for compiled modules."""
-    found = {str(path.relative_to(folder)): content for path, content in files(folder).items()}
+    """Return the contents of all files below a folder, by their paths in it, but for compiled modules and a page's minute."""
+    found = {str(path.relative_to(folder)): _MINUTE.sub(b"now", content) for path, content in files(folder).items()}
     return {name: content for name, content in found.items() if "__pycache__" not in name}
 
 
