@@ -48,7 +48,8 @@ def study_folder(
     """Lend the folder in which `study` is computed while the block does: `folder`, where what is done is kept whatever happens.
 
     A study that `force` replaces stays as it is until the block ends well and the new one is whole, which stands in a hidden
-    folder until then. `when_done` is called with the folder of the study that is computed, which stays whatever that raises.
+    folder until then. `when_done` is called with the folder of the study that is computed, which stays whatever that raises,
+    unless something could not be written.
     `search` is what a search adds to `study.toml`. Raises what `prepare` and `computed_alone` do; SimulationError if
     processes of a study that would replace another died, or all its variants failed.
     """
@@ -69,6 +70,8 @@ def study_folder(
             with place_named(folder):
                 when_done(temporary_path)
         except Exception as error:
+            if isinstance(error, OSError) or isinstance(error.__cause__, OSError):
+                raise  # what could not be written is missing: it is not whole
             failure = error
     if failure is not None:
         raise failure

@@ -170,7 +170,7 @@ class ClosedCycle:
 
 def require_steady(law: Law) -> None:
     """Raise ValueError if no cycle of the law repeats the one before."""
-    if any(isinstance(component, BoucWenBaberNoori) for component in law.components):
+    if any(isinstance(part, BoucWenBaberNoori) for part in law.components):
         raise ValueError("a law that wears, bouc-wen-baber-noori, has no steady cycle: take its Bouc-Wen law instead.")
 
 
