@@ -16,7 +16,7 @@ from wirerope_mj.foundation.tables import TONES, Column, Table, left
 
 @dataclass(frozen=True, kw_only=True)
 class Paragraphs:
-    """What the author of a document adds to what its results say."""
+    """Paragraphs that the author of a document adds to its results."""
 
     scope: str = ""  #: below the answer
     assumptions: str = ""  #: beside what is assumed

@@ -44,7 +44,7 @@ _SIGNIFICANT = re.compile(r"[1-9]")
 
 @dataclass(frozen=True, kw_only=True)
 class Phrase:
-    """What a phrase says."""
+    """A parsed phrase: quantities [SI], values behind words, directions."""
 
     # values in SI by quantity ("acceleration", "time", ...), in the order of the phrase
     quantities: dict[str, tuple[float, ...]]

@@ -84,8 +84,8 @@ class Study(StudyDefinition):
             resume: whether the study that stands there goes on; it starts if there is none.
             force: whether a study that stands there is replaced, once this one is done.
             progress: whether a progress bar is shown on standard error.
-            when_done: called with the result before that takes the place of another, to write more into its folder; an error of
-                it is raised once it has.
+            when_done: called with the result before that takes the place of another, to write more into its folder. An error
+                of it is raised once it has; where something could not be written the other stays.
 
         Raises:
             ValueError: an argument is out of range.

@@ -51,7 +51,7 @@ class TippingStability:
 
     @property
     def description(self) -> str:
-        """How far the system is from tipping over, for a reader."""
+        """Sentence on the margin against tipping over."""
         if self.word == "tips over":
             return "it tips over: its mounts do not hold its weight upright."
         if self.word == "not held":

@@ -131,7 +131,7 @@ def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
 
 @inlined
 def coupled_forces(law, axial, p, first, n, x, y, vx, vy, z, j, k, zdot, jdot, kdot):
-    """Return what the hysteretic vector on every scale of roll and another axis adds to their forces [N], and write its rates.
+    """Return what coupling adds to the forces [N] of roll and another axis, and write the rates of the hysteretic vectors.
 
     On brackets (`law` says so) that is all of both, of a loop with the axial axis its elastic energy, else nothing. (x, y) and
     (vx, vy) are the deflections and their rates; the states of both begin at `z[j:]` and `z[k:]`, their rates at `zdot[jdot:]`

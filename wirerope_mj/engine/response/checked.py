@@ -25,7 +25,7 @@ _UNIT = 1e-6  # by which the length of a stored quaternion may differ from 1: fa
 
 @dataclass(frozen=True, kw_only=True)
 class Metadata:
-    """What the file of a response holds beside its samples."""
+    """Metadata of a response's file."""
 
     bodies: tuple[str, ...]
     points: tuple[str, ...]

@@ -191,7 +191,7 @@ def _check_same_layout(systems: Sequence[System]) -> None:
 
 
 def _layout(system: System) -> dict[str, object]:
-    """Return what the systems of a batch have in common."""
+    """Collect what all systems of a batch have alike: sizes, subjects, mounts and driven axes."""
     sizes = {size: getattr(system.model, size) for size in ("nq", "nv", "na", "nbody", "njnt", "ngeom", "nsite", "nuserdata")}
     drive = system.assembly.tables.drive.tolist()
     return {**sizes, "subjects": system.assembly.subjects, "mounts": list(system.mounts), "drive": drive}

@@ -11,6 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.pictures import save_svg
+from wirerope_mj.views.plots.scene_svg import Box, covered_area
 from wirerope_mj.views.plots.svg_chart import number_text, safe_text
 
 _MILLI = 1e3
@@ -22,7 +23,6 @@ _LETTER = 0.58  # mean width of a letter, of its height
 _KEY = 60  # letters of a line of the key
 _INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
 _MOUNT, _STOP, _POINT, _BODY = (hexadecimal(LIGHT.series[number]) for number in (0, 1, 3, 2))
-Box = tuple[float, float, float, float]  # left, top, right, bottom
 
 
 def save_plan(layout: Layout, path: Path) -> None:
@@ -169,16 +169,11 @@ def _labels(named: Sequence[tuple[Array, float, str, str]], taken: list[Box], si
         tops = [y - height - away + 2.0, y + away - 2.0, y - height - 12.0, y + 12.0, y + 22.0, y - height - 22.0]
         boxes = [(at, top, at + width, top + height) for top in tops for at in left]
         beyond = [(max(-box[0], 0.0) + max(box[2] - size[0], 0.0)) * height for box in boxes]
-        covered = [sum(_shared(box, other) for other in taken) + out for box, out in zip(boxes, beyond, strict=True)]
+        covered = [covered_area(box, taken) + out for box, out in zip(boxes, beyond, strict=True)]
         best = boxes[int(np.argmin(covered))]
         taken.append(best)
         where = f'x="{best[0]:.1f}" y="{best[3] - 1.5:.1f}" font-size="9" fill="{colour}"'
         yield f'<text class="name" {where} paint-order="stroke" stroke="#fff" stroke-width="2">{safe_text(name)}</text>'
-
-
-def _shared(box: Box, other: Box) -> float:
-    """Return the area that two boxes share."""
-    return max(min(box[2], other[2]) - max(box[0], other[0]), 0.0) * max(min(box[3], other[3]) - max(box[1], other[1]), 0.0)
 
 
 def _dimensions(values: Array, origin: float, scale: float, *, outwards: float) -> tuple[str, float]:

@@ -39,6 +39,7 @@ WIDTH = 600.0  # Width of a drawing over the whole page, in its units
 _COLOURS, _RATED = tuple(map(hexadecimal, LIGHT.series)), hexadecimal(LIGHT.limit)
 _INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
 Place = Callable[[Array], Array]
+Box = tuple[float, float, float, float]  # left, top, right, bottom
 
 
 def scene_svgs(view: SceneView) -> list[str]:
@@ -148,20 +149,22 @@ def _mark(number: int, at: Array) -> str:
 
 def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:
     """Yield the mounts' labels, each at that corner of its mark where it covers the least of those before it."""
-    taken: list[tuple[float, float, float, float]] = []
+    taken: list[Box] = []
     for at, names in label_groups(scene, view):
         text = shared_label(names)
         x, y = place(at).tolist()
         width = _LETTER * _NAME * len(text)
         corners = [(left, base) for base in (y - 4.0, y + 4.0 + _NAME) for left in (x + 4.0, x - 4.0 - width)]
         boxes = [(left, base - _NAME, left + width, base) for left, base in corners]
-        covered = []
-        for box in boxes:
-            shared = (np.minimum(box[2:], before[2:]) - np.maximum(box[:2], before[:2]) for before in taken)
-            covered.append(sum(float(np.maximum(size, 0.0).prod()) for size in shared))
-        best = boxes[covered.index(min(covered))]
+        best = min(boxes, key=lambda box: covered_area(box, taken))
         taken.append(best)
         yield f'<text class="name" x="{best[0]:.1f}" y="{best[3]:.1f}" font-size="{_NAME}">{safe_text(text)}</text>'
+
+
+def covered_area(box: Box, taken: Sequence[Box]) -> float:
+    """Sum the areas that a box shares with others, in units of the drawing squared."""
+    shared = (np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2]) for other in taken)
+    return sum(float(np.maximum(size, 0.0).prod()) for size in shared)
 
 
 def _key(scene: Scene) -> str:
