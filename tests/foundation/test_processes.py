@@ -23,7 +23,8 @@ processes.processors = lambda: {processors}
 for n in (1, 2):
     jit.njit(eval("lambda x: x + %d" % n))(1.0)
 import time, pathlib
-while {waits} and not pathlib.Path("beside").exists():
+note = pathlib.Path("beside")
+while {waits} and not (note.exists() and note.read_text()):  # a file is there before what is written into it
     time.sleep(0.05)
 """
 
