@@ -48,23 +48,21 @@ def turned(vector):
 
 def test_the_torque_is_the_gradient_of_the_energy():
     rng = np.random.default_rng(3)
-    row, step, worst = np.zeros(at.MOUNT_COLUMNS), 1e-5, 0.0
-    row[:2] = 0.0, 1.0  # sites
+    step, worst = 1e-5, 0.0
     for _ in range(50):
-        row[at.TURNING : at.MODELLED] = rng.uniform(0.0, 10.0, 3)
-        row[at.MODELLED :][:4] = unit(rng)
+        stiffness, modelled = rng.uniform(0.0, 10.0, 3), unit(rng)
         payload, base = unit(rng), unit(rng)
-        torque = np.array(righting_torque(row, 0, np.concatenate([payload, base])))
+        torque = np.array(righting_torque(base, payload, modelled, stiffness))
 
-        def energy(turn, payload=payload, base=base):  # of the payload, about the base's axes
+        def energy(turn, payload=payload, base=base, modelled=modelled, stiffness=stiffness):  # of the payload, base's axes
             inverse = base * [1, -1, -1, -1]
             relative = times(inverse, times(times(base, turned(turn)), times(inverse, payload)))
-            e = times(relative, row[at.MODELLED :][:4] * [1, -1, -1, -1])
-            return 2.0 * row[at.TURNING :][:3] @ e[1:] ** 2
+            e = times(relative, modelled * [1, -1, -1, -1])
+            return 2.0 * stiffness @ e[1:] ** 2
 
         gradient = [(energy(step * e) - energy(-step * e)) / (2 * step) for e in np.eye(3)]
         worst = max(worst, np.abs(torque + gradient).max())
-        opposite = np.array(righting_torque(row, 0, np.concatenate([-payload, base])))
+        opposite = np.array(righting_torque(base, -payload, modelled, stiffness))
         np.testing.assert_array_equal(torque, opposite)  # the other quaternion of the same orientation
     # Central differences of 1e-5 rad of an energy of 20 J, rounded to 4e-15: 4e-10 N m, and as much of their own error.
     print("torque against gradient", worst)

@@ -104,18 +104,20 @@ def _held_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibrium 
 
     They are turned with the mounts' axes; torques are those of this position.
     """
-    model, layout = data.model, system.assembly.tables.layout
+    model, tables = data.model, system.assembly.tables
+    rows = tables.rows(at.MOUNTS, at.MOUNT_COLUMNS, tables.user.n_mounts)
     data.qvel[:] = 0.0
     mujoco.mj_fwdPosition(model, data)
     mujoco.mj_fwdVelocity(model, data)
     data.qfrc_applied[:] = 0.0
-    for number, (name, mount) in enumerate(system.mounts.items()):
+    for (name, mount), row in zip(system.mounts.items(), rows, strict=True):
         if equilibrium is None and mount.isolator.rotation is None:
             continue
         axes = data.site(mount.base_site).xmat.reshape(3, 3)
         force = axes @ equilibrium.mounts[name].force if equilibrium is not None else np.zeros(3)
-        row = int(layout[at.MOUNTS]) + at.MOUNT_COLUMNS * number
-        torque = axes @ np.array(righting_torque(layout, row, data.site_xquat.reshape(-1)))
+        base, payload = (data.site_xquat[int(row[site])] for site in (at.BASE_SITE, at.PAYLOAD_SITE))
+        modelled, stiffness = row[at.MODELLED : at.PARTNER], row[at.TURNING : at.MODELLED]
+        torque = axes @ np.array(righting_torque(base, payload, modelled, stiffness))
         point = data.site(mount.payload_site).xpos
         ends = [(data.site(mount.payload_site), -force, torque), (data.site(mount.base_site), force, -torque)]
         for site, push, turn in ends:

@@ -6,8 +6,9 @@ or in parallel with others, has a row, in the order of mounts, axes and laws. Wi
 """
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.mounts import bent, point_velocity, turned
+from wirerope_mj.engine.control.mounts import bent, point_velocity
 from wirerope_mj.engine.control.peaks import touch
+from wirerope_mj.engine.control.vectors import column, dot, minus, plus, turned, vector
 from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.registry import PARALLEL, STOP
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, LOSS, stop_force
@@ -99,18 +100,16 @@ def write_forces(lay, i, u, w, time, s, o):
 @njit
 def rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel):
     """Return the rate of the deflection of the mount in row `m` along its axis `c` [m/s]."""
-    s, r = 3 * index(lay[m]), 9 * index(lay[m + 1]) + c
-    px, py, pz = site_xpos[s], site_xpos[s + 1], site_xpos[s + 2]
-    ux, uy, uz = point_velocity(cvel, index(lay[m + 2]), subtree_com, index(lay[m + 4]), px, py, pz)
-    bx, by, bz = point_velocity(cvel, index(lay[m + 3]), subtree_com, index(lay[m + 5]), px, py, pz)
+    s, b = index(lay[m + at.PAYLOAD_SITE]), index(lay[m + at.BASE_SITE])
+    point = vector(site_xpos, 3 * s)
+    rate = point_velocity(cvel, index(lay[m + at.PAYLOAD]), subtree_com, index(lay[m + at.PAYLOAD_ROOT]), point)
+    base = point_velocity(cvel, index(lay[m + at.BASE]), subtree_com, index(lay[m + at.BASE_ROOT]), point)
     shapes, below = index(lay[m + at.SHAPES]), index(lay[m + at.SHAPES + 1])
     if shapes:
-        ox, oy, oz = turned(site_xmat, 3 * s, bent(lay, i + shapes, qvel, 0))
-        ux, uy, uz = ux + ox, uy + oy, uz + oz
+        rate = plus(rate, turned(site_xmat, 9 * s, bent(lay, i + shapes, qvel, 0)))
     if below:
-        ox, oy, oz = turned(site_xmat, r - c, bent(lay, i + below, qvel, 0))
-        ux, uy, uz = ux - ox, uy - oy, uz - oz
-    return site_xmat[r] * (ux - bx) + site_xmat[r + 3] * (uy - by) + site_xmat[r + 6] * (uz - bz)
+        rate = minus(rate, turned(site_xmat, 9 * b, bent(lay, i + below, qvel, 0)))
+    return dot(column(site_xmat, 9 * b, c), minus(rate, base))
 
 
 @njit

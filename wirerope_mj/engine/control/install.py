@@ -8,16 +8,24 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
-from typing import Any, Literal
+from typing import Literal
 
 import mujoco
 import numba
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact, track_stops
-from wirerope_mj.engine.control.mounts import apply_loads, apply_mounts, clear_loads, copy_rates, drive_base, remove_overshoot
-from wirerope_mj.engine.control.native import ACCELERATION_STAGE, DATA_FIELDS, Callbacks, disagreement, native_callbacks
+from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact
+from wirerope_mj.engine.control.mounts import apply_forces, copy_rates
+from wirerope_mj.engine.control.native import (
+    ACCELERATION_STAGE,
+    CONTROL_FIELDS,
+    DATA_FIELDS,
+    SENSOR_FIELDS,
+    Callbacks,
+    disagreement,
+    native_callbacks,
+)
 from wirerope_mj.engine.control.observer import observe
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import SimulationError
@@ -55,80 +63,53 @@ class _Views:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         self.address = (model._address, data._address)
         self.owner = data  # keeps the memory behind the views, and so the address, from being used again
-        self.numeric = model.numeric_data
         self.is_system = model.nu > 0 and model.actuator_dynprm[-1, 0] == at.MAGIC
         if self.is_system:
-            self.layout, self.parameters, self.userdata, self.states = (int(v) for v in model.actuator_dynprm[-1, 1:5])
-        for name in DATA_FIELDS:
-            setattr(self, f"d_{name}", getattr(data, name).reshape(-1))
+            layout, parameters, userdata, states = map(int, model.actuator_dynprm[-1, 1:5])
+            flat = {name: getattr(data, name).reshape(-1) for name in DATA_FIELDS}
+            self.layout = model.numeric_data, layout
+            self.user, self.rates = (flat["userdata"], userdata), (flat["act_dot"], states)
+            self.tables = *self.layout, model.numeric_data, parameters, *self.user, flat["act"], states
+            self.control, self.sensor = ([flat[name] for name in fields] for fields in (CONTROL_FIELDS, SENSOR_FIELDS))
 
 
 def python_callbacks() -> Callbacks:
     """Return callbacks that run in the interpreter, for where the native ones cannot be verified, and as their check."""
     last: list[_Views] = []
 
-    def views(model: mujoco.MjModel, data: mujoco.MjData) -> Any:
+    def views(model: mujoco.MjModel, data: mujoco.MjData) -> _Views:
         if not last or last[0].address != (model._address, data._address):
             last[:] = [_Views(model, data)]
         return last[0]
 
     def control(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         v = views(model, data)
-        if not v.is_system:
-            return
-        drive_base(v.numeric, v.layout, v.d_userdata, v.userdata, data.time, v.d_qfrc_applied, v.d_qfrc_bias, v.d_qfrc_passive)
-        clear_loads(v.numeric, v.layout, v.d_xfrc_applied)
-        apply_mounts(
-            v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states,
-            v.d_site_xpos, v.d_site_xmat, v.d_site_xquat, v.d_subtree_com, v.d_cvel, v.d_xipos, v.d_xfrc_applied,
-            v.d_qpos, v.d_qvel, v.d_qfrc_applied,
-        )  # fmt: skip
-        apply_loads(
-            v.numeric, v.layout, v.d_userdata, v.userdata, data.time, v.d_site_xpos, v.d_site_xmat, v.d_xipos,
-            v.d_xfrc_applied, v.d_qfrc_applied,
-        )  # fmt: skip
+        if v.is_system:
+            apply_forces(*v.tables, data.time, *v.control)
 
     def act_dyn(model: mujoco.MjModel, data: mujoco.MjData, actuator: int) -> float:
         v = views(model, data)
-        if v.is_system and actuator == model.nu - 1:
-            return copy_rates(v.numeric, v.layout, v.d_userdata, v.userdata, v.d_act_dot, v.states)
-        return 0.0
+        return copy_rates(*v.layout, *v.user, *v.rates) if v.is_system and actuator == model.nu - 1 else 0.0
 
     def sensor(model: mujoco.MjModel, data: mujoco.MjData, stage: int) -> None:
         v = views(model, data)
         if not v.is_system or stage != ACCELERATION_STAGE:
             return
-        remove_overshoot(v.numeric, v.layout, v.numeric, v.parameters, v.d_act, v.states)
-        if v.d_userdata[v.userdata + at.OBSERVING] != 0.0:
-            _track_contacts(v, data)
-            track_stops(
-                v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states, data.time,
-                v.d_site_xpos, v.d_site_xmat, v.d_subtree_com, v.d_cvel, v.d_qvel,
-            )  # fmt: skip
-        observe(
-            v.numeric, v.layout, v.d_userdata, v.userdata, v.d_act, v.states, data.time, v.d_sensordata,
-            v.d_site_xpos, v.d_site_xquat, v.d_xipos, v.d_xquat, v.d_subtree_com, v.d_cvel, v.d_cdof, v.d_cdof_dot,
-            v.d_qvel, v.d_qacc, v.d_site_xmat, v.d_qpos,
-        )  # fmt: skip
+        (lay, i), (u, w) = v.layout, v.user
+        if u[w + at.OBSERVING] != 0.0:
+            begin_contacts(lay, i, u, w, data.ncon)
+            force, rate, kinds = data.efc_force, data.efc_vel, data.efc_type
+            for contact in data.contact if lay[i + at.N_CONTACTS] else ():
+                address, dimension = contact.efc_address, contact.dim
+                if address >= 0:  # otherwise MuJoCo left it out
+                    track_contact(
+                        lay, i, u, w, data.time, float(contact.geom[0]), float(contact.geom[1]), contact.dist,
+                        normal_force(force, address, kinds[address], dimension),
+                        absorbed_power(force, rate, address, kinds[address], dimension),
+                    )  # fmt: skip
+        observe(*v.tables, data.time, *v.sensor)
 
     return Callbacks(control=control, act_dyn=act_dyn, sensor=sensor)
-
-
-def _track_contacts(v: Any, data: mujoco.MjData) -> None:
-    """Remember the contacts of this step, as the native callback does."""
-    begin_contacts(v.numeric, v.layout, v.d_userdata, v.userdata, data.ncon)
-    if not data.ncon or not v.numeric[v.layout + at.N_CONTACTS]:
-        return
-    force, rate, kinds = data.efc_force, data.efc_vel, data.efc_type
-    for contact in data.contact:
-        address, dimension = contact.efc_address, contact.dim
-        if address >= 0:
-            track_contact(
-                v.numeric, v.layout, v.d_userdata, v.userdata, data.time,
-                float(contact.geom[0]), float(contact.geom[1]), contact.dist,
-                normal_force(force, address, kinds[address], dimension),
-                absorbed_power(force, rate, address, kinds[address], dimension),
-            )  # fmt: skip
 
 
 @contextmanager
@@ -145,40 +126,9 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
     """
     one_of("callback", kind, ("native", "python"))
     check_callbacks()
-    kind = _verified(model, data) if kind == "native" else kind
-    _acquire(kind)
-    try:
-        yield kind
-    except mujoco.FatalError as error:
-        raise SimulationError(_given_up(model, " ".join(str(error).split()))) from None
-    finally:
-        _release()
-
-
-def _given_up(model: mujoco.MjModel, reason: str) -> str:
-    """Return the message about a model that MuJoCo cannot step any further, from its own reason."""
-    name = model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
-    remedy = (
-        'Its contacts and constraints need more memory: write <size memory="100M"/> into the model.'
-        if "memory" in reason
-        else "Step it with a smaller `timestep`, or look for bodies that overlap in the modelled geometry."
-    )
-    return f"model {name!r}: MuJoCo gave up: {reason.rstrip('.')}. {remedy}"
-
-
-def _verified(model: mujoco.MjModel, data: mujoco.MjData) -> Kind:
-    if numba.config.DISABLE_JIT:
-        reason: str | None = "Numba's compiler is switched off"
-    else:
-        field = disagreement(model, data)
-        reason = None if field is None else f"{field} of mujoco {mujoco.__version__} does not stand where it should"
-    if reason is None:
-        return "native"
-    warnings.warn(f"{reason}; the slower Python callback is used instead.", RuntimeWarning, stacklevel=4)
-    return "python"
-
-
-def _acquire(kind: Kind) -> None:
+    if kind == "native" and (reason := _doubt(model, data)):
+        warnings.warn(f"{reason}; the slower Python callback is used instead.", RuntimeWarning, stacklevel=3)
+        kind = "python"
     global _users, _kind, _before
     with _lock:
         if _users and kind != _kind:
@@ -189,14 +139,29 @@ def _acquire(kind: Kind) -> None:
             _set(native_callbacks() if kind == "native" else python_callbacks(), lambda message: None)
             _before, _kind = before, kind
         _users += 1
+    try:
+        yield kind
+    except mujoco.FatalError as error:
+        reason, name = " ".join(str(error).split()), model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
+        remedy = (
+            'Its contacts and constraints need more memory: write <size memory="100M"/> into the model.'
+            if "memory" in reason
+            else "Step it with a smaller `timestep`, or look for bodies that overlap in the modelled geometry."
+        )
+        raise SimulationError(f"model {name!r}: MuJoCo gave up: {reason.rstrip('.')}. {remedy}") from None
+    finally:
+        with _lock:
+            _users -= 1
+            if not _users:
+                _set(Callbacks(*_before[:3]), _before[3])
 
 
-def _release() -> None:
-    global _users
-    with _lock:
-        _users -= 1
-        if not _users:
-            _set(Callbacks(*_before[:3]), _before[3])
+def _doubt(model: mujoco.MjModel, data: mujoco.MjData) -> str:
+    """Return why the native callbacks cannot be relied on, "" if they can."""
+    if numba.config.DISABLE_JIT:
+        return "Numba's compiler is switched off"
+    field = disagreement(model, data)
+    return f"{field} of mujoco {mujoco.__version__} does not stand where it should" if field else ""
 
 
 def _set(callbacks: Callbacks, warn: object) -> None:

@@ -26,8 +26,9 @@ N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS, N_MODES, MODES = ra
 HEADER = 32
 
 # columns of the tables
-# payload site, base site, payload body, base body, payload root, base root, base takes the reaction, and what follows
 MOUNT_COLUMNS = 22
+PAYLOAD_SITE, BASE_SITE, PAYLOAD, BASE, PAYLOAD_ROOT, BASE_ROOT = range(6)  # ids of sites, bodies and their trees' roots
+MOVED = 6  # whether the base takes the reaction
 COUPLING = 7  # index of the parameters of coupled axes (-1: none)
 TURNING, MODELLED = 8, 11  # rotational stiffnesses about the base site's axes (3); orientation as modelled (4)
 PARTNER = 15  # axis that roll is coupled to: 1 shear, 2 axial

@@ -22,6 +22,21 @@ orientations need no branch. The torque is -dU for a small turn dtheta of the pa
 """
 
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.vectors import (
+    column,
+    cross,
+    dot,
+    grow,
+    minus,
+    plus,
+    product,
+    quaternion,
+    swept,
+    times,
+    turned,
+    turned_back,
+    vector,
+)
 from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER, on_brackets
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
@@ -31,44 +46,15 @@ AXIAL = 2  # index of the axial axis
 
 
 @njit
-def product(a0, a1, a2, a3, b0, b1, b2, b3):
-    """Return the product of two quaternions."""
-    return (
-        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3, a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
-        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1, a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
-    )  # fmt: skip
+def righting_torque(base, payload, modelled, stiffness):
+    """Return the torque [N m] of rotational stiffnesses on a payload, in the base site's axes.
 
-
-@njit
-def resists_turning(lay, m):
-    """Return whether the mount in row `m` of the layout has a rotational stiffness."""
-    return lay[m + at.TURNING] != 0.0 or lay[m + at.TURNING + 1] != 0.0 or lay[m + at.TURNING + 2] != 0.0
-
-
-@njit
-def turned_by(lay, m, site_xquat):
-    """Return the turn of the payload's site since the modelled geometry as a unit quaternion in the base site's axes."""
-    p, b, r = 4 * int(lay[m]), 4 * int(lay[m + 1]), m + at.MODELLED
-    e0, e1, e2, e3 = product(
-        site_xquat[b], -site_xquat[b + 1], -site_xquat[b + 2], -site_xquat[b + 3],
-        site_xquat[p], site_xquat[p + 1], site_xquat[p + 2], site_xquat[p + 3],
-    )  # fmt: skip
-    return product(e0, e1, e2, e3, lay[r], -lay[r + 1], -lay[r + 2], -lay[r + 3])
-
-
-@njit
-def righting_torque(lay, m, site_xquat):
-    """Return the torque [N m] of the mount in row `m` on its payload, in the base site's axes."""
-    e0, e1, e2, e3 = turned_by(lay, m, site_xquat)
-    k = m + at.TURNING
-    return righting(e0, e1, e2, e3, lay[k], lay[k + 1], lay[k + 2])
-
-
-@njit
-def righting(e0, e1, e2, e3, roll, shear, axial):
-    """Return the torque [N m] of rotational stiffnesses that are turned by a unit quaternion."""
-    k1, k2, k3 = roll * e1, shear * e2, axial * e3
-    return (-2.0 * (e0 * k1 + e2 * k3 - e3 * k2), -2.0 * (e0 * k2 + e3 * k1 - e1 * k3), -2.0 * (e0 * k3 + e1 * k2 - e2 * k1))
+    Orientations are unit quaternions: of the base's site, of the payload's, and of the payload's in the base's as modelled.
+    """
+    turn = product((base[0], -base[1], -base[2], -base[3]), payload)
+    e0, e1, e2, e3 = product(turn, (modelled[0], -modelled[1], -modelled[2], -modelled[3]))
+    k1, k2, k3 = stiffness[0] * e1, stiffness[1] * e2, stiffness[2] * e3
+    return -2.0 * (e0 * k1 + e2 * k3 - e3 * k2), -2.0 * (e0 * k2 + e3 * k1 - e1 * k3), -2.0 * (e0 * k3 + e1 * k2 - e2 * k1)
 
 
 @inlined
@@ -86,47 +72,31 @@ def stage_row(u, w, time):
 def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
     """Give the base's slides the acceleration that stands in the stage table for this instant."""
     n_points = int(u[w + at.STAGE_POINTS])
-    table = w + at.STAGES + 3 * stage_row(u, w, time)
+    base = vector(u, w + at.STAGES + 3 * stage_row(u, w, time))
     j = i + index(lay[i + at.DRIVEN])
     for _ in range(index(lay[i + at.N_DRIVEN])):
         dof = index(lay[j])
-        acceleration = 0.0
-        if n_points > 0:
-            acceleration = lay[j + 2] * u[table] + lay[j + 3] * u[table + 1] + lay[j + 4] * u[table + 2]
+        acceleration = dot(vector(lay, j + 2), base) if n_points > 0 else 0.0
         # The bias carries gravity, so that the base does not sink; contacts and mounts act on 1e10 kg.
         qfrc_applied[dof] = lay[j + 1] * acceleration + qfrc_bias[dof] - qfrc_passive[dof]
         j += at.DRIVEN_COLUMNS
     j = i + index(lay[i + at.MODES])
     for _ in range(index(lay[i + at.N_MODES])):  # -Gamma a of the base
-        total = 0.0
-        if n_points > 0:
-            total = lay[j + 1] * u[table] + lay[j + 2] * u[table + 1] + lay[j + 3] * u[table + 2]
-        qfrc_applied[index(lay[j])] = -total
+        qfrc_applied[index(lay[j])] = -dot(vector(lay, j + 1), base) if n_points > 0 else -0.0
         j += at.MODE_COLUMNS
 
 
 @inlined
-def point_velocity(cvel, body, subtree_com, root, px, py, pz):
-    """Return the velocity [m/s] of the point p that moves with `body`."""
-    b, r = 6 * body, 3 * root
-    rx, ry, rz = px - subtree_com[r], py - subtree_com[r + 1], pz - subtree_com[r + 2]
-    wx, wy, wz = cvel[b], cvel[b + 1], cvel[b + 2]
-    return (
-        cvel[b + 3] + wy * rz - wz * ry, cvel[b + 4] + wz * rx - wx * rz, cvel[b + 5] + wx * ry - wy * rx,
-    )  # fmt: skip
+def point_velocity(cvel, body, subtree_com, root, point):
+    """Return the velocity [m/s] of a point that moves with `body`."""
+    return swept(vector(cvel, 6 * body + 3), vector(cvel, 6 * body), minus(point, vector(subtree_com, 3 * root)))
 
 
 @inlined
-def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
-    """Add the force f acting at the point p to the wrench about the body's centre of mass."""
-    x, b = 6 * body, 3 * body
-    rx, ry, rz = px - xipos[b], py - xipos[b + 1], pz - xipos[b + 2]
-    xfrc[x] += fx
-    xfrc[x + 1] += fy
-    xfrc[x + 2] += fz
-    xfrc[x + 3] += ry * fz - rz * fy
-    xfrc[x + 4] += rz * fx - rx * fz
-    xfrc[x + 5] += rx * fy - ry * fx
+def add_force(xfrc, body, xipos, point, force):
+    """Add a force that acts at a point to the wrench about the body's centre of mass."""
+    grow(xfrc, 6 * body, force)
+    grow(xfrc, 6 * body + 3, cross(minus(point, vector(xipos, 3 * body)), force))
 
 
 @inlined
@@ -147,62 +117,56 @@ def coupled_forces(law, axial, p, first, n, x, y, vx, vy, z, j, k, zdot, jdot, k
 
 
 @njit
-def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz):
+def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, rate):
     """Give roll and another axis of the mount in row `m` a hysteretic vector on every scale, whose rates replace theirs.
 
     Returns what that adds to the mount's force [N], world axes. `axis` is the row behind the mount's axes, `u[record:]` its
-    deflection and force, (ux, uy, uz) the rate of the deflection.
+    deflection and force, `rate` that of the deflection.
     """
-    first, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + 1])
+    first, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + at.BASE_SITE])
     state = axis - 3 * at.AXIS_COLUMNS + 2
     j, k = index(lay[state]), index(lay[state + at.AXIS_COLUMNS * other])
-    roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
-    along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
+    roll, along = column(site_xmat, r, 0), column(site_xmat, r, other)
     fu, fw = coupled_forces(
-        lay[state - 2], other == AXIAL, par, first, index(lay[state + 1]), u[record], u[record + other], roll, along, act,
-        a + j, a + k, u, rates + j, rates + k,
+        lay[state - 2], other == AXIAL, par, first, index(lay[state + 1]), u[record], u[record + other], dot(roll, rate),
+        dot(along, rate), act, a + j, a + k, u, rates + j, rates + k,
     )  # fmt: skip
     u[record + 3] += fu
     u[record + 3 + other] += fw
-    return (
-        fu * site_xmat[r] + fw * site_xmat[r + other],
-        fu * site_xmat[r + 3] + fw * site_xmat[r + 3 + other],
-        fu * site_xmat[r + 6] + fw * site_xmat[r + 6 + other],
-    )
+    return plus(times(fu, roll), times(fw, along))
 
 
 @njit
 def add_torque(lay, m, site_xmat, site_xquat, xfrc):
     """Add the torques of the mount in row `m` that resists turning to the wrenches on its bodies."""
-    r, x, b = 9 * index(lay[m + 1]), 6 * index(lay[m + 2]) + 3, 6 * index(lay[m + 3]) + 3
-    t1, t2, t3 = righting_torque(lay, m, site_xquat)
-    for c in range(3):
-        torque = site_xmat[r + 3 * c] * t1 + site_xmat[r + 3 * c + 1] * t2 + site_xmat[r + 3 * c + 2] * t3
-        xfrc[x + c] += torque
-        if lay[m + 6] != 0.0:
-            xfrc[b + c] -= torque
+    payload, base = index(lay[m + at.PAYLOAD_SITE]), index(lay[m + at.BASE_SITE])
+    torque = righting_torque(
+        quaternion(site_xquat, 4 * base), quaternion(site_xquat, 4 * payload), quaternion(lay, m + at.MODELLED),
+        vector(lay, m + at.TURNING),
+    )  # fmt: skip
+    torque = turned(site_xmat, 9 * base, torque)
+    grow(xfrc, 6 * index(lay[m + at.PAYLOAD]) + 3, torque)
+    if lay[m + at.MOVED] != 0.0:
+        grow(xfrc, 6 * index(lay[m + at.BASE]) + 3, times(-1.0, torque))
 
 
 @njit
-def bent(lay, k, coordinates, column):
-    """Return Phi times modal coordinates (column 1), rates or accelerations (column 0) at a site, in its axes."""
-    x = y = z = 0.0
+def bent(lay, k, coordinates, kind):
+    """Return Phi times modal coordinates (kind 1), rates or accelerations (0) at a site, in its axes."""
+    x = (0.0, 0.0, 0.0)
     for mode in range(index(lay[k])):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        value = coordinates[index(lay[row + column])]
-        x, y, z = x + lay[row + 2] * value, y + lay[row + 3] * value, z + lay[row + 4] * value
-    return x, y, z
+        x = plus(x, times(coordinates[index(lay[row + kind])], vector(lay, row + 2)))
+    return x
 
 
 @njit
-def push_modes(lay, k, r, site_xmat, qfrc_applied, fx, fy, fz):
+def push_modes(lay, k, r, site_xmat, qfrc_applied, force):
     """Add Phi^T f of the force f on a flexible part, world axes, at a site with the axes `site_xmat[r:]`."""
-    f1 = site_xmat[r] * fx + site_xmat[r + 3] * fy + site_xmat[r + 6] * fz
-    f2 = site_xmat[r + 1] * fx + site_xmat[r + 4] * fy + site_xmat[r + 7] * fz
-    f3 = site_xmat[r + 2] * fx + site_xmat[r + 5] * fy + site_xmat[r + 8] * fz
+    along = turned_back(site_xmat, r, force)
     for mode in range(index(lay[k])):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        qfrc_applied[index(lay[row])] += lay[row + 2] * f1 + lay[row + 3] * f2 + lay[row + 4] * f3
+        qfrc_applied[index(lay[row])] += dot(vector(lay, row + 2), along)
 
 
 @inlined
@@ -218,56 +182,52 @@ def apply_mounts(
     record, rates = w + index(lay[i + at.USER_MOUNTS]), w + index(lay[i + at.USER_RATES])
     m = i + index(lay[i + at.MOUNTS])
     for mount in range(n_mounts):
-        for side in range(2, 4):
+        for side in (at.PAYLOAD, at.BASE):
             body = index(lay[m + at.MOUNT_COLUMNS * mount + side])
             for c in range(6):
                 xfrc[6 * body + c] = 0.0
     axis = i + index(lay[i + at.AXES])
     for _ in range(n_mounts):
-        payload, base = index(lay[m + 2]), index(lay[m + 3])
-        s, b, r = 3 * index(lay[m]), 3 * index(lay[m + 1]), 9 * index(lay[m + 1])
-        px, py, pz = site_xpos[s], site_xpos[s + 1], site_xpos[s + 2]
+        payload, base = index(lay[m + at.PAYLOAD]), index(lay[m + at.BASE])
+        s, b = index(lay[m + at.PAYLOAD_SITE]), index(lay[m + at.BASE_SITE])
+        r = 9 * b
+        point = vector(site_xpos, 3 * s)
         shapes, below = index(lay[m + at.SHAPES]), index(lay[m + at.SHAPES + 1])
-        ox, oy, oz = 0.0, 0.0, 0.0
         if shapes:
-            ox, oy, oz = turned(site_xmat, 3 * s, bent(lay, i + shapes, qpos, 1))
-            px, py, pz = px + ox, py + oy, pz + oz
-        dx, dy, dz = px - site_xpos[b], py - site_xpos[b + 1], pz - site_xpos[b + 2]
-        ux, uy, uz = point_velocity(cvel, payload, subtree_com, index(lay[m + 4]), px, py, pz)
-        bx, by, bz = point_velocity(cvel, base, subtree_com, index(lay[m + 5]), px, py, pz)
-        ux, uy, uz = ux - bx, uy - by, uz - bz
+            point = plus(point, turned(site_xmat, 9 * s, bent(lay, i + shapes, qpos, 1)))
+        apart = minus(point, vector(site_xpos, 3 * b))
+        rate = minus(
+            point_velocity(cvel, payload, subtree_com, index(lay[m + at.PAYLOAD_ROOT]), point),
+            point_velocity(cvel, base, subtree_com, index(lay[m + at.BASE_ROOT]), point),
+        )
         if shapes:
-            ox, oy, oz = turned(site_xmat, 3 * s, bent(lay, i + shapes, qvel, 0))
-            ux, uy, uz = ux + ox, uy + oy, uz + oz
+            rate = plus(rate, turned(site_xmat, 9 * s, bent(lay, i + shapes, qvel, 0)))
         if below:
-            ox, oy, oz = turned(site_xmat, r, bent(lay, i + below, qpos, 1))
-            dx, dy, dz = dx - ox, dy - oy, dz - oz
-            ox, oy, oz = turned(site_xmat, r, bent(lay, i + below, qvel, 0))
-            ux, uy, uz = ux - ox, uy - oy, uz - oz
-        fx, fy, fz = 0.0, 0.0, 0.0
+            apart = minus(apart, turned(site_xmat, r, bent(lay, i + below, qpos, 1)))
+            rate = minus(rate, turned(site_xmat, r, bent(lay, i + below, qvel, 0)))
+        total = (0.0, 0.0, 0.0)
         for c in range(3):
-            ex, ey, ez = site_xmat[r + c], site_xmat[r + 3 + c], site_xmat[r + 6 + c]
-            deflection = ex * dx + ey * dy + ez * dz
+            along = column(site_xmat, r, c)
+            deflection = dot(along, apart)
             force = 0.0
             law = int(lay[axis])
             if law >= 0:
-                rate = ex * ux + ey * uy + ez * uz
-                state = index(lay[axis + 2])
-                force = evaluate(law, par, q + index(lay[axis + 1]), deflection, rate, act, a + state, u, rates + state)
-                fx, fy, fz = fx + force * ex, fy + force * ey, fz + force * ez
+                p, state = q + index(lay[axis + 1]), index(lay[axis + 2])
+                force = evaluate(law, par, p, deflection, dot(along, rate), act, a + state, u, rates + state)
+                total = plus(total, times(force, along))
             u[record + c], u[record + 3 + c] = deflection, force
             axis += at.AXIS_COLUMNS
         if lay[m + at.COUPLING] >= 0.0:
-            gx, gy, gz = couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz)
-            fx, fy, fz = fx + gx, fy + gy, fz + gz
-        add_force(xfrc, payload, xipos, px, py, pz, -fx, -fy, -fz)
+            total = plus(total, couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, rate))
+        against = times(-1.0, total)
+        add_force(xfrc, payload, xipos, point, against)
         if shapes:
-            push_modes(lay, i + shapes, 3 * s, site_xmat, qfrc_applied, -fx, -fy, -fz)
+            push_modes(lay, i + shapes, 9 * s, site_xmat, qfrc_applied, against)
         if below:
-            push_modes(lay, i + below, r, site_xmat, qfrc_applied, fx, fy, fz)
-        if lay[m + 6] != 0.0:
-            add_force(xfrc, base, xipos, px, py, pz, fx, fy, fz)
-        if resists_turning(lay, m):
+            push_modes(lay, i + below, r, site_xmat, qfrc_applied, total)
+        if lay[m + at.MOVED] != 0.0:
+            add_force(xfrc, base, xipos, point, total)
+        if lay[m + at.TURNING] != 0.0 or lay[m + at.TURNING + 1] != 0.0 or lay[m + at.TURNING + 2] != 0.0:
             add_torque(lay, m, site_xmat, site_xquat, xfrc)
         record += 6
         m += at.MOUNT_COLUMNS
@@ -301,17 +261,6 @@ def copy_rates(lay, i, u, w, act_dot, a):
 
 
 @inlined
-def clear_loads(lay, i, xfrc):
-    """Take the wrenches of the last pass off the bodies on which forces may act; those with mounts are cleared again."""
-    j = i + index(lay[i + at.FORCES])
-    for _ in range(index(lay[i + at.N_FORCES])):
-        body = index(lay[j + 1])
-        for c in range(6):
-            xfrc[6 * body + c] = 0.0
-        j += at.FORCE_COLUMNS
-
-
-@inlined
 def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc, qfrc_applied):
     """Add the forces and moments of this instant, which act at sites and along their axes."""
     n_forces = index(lay[i + at.N_FORCES])
@@ -321,25 +270,29 @@ def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc, qfrc_appl
     j = i + index(lay[i + at.FORCES])
     for _ in range(n_forces):
         site, body = index(lay[j]), index(lay[j + 1])
-        s, r = 3 * site, 9 * site
-        fx, fy, fz = turned(site_xmat, r, (u[k], u[k + 1], u[k + 2]))
-        tx, ty, tz = turned(site_xmat, r, (u[k + 3], u[k + 4], u[k + 5]))
-        add_force(xfrc, body, xipos, site_xpos[s], site_xpos[s + 1], site_xpos[s + 2], fx, fy, fz)
+        force = turned(site_xmat, 9 * site, vector(u, k))
+        add_force(xfrc, body, xipos, vector(site_xpos, 3 * site), force)
         if index(lay[j + 2]):
-            push_modes(lay, i + index(lay[j + 2]), r, site_xmat, qfrc_applied, fx, fy, fz)
-        xfrc[6 * body + 3] += tx
-        xfrc[6 * body + 4] += ty
-        xfrc[6 * body + 5] += tz
+            push_modes(lay, i + index(lay[j + 2]), 9 * site, site_xmat, qfrc_applied, force)
+        grow(xfrc, 6 * body + 3, turned(site_xmat, 9 * site, vector(u, k + 3)))
         j += at.FORCE_COLUMNS
         k += 6
 
 
 @inlined
-def turned(matrix, r, vector):
-    """Return R v, the matrix standing row by row from `r` on."""
-    x, y, z = vector
-    return (
-        matrix[r] * x + matrix[r + 1] * y + matrix[r + 2] * z,
-        matrix[r + 3] * x + matrix[r + 4] * y + matrix[r + 5] * z,
-        matrix[r + 6] * x + matrix[r + 7] * y + matrix[r + 8] * z,
-    )
+def apply_forces(
+    lay, i, par, q, u, w, act, a, time, qfrc_applied, qfrc_bias, qfrc_passive, site_xpos, site_xmat, site_xquat, subtree_com,
+    cvel, xipos, xfrc, qpos, qvel,
+):  # fmt: skip
+    """Drive the base, and apply the forces of the mounts and those at sites."""
+    drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive)
+    j = i + index(lay[i + at.FORCES])
+    for _ in range(index(lay[i + at.N_FORCES])):  # wrenches of the last pass; bodies with mounts are cleared again
+        for c in range(6):
+            xfrc[6 * index(lay[j + 1]) + c] = 0.0
+        j += at.FORCE_COLUMNS
+    apply_mounts(
+        lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat, subtree_com, cvel, xipos, xfrc, qpos, qvel,
+        qfrc_applied,
+    )  # fmt: skip
+    apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc, qfrc_applied)

@@ -12,16 +12,22 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact, track_stops
-from wirerope_mj.engine.control.mounts import apply_loads, apply_mounts, clear_loads, copy_rates, drive_base, remove_overshoot
+from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact
+from wirerope_mj.engine.control.mounts import apply_forces, copy_rates
 from wirerope_mj.engine.control.observer import observe
 from wirerope_mj.foundation.jit import address, inlined, njit
 
 MODEL_FIELDS = ("actuator_dynprm", "numeric_data")
-DATA_FIELDS = (
-    "qpos", "qvel", "act", "qfrc_applied", "xfrc_applied", "qacc", "act_dot", "userdata", "sensordata", "xquat", "xipos",
-    "site_xpos", "site_xmat", "site_xquat", "subtree_com", "cdof", "cvel", "cdof_dot", "qfrc_bias", "qfrc_passive",
+# of mjData, what `apply_forces` and `observe` take behind the system's tables, in their order
+CONTROL_FIELDS = (
+    "qfrc_applied", "qfrc_bias", "qfrc_passive", "site_xpos", "site_xmat", "site_xquat", "subtree_com", "cvel", "xipos",
+    "xfrc_applied", "qpos", "qvel",
 )  # fmt: skip
+SENSOR_FIELDS = (
+    "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot", "qvel", "qacc",
+    "site_xmat", "qpos",
+)  # fmt: skip
+DATA_FIELDS = tuple(dict.fromkeys(("userdata", "act", "act_dot", *CONTROL_FIELDS, *SENSOR_FIELDS)))
 
 _SCALARS = {
     "mjtNum": 8, "mjtSize": 8, "size_t": 8, "uintptr_t": 8, "uint64_t": 8, "int64_t": 8, "double": 8,
@@ -31,14 +37,6 @@ _SCALARS = {
 
 ANY_SIZE = 1 << 40  # nominal length of an array behind a pointer: the kernels index by the model's own tables
 ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last
-CONTROL_FIELDS = (
-    "userdata", "qfrc_applied", "qfrc_bias", "qfrc_passive", "act", "site_xpos", "site_xmat", "site_xquat", "subtree_com",
-    "cvel", "xipos", "xfrc_applied", "qpos", "qvel",
-)  # fmt: skip
-SENSOR_FIELDS = (
-    "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
-    "qvel", "qacc", "site_xmat", "qpos",
-)  # fmt: skip
 
 
 def _layout_of_fields(fields: Any, union: bool = False) -> tuple[int, int, dict[str, int]]:
@@ -123,12 +121,6 @@ def int32_array(address):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def int32_member(struct, offset):  # type: ignore[no-untyped-def]
-    """Return the int32 array that the pointer at `offset` in a struct leads to."""
-    return int32_array(int64_array(struct + offset)[0])
-
-
-@inlined
 def member(struct, offset, start=0):  # type: ignore[no-untyped-def]
     """Return the float64 array that the pointer at `offset` in a struct leads to, from its entry `start`."""
     return float64_array(int64_array(struct + offset)[0] + 8 * start)
@@ -158,34 +150,6 @@ def _find_system(m, system):  # type: ignore[no-untyped-def]
     return is_system, last, member(m, system[2], layout), member(m, system[2], parameters), userdata, activation
 
 
-@inlined
-def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
-    is_system, _, lay, par, userdata, activation = _find_system(m, system)
-    if not is_system:
-        return
-    u = member(d, field[0], userdata)
-    now = float64_array(d + time)[0]
-    drive_base(lay, 0, u, 0, now, member(d, field[1]), member(d, field[2]), member(d, field[3]))
-    clear_loads(lay, 0, member(d, field[11]))
-    apply_mounts(
-        lay, 0, par, 0, u, 0, member(d, field[4], activation), 0, member(d, field[5]), member(d, field[6]),
-        member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]), member(d, field[11]),
-        member(d, field[12]), member(d, field[13]), member(d, field[1]),
-    )  # fmt: skip
-    apply_loads(
-        lay, 0, u, 0, now, member(d, field[5]), member(d, field[6]), member(d, field[10]), member(d, field[11]),
-        member(d, field[1]),
-    )  # fmt: skip
-
-
-@inlined
-def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-untyped-def]
-    is_system, last, lay, _, w, a = _find_system(m, system)
-    if is_system and last == actuator:
-        return copy_rates(lay, 0, member(d, userdata, w), 0, member(d, act_dot, a), 0)
-    return 0.0
-
-
 @njit
 def _contacts(d, lay, u, time, in_data, in_contact):  # type: ignore[no-untyped-def]
     """Remember the contacts of this step; offsets in mjData and in mjContact, whose size is last."""
@@ -193,8 +157,8 @@ def _contacts(d, lay, u, time, in_data, in_contact):  # type: ignore[no-untyped-
     begin_contacts(lay, 0, u, 0, number)
     if number == 0 or lay[at.N_CONTACTS] == 0.0:
         return
-    contact, force, kinds = int64_array(d + in_data[1])[0], member(d, in_data[2], 0), int32_member(d, in_data[3])
-    rate = member(d, in_data[4], 0)
+    contact, force, rate = int64_array(d + in_data[1])[0], member(d, in_data[2]), member(d, in_data[4])
+    kinds = int32_array(int64_array(d + in_data[3])[0])
     for _ in range(number):
         address = int32_array(contact + in_contact[3])[0]
         if address >= 0:  # otherwise MuJoCo left it out
@@ -207,26 +171,6 @@ def _contacts(d, lay, u, time, in_data, in_contact):  # type: ignore[no-untyped-
         contact += in_contact[4]
 
 
-@inlined
-def _sensor(m, d, system, field, time, in_data, in_contact):  # type: ignore[no-untyped-def]
-    is_system, _, lay, par, userdata, activation = _find_system(m, system)
-    if not is_system:
-        return
-    u, act, now = member(d, field[0], userdata), member(d, field[1], activation), float64_array(d + time)[0]
-    remove_overshoot(lay, 0, par, 0, act, 0)
-    if u[at.OBSERVING] != 0.0:
-        _contacts(d, lay, u, now, in_data, in_contact)
-        track_stops(
-            lay, 0, par, 0, u, 0, act, 0, now, member(d, field[3]), member(d, field[13]), member(d, field[7]),
-            member(d, field[8]), member(d, field[11]),
-        )  # fmt: skip
-    observe(
-        lay, 0, u, 0, act, 0, now, member(d, field[2]), member(d, field[3]), member(d, field[4]), member(d, field[5]),
-        member(d, field[6]), member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]),
-        member(d, field[11]), member(d, field[12]), member(d, field[13]), member(d, field[14]),
-    )  # fmt: skip
-
-
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int
 _MODEL_AND_DATA = (types.intp, types.intp)  # addresses of mjModel and mjData
 
@@ -234,9 +178,10 @@ _MODEL_AND_DATA = (types.intp, types.intp)  # addresses of mjModel and mjData
 @cache
 def native_callbacks() -> Callbacks:
     """Return the compiled callbacks; the offsets in the structs of this MuJoCo are constants of their code."""
-    system, data, contact = _system_offsets(), offsets("mjData"), offsets("mjContact")
-    time, userdata, act_dot = data["time"], data["userdata"], data["act_dot"]
-    fields, sensed = tuple(data[name] for name in CONTROL_FIELDS), tuple(data[name] for name in SENSOR_FIELDS)
+    model, data, contact = offsets("mjModel"), offsets("mjData"), offsets("mjContact")
+    system = model["nu"], model["actuator_dynprm"], model["numeric_data"]
+    time, userdata, activation, act_dot = (data[name] for name in ("time", "userdata", "act", "act_dot"))
+    f, g = (tuple(data[name] for name in fields) for fields in (CONTROL_FIELDS, SENSOR_FIELDS))
     in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type", "efc_vel"))
     in_contact = (
         *(contact[name] for name in ("dist", "geom", "dim", "efc_address")),
@@ -244,14 +189,33 @@ def native_callbacks() -> Callbacks:
     )
 
     def control(m, d):  # type: ignore[no-untyped-def]
-        _control(m, d, system, fields, time)
+        is_system, _, lay, par, w, a = _find_system(m, system)
+        if is_system:
+            apply_forces(
+                lay, 0, par, 0, member(d, userdata, w), 0, member(d, activation, a), 0, float64_array(d + time)[0],
+                member(d, f[0]), member(d, f[1]), member(d, f[2]), member(d, f[3]), member(d, f[4]), member(d, f[5]),
+                member(d, f[6]), member(d, f[7]), member(d, f[8]), member(d, f[9]), member(d, f[10]), member(d, f[11]),
+            )  # fmt: skip
 
     def act_dyn(m, d, actuator):  # type: ignore[no-untyped-def]
-        return _act_dyn(m, d, actuator, system, userdata, act_dot)
+        is_system, last, lay, _, w, a = _find_system(m, system)
+        if is_system and last == actuator:
+            return copy_rates(lay, 0, member(d, userdata, w), 0, member(d, act_dot, a), 0)
+        return 0.0
 
     def sensor(m, d, stage):  # type: ignore[no-untyped-def]
-        if stage == ACCELERATION_STAGE:
-            _sensor(m, d, system, sensed, time, in_data, in_contact)
+        if stage != ACCELERATION_STAGE:
+            return
+        is_system, _, lay, par, w, a = _find_system(m, system)
+        if is_system:
+            u, now = member(d, userdata, w), float64_array(d + time)[0]
+            if u[at.OBSERVING] != 0.0:
+                _contacts(d, lay, u, now, in_data, in_contact)
+            observe(
+                lay, 0, par, 0, u, 0, member(d, activation, a), 0, now, member(d, g[0]), member(d, g[1]), member(d, g[2]),
+                member(d, g[3]), member(d, g[4]), member(d, g[5]), member(d, g[6]), member(d, g[7]), member(d, g[8]),
+                member(d, g[9]), member(d, g[10]), member(d, g[11]), member(d, g[12]),
+            )  # fmt: skip
 
     at_stage = types.void(*_MODEL_AND_DATA, types.int32)
     return Callbacks(
@@ -261,8 +225,3 @@ def native_callbacks() -> Callbacks:
         ),
         sensor=ctypes.CFUNCTYPE(None, _POINTER, _POINTER, _INTEGER)(address(sensor, at_stage)),
     )
-
-
-def _system_offsets() -> tuple[int, int, int]:
-    model = offsets("mjModel")
-    return model["nu"], model["actuator_dynprm"], model["numeric_data"]

@@ -4,12 +4,11 @@ MuJoCo calls the sensor callback once per Runge-Kutta step, in the forward pass 
 velocities and accelerations belong to the same instant.
 """
 
-import math
-
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import write_forces
-from wirerope_mj.engine.control.mounts import bent, turned
+from wirerope_mj.engine.control.contacts import track_stops, write_forces
+from wirerope_mj.engine.control.mounts import bent, point_velocity, remove_overshoot
 from wirerope_mj.engine.control.peaks import parabola_bounds, track_travel, track_vector
+from wirerope_mj.engine.control.vectors import cross, grow, keep, minus, norm, plus, swept, times, turned, vector
 from wirerope_mj.foundation.jit import index, inlined, njit
 
 
@@ -30,24 +29,18 @@ def body_accelerations(lay, i, out, w, cdof, cdof_dot, qvel, qacc):
 
 
 @inlined
-def kinematics(out, o, point, p, quaternion, k, body, root, subtree_com, cvel, cacc, w):
+def kinematics(out, o, point, quaternion, k, body, root, subtree_com, cvel, cacc, w):
     """Write position, orientation, velocity, angular velocity, acceleration and angular acceleration of a point."""
-    v, g, r = 6 * body, w + 6 * body, 3 * root
-    rx, ry, rz = point[p] - subtree_com[r], point[p + 1] - subtree_com[r + 1], point[p + 2] - subtree_com[r + 2]
-    wx, wy, wz = cvel[v], cvel[v + 1], cvel[v + 2]
-    ax, ay, az = cacc[g], cacc[g + 1], cacc[g + 2]
-    vx, vy, vz = cvel[v + 3] + wy * rz - wz * ry, cvel[v + 4] + wz * rx - wx * rz, cvel[v + 5] + wx * ry - wy * rx
-    for c in range(3):
-        out[o + c] = point[p + c]
-        out[o + 10 + c] = cvel[v + c]
-        out[o + 16 + c] = cacc[g + c]
+    arm, rate, turn = minus(point, vector(subtree_com, 3 * root)), vector(cvel, 6 * body), vector(cacc, w + 6 * body)
+    velocity = point_velocity(cvel, body, subtree_com, root, point)
+    keep(out, o, point)
     for c in range(4):
         out[o + 3 + c] = quaternion[k + c]
-    out[o + 7], out[o + 8], out[o + 9] = vx, vy, vz
+    keep(out, o + 7, velocity)
+    keep(out, o + 10, rate)
     # The spatial acceleration is that of the velocity field at a fixed point; omega x v turns it into the particle's.
-    out[o + 13] = cacc[g + 3] + ay * rz - az * ry + wy * vz - wz * vy
-    out[o + 14] = cacc[g + 4] + az * rx - ax * rz + wz * vx - wx * vz
-    out[o + 15] = cacc[g + 5] + ax * ry - ay * rx + wx * vy - wy * vx
+    keep(out, o + 13, swept(swept(vector(cacc, w + 6 * body + 3), turn, arm), rate, velocity))
+    keep(out, o + 16, turn)
 
 
 @njit
@@ -56,23 +49,15 @@ def bend_point(lay, k, out, o, r, site_xmat, qpos, qvel, qacc):
 
     The velocity grows by e' + omega x e, the acceleration by e'' + 2 omega x e' + alpha x e + omega x (omega x e).
     """
-    ex, ey, ez = turned(site_xmat, r, bent(lay, k, qpos, 1))
-    vx, vy, vz = turned(site_xmat, r, bent(lay, k, qvel, 0))
-    ax, ay, az = turned(site_xmat, r, bent(lay, k, qacc, 0))
-    wx, wy, wz, bx, by, bz = out[o + 10], out[o + 11], out[o + 12], out[o + 16], out[o + 17], out[o + 18]
-    cx, cy, cz = wy * ez - wz * ey, wz * ex - wx * ez, wx * ey - wy * ex
-    ux, uy, uz = 2.0 * vx + cx, 2.0 * vy + cy, 2.0 * vz + cz
-    out[o], out[o + 1], out[o + 2] = out[o] + ex, out[o + 1] + ey, out[o + 2] + ez
-    out[o + 7], out[o + 8], out[o + 9] = out[o + 7] + vx + cx, out[o + 8] + vy + cy, out[o + 9] + vz + cz
-    out[o + 13] += ax + wy * uz - wz * uy + by * ez - bz * ey
-    out[o + 14] += ay + wz * ux - wx * uz + bz * ex - bx * ez
-    out[o + 15] += az + wx * uy - wy * ux + bx * ey - by * ex
-
-
-@inlined
-def norm(a, i):
-    """Return the norm of the vector `a[i:i + 3]`."""
-    return math.sqrt(a[i] * a[i] + a[i + 1] * a[i + 1] + a[i + 2] * a[i + 2])
+    e = turned(site_xmat, r, bent(lay, k, qpos, 1))
+    v = turned(site_xmat, r, bent(lay, k, qvel, 0))
+    a = turned(site_xmat, r, bent(lay, k, qacc, 0))
+    w, alpha = vector(out, o + 10), vector(out, o + 16)
+    across = cross(w, e)
+    grow(out, o, e)
+    grow(out, o + 7, v)
+    grow(out, o + 7, across)
+    grow(out, o + 13, swept(swept(a, w, plus(times(2.0, v), across)), alpha, e))
 
 
 @inlined
@@ -83,7 +68,8 @@ def track_peaks(lay, i, u, w, time, s, first):
     channel, m = i + index(lay[i + at.CHANNELS]), w + index(lay[i + at.USER_CHANNELS])
     for _ in range(index(lay[i + at.N_CHANNELS])):
         j, before, last = first + index(lay[channel]), m + at.BEFORE, m + at.LAST
-        track_vector(u, m, before, last, s, j, (norm(u, before), norm(u, last), norm(s, j)), bounds, t0, t1, time)
+        norms = norm(vector(u, before)), norm(vector(u, last)), norm(vector(s, j))
+        track_vector(u, m, before, last, s, j, norms, bounds, t0, t1, time)
         for c in range(3):
             u[before + c], u[last + c] = u[last + c], s[j + c]
         channel, m = channel + at.CHANNEL_COLUMNS, m + at.CHANNEL_MEMORY
@@ -98,10 +84,13 @@ def track_peaks(lay, i, u, w, time, s, first):
 
 @inlined
 def observe(
-    lay, i, u, w, act, a, time, s, site_xpos, site_xquat, xipos, xquat, subtree_com, cvel, cdof, cdof_dot, qvel, qacc,
+    lay, i, par, q, u, w, act, a, time, s, site_xpos, site_xquat, xipos, xquat, subtree_com, cvel, cdof, cdof_dot, qvel, qacc,
     site_xmat, qpos,
 ):  # fmt: skip
-    """Write the system's sensor values of this instant and, while a simulation observes, update the peaks."""
+    """Write the system's sensor values of this instant and, while a simulation observes, update the peaks and stops."""
+    remove_overshoot(lay, i, par, q, act, a)
+    if u[w + at.OBSERVING] != 0.0:
+        track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtree_com, cvel, qvel)
     record, cacc = w + index(lay[i + at.USER_MOUNTS]), w + index(lay[i + at.USER_ACCELERATIONS])
     body_accelerations(lay, i, u, cacc, cdof, cdof_dot, qvel, qacc)
     first = index(lay[i + at.SENSOR])
@@ -109,18 +98,17 @@ def observe(
     row = i + index(lay[i + at.BODIES])
     for _ in range(index(lay[i + at.N_BODIES])):
         body, root = index(lay[row]), index(lay[row + 1])
-        kinematics(s, o, xipos, 3 * body, xquat, 4 * body, body, root, subtree_com, cvel, u, cacc)
+        kinematics(s, o, vector(xipos, 3 * body), xquat, 4 * body, body, root, subtree_com, cvel, u, cacc)
         o += at.KINEMATICS
         row += at.BODY_COLUMNS
     row = i + index(lay[i + at.POINTS])
     for _ in range(index(lay[i + at.N_POINTS])):
         site, body, root = index(lay[row]), index(lay[row + 1]), index(lay[row + 2])
-        kinematics(s, o, site_xpos, 3 * site, site_xquat, 4 * site, body, root, subtree_com, cvel, u, cacc)
+        kinematics(s, o, vector(site_xpos, 3 * site), site_xquat, 4 * site, body, root, subtree_com, cvel, u, cacc)
         if index(lay[row + 7]):
             bend_point(lay, i + index(lay[row + 7]), s, o, 9 * site, site_xmat, qpos, qvel, qacc)
-        base = 3 * index(lay[row + 3])
-        for c in range(3):
-            s[o + at.RELATIVE + c] = s[o + c] - xipos[base + c] - lay[row + 4 + c]
+        from_base = minus(vector(s, o), vector(xipos, 3 * index(lay[row + 3])))
+        keep(s, o + at.RELATIVE, minus(from_base, vector(lay, row + 4)))
         o += at.POINT_VALUES
         row += at.POINT_COLUMNS
     axis = i + index(lay[i + at.AXES])

@@ -60,9 +60,10 @@ class Equations:
 
 def equations_of(system: System) -> Equations:
     """Return the equations of a system of which `not_held` finds nothing."""
-    model, tables, bodies = system.model, system.assembly.tables, Bodies(system.model)
+    model, assembly, bodies = system.model, system.assembly, Bodies(system.model)
+    tables, subjects = assembly.tables, assembly.subjects
     fix, num, lay = Writer([]), Writer([]), np.zeros(at.HEADER, dtype=np.int64)
-    links, kinds = _links(bodies, {mode.body for mode in system.assembly.subjects.modes}, fix, num)
+    links, kinds = _links(bodies, {mode.body for mode in subjects.modes}, fix, num)
     dofs = _dofs(system, bodies, kinds, fix, num)
     shapes, places = _shapes(system, bodies, kinds, fix)
     mounts, runs = _mounts(system, bodies, kinds, places, fix, num)
@@ -73,36 +74,36 @@ def equations_of(system: System) -> Equations:
     lay[at.DRIVEN] = fix.put([[*row, mass] for row, mass in zip(tables.drive, masses, strict=True)])
     lay[at.PARAMETERS] = num.put(tables.parameters)
     axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * tables.user.n_mounts).astype(np.int64).tolist()
-    stops, trees = _stops(tables, axes), _trees(bodies, kinds, dofs, num)
-    tracked = tables.channels[tables.tracked]
-    parts: list[object] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
-    pairs = pair_rows(model, bodies, fix)
-    forces = [_force(bodies, kinds, places, site, fix, num) for site in system.assembly.subjects.forces]
-    modes = [[mode.dof, fix.put(mode.participation)] for mode in system.assembly.subjects.modes]
-    flat = [np.asarray(part, dtype=np.int64).ravel() for part in (shapes, *parts)]
-    lay[at.LINKS : at.LINKS + len(parts)] = at.HEADER + np.cumsum([part.size for part in flat[:-1]])
-    n_links, n_states = len(bodies.links), tables.user.n_states
+    stops, trees, pairs = _stops(tables, axes), _trees(bodies, kinds, dofs, num), pair_rows(model, bodies, fix)
+    forces = []
+    for site in subjects.forces:
+        link, pose = bodies.site(site)
+        to = seen(bodies, kinds, link)
+        forces.append([link, num.put(to @ pose.origin), fix.put((to @ pose.axes).T), places.get(site, 0)])
+    parts: dict[int, object] = {
+        at.LINKS: links, at.TREES: trees, at.DOFS: dofs, at.RUNS: runs, at.MOUNTS: mounts, at.AXES: axes, at.FRAMES: frames,
+        at.CHANNELS: tables.channels[tables.tracked], at.STOPS: stops, at.PAIRS: pairs,
+        at.MODES: [[mode.dof, fix.put(mode.participation)] for mode in subjects.modes], at.FORCES: forces,
+    }  # fmt: skip
+    flat = [lay, np.array(shapes, dtype=np.int64)]
+    for table, rows in parts.items():
+        lay[table] = sum(part.size for part in flat)
+        flat.append(np.asarray(rows, dtype=np.int64).ravel())
     n_values = int(sum(control.POINT_VALUES if row[3] else control.KINEMATICS for row in frames))
-    n_values += control.MOUNT_VALUES * len(mounts) + n_states
+    n_values += control.MOUNT_VALUES * len(mounts) + tables.user.n_states
     n_values += int(tables.layout[control.N_PAIRS])  # no pair of geoms touches here, and their forces stay zero
     counts = {
-        at.N_LINKS: n_links, at.N_TREES: len(trees), at.NQ: model.nq, at.NV: model.nv, at.N_STATES: n_states,
-        at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tables.tracked.size, at.N_STOPS: len(stops),
-        at.N_SLIPPING: int(tables.layout[control.N_SLIPPING]), at.N_DRIVEN: len(tables.drive), at.N_VALUES: n_values,
-        at.N_RUNS: len(runs),
+        at.N_LINKS: len(bodies.links), at.N_TREES: len(trees), at.NQ: model.nq, at.NV: model.nv,
+        at.N_STATES: tables.user.n_states, at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames),
+        at.N_CHANNELS: tables.tracked.size, at.N_STOPS: len(stops), at.N_SLIPPING: tables.layout[control.N_SLIPPING],
+        at.N_DRIVEN: len(tables.drive), at.N_VALUES: n_values, at.N_RUNS: len(runs), at.N_PAIRS: len(pairs),
+        at.N_MODES: len(subjects.modes), at.N_FORCES: len(forces),
     }  # fmt: skip
-    lay[at.PAIRS], lay[at.N_PAIRS] = at.HEADER + sum(part.size for part in flat), len(pairs)
-    flat.append(np.array(pairs, dtype=np.int64).ravel())
-    lay[at.MODES], lay[at.N_MODES] = at.HEADER + sum(part.size for part in flat), len(modes)
-    flat.append(np.array(modes, dtype=np.int64).ravel())
-    lay[at.FORCES], lay[at.N_FORCES] = at.HEADER + sum(part.size for part in flat), len(forces)
-    flat.append(np.array(forces, dtype=np.int64).ravel())
-    for entry, number in counts.items():
-        lay[entry] = number
+    lay[list(counts)] = list(counts.values())
     _sections(lay, largest=max((row[2] for row in trees), default=0))
     return Equations(
-        lay=np.concatenate([lay, *flat]), fix=np.array(fix.numbers), num=np.array(num.numbers),
-        rest=_rest(bodies, kinds), counts=_counts(tables, axes), loaded=system.assembly.subjects.force_names,
+        lay=np.concatenate(flat), fix=np.array(fix.numbers), num=np.array(num.numbers), rest=_rest(bodies, kinds),
+        counts=_counts(tables, axes), loaded=subjects.force_names,
     )  # fmt: skip
 
 
@@ -174,7 +175,10 @@ def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: Writer, num: Wr
         axis = model.jnt_axis[joint]
         if kinds[link] == at.STRAIGHT:
             axis = modelled(bodies, link).axes @ axis
-        constants = fix.put(axis, model.jnt_pos[joint], model.dof_armature[dof], model.qpos0[q], _limits(model, joint))
+        limits = np.zeros(2)  # between which a joint's limits do not act; none has equal ones
+        if model.jnt_limited[joint] and not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT:
+            limits = model.jnt_range[joint] + model.jnt_margin[joint] * np.array([1.0, -1.0])
+        constants = fix.put(axis, model.jnt_pos[joint], model.dof_armature[dof], model.qpos0[q], limits)
         spring = num.put(spring_of(model, dof))
         number = driven.index(dof) if dof in driven else -1
         rows.append([link, kind, q, int(model.dof_parentid[dof]), number, constants, spring])
@@ -186,13 +190,6 @@ def spring_of(model: mujoco.MjModel, dof: int) -> tuple[float, float, float]:
     joint = int(model.dof_jntid[dof])
     reference = model.qpos_spring[int(model.jnt_qposadr[joint])]
     return float(model.dof_damping[dof]), float(model.jnt_stiffness[joint]), float(reference)
-
-
-def _limits(model: mujoco.MjModel, joint: int) -> Array:
-    """Return between which values a joint's limits do not act; none has equal ones."""
-    if not model.jnt_limited[joint] or model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT:
-        return np.zeros(2)
-    return model.jnt_range[joint] + model.jnt_margin[joint] * np.array([1.0, -1.0])
 
 
 def _trees(bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer) -> list[list[int]]:
@@ -248,15 +245,6 @@ def _mounts(
         else:
             runs.append([payload, base, 1])
     return rows, runs
-
-
-def _force(
-    bodies: Bodies, kinds: list[int], places: dict[int, int], site: int, fix: Writer, num: Writer
-) -> list[int]:  # fmt: skip
-    """Return the row of a site at which a force may act."""
-    link, pose = bodies.site(site)
-    to = seen(bodies, kinds, link)
-    return [link, num.put(to @ pose.origin), fix.put((to @ pose.axes).T), places.get(site, 0)]
 
 
 def _shapes(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> tuple[list[int], dict[int, int]]:

@@ -1,8 +1,7 @@
 """Forces of the mounts on the links, and the rates of their states: the same laws that the callback evaluates."""
 
-from wirerope_mj.engine.control.mounts import AXIAL, coupled_forces, righting
-from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.links import (
+from wirerope_mj.engine.control.mounts import AXIAL, coupled_forces, righting_torque
+from wirerope_mj.engine.control.vectors import (
     cross,
     dot,
     grow,
@@ -16,6 +15,7 @@ from wirerope_mj.engine.kernel.links import (
     turned_back,
     vector,
 )
+from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.mounts.laws.registry import evaluate
 
@@ -45,9 +45,7 @@ def add_torque(lay, m, payload, base, fix, num, work):
     """Add the torques of the mount in row `m`, which resists turning, to the wrenches on its links."""
     f, p = lay[m + at.AXES_IN], lay[m + at.POINTS]
     b, s = orientation(lay, base, f + 9, fix, work), orientation(lay, payload, f + 13, fix, work)
-    e = product((b[0], -b[1], -b[2], -b[3]), s)
-    e = product(e, (fix[f + 17], -fix[f + 18], -fix[f + 19], -fix[f + 20]))
-    t = righting(e[0], e[1], e[2], e[3], num[p + 6], num[p + 7], num[p + 8])
+    t = righting_torque(b, s, quaternion(fix, f + 17), vector(num, p + 6))
     torque = plus(plus(times(t[0], vector(fix, f)), times(t[1], vector(fix, f + 3))), times(t[2], vector(fix, f + 6)))
     if lay[lay[at.LINKS] + at.LINK_COLUMNS * base + at.KIND] != at.STRAIGHT:
         torque = turned(work, lay[at.KIN] + at.KIN_SIZE * base + at.KIN_R, torque)

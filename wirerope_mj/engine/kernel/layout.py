@@ -8,16 +8,11 @@ the link" is in these axes from this origin.
 
 # header: counts, addresses of the tables, addresses of the sections of the working memory, in rows
 N_LINKS, N_TREES, NQ, NV, N_STATES, N_MOUNTS, N_FRAMES, N_CHANNELS, N_STOPS, N_SLIPPING, N_DRIVEN = range(11)
-LINKS, TREES, DOFS, RUNS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, DRIVEN = range(11, 21)
-PARAMETERS = 21  # of the laws in `num`
-N_VALUES, N_RUNS, N_PAIRS, PAIRS = 22, 23, 42, 43
-KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START = range(24, 32)
-SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY, TOUCHED, FAILED = range(32, 40)
-N_WORK = 40
-GRAVITY = 41  # address in `fix`
-TRAVELS = 44
-N_MODES, MODES = 45, 46
-N_FORCES, FORCES, LOADS = 47, 48, 49  # the last a section: of now, of a step's middle, of its end
+N_VALUES, N_RUNS, N_PAIRS, N_MODES, N_FORCES, N_WORK = range(11, 17)
+LINKS, TREES, DOFS, RUNS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, PAIRS, MODES, FORCES = range(17, 29)
+DRIVEN, GRAVITY, PARAMETERS = 29, 30, 31  # addresses in `fix`, and that of the laws' parameters in `num`
+KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY = range(32, 46)
+TOUCHED, TRAVELS, FAILED, LOADS = range(46, 50)  # the last: of now, of a step's middle, of its end
 HEADER = 50
 
 # parent (-1: the world), first dof, number of dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4),

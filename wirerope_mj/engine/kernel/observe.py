@@ -4,9 +4,9 @@ import math
 
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.peaks import parabola_bounds, touch, track_travel, track_vector
+from wirerope_mj.engine.control.vectors import carried, cross, grow, keep, minus, plus, swung, times, turned, vector
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import bent, orientation
-from wirerope_mj.engine.kernel.links import carried, cross, grow, keep, minus, plus, swung, times, turned, vector
 from wirerope_mj.foundation.jit import inlined
 from wirerope_mj.foundation.lanes import some, where
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, stop_force

@@ -9,10 +9,11 @@ import math
 
 import numpy as np
 
+from wirerope_mj.engine.control.vectors import product, quaternion, unit
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.carry import carry_coupled, carry_states
 from wirerope_mj.engine.kernel.forces import deflect
-from wirerope_mj.engine.kernel.links import half_turn, place_links, product, quaternion, unit
+from wirerope_mj.engine.kernel.links import half_turn, place_links
 from wirerope_mj.engine.kernel.steps import forward
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import WIDTH, rows, table

@@ -6,8 +6,7 @@ dofs k from j to the root, factored from the leaves on (Featherstone 2008, 6.2 a
 inertia and force, as MuJoCo's has, so that both push back on it alike.
 """
 
-from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.links import (
+from wirerope_mj.engine.control.vectors import (
     cross,
     dot,
     keep,
@@ -21,6 +20,7 @@ from wirerope_mj.engine.kernel.links import (
     turned_back,
     vector,
 )
+from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.foundation.jit import inlined, njit
 
 

@@ -9,22 +9,10 @@ import numpy as np
 
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.peaks import update_component
+from wirerope_mj.engine.control.vectors import dot, keep, minus, product, quaternion, times, turned_back, unit, vector
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import apply_mounts, push_base, push_loads
-from wirerope_mj.engine.kernel.links import (
-    dot,
-    half_turn,
-    keep,
-    minus,
-    place_links,
-    product,
-    quaternion,
-    times,
-    turn_rate,
-    turned_back,
-    unit,
-    vector,
-)
+from wirerope_mj.engine.kernel.links import half_turn, place_links, turn_rate
 from wirerope_mj.engine.kernel.observe import EVENT, HISTORY, TIME_1, TIME_2, measure, tick, track_peaks, track_stops
 from wirerope_mj.engine.kernel.solve import accelerate
 from wirerope_mj.foundation.jit import inlined, njit
