@@ -1,4 +1,4 @@
-"""docs/toml_files.md names every key that the classes of TOML files have, and the schemas that ship say what they say."""
+"""The pages name every key that the classes of TOML files have, and the schemas that ship say what they say."""
 
 import inspect
 import json
@@ -11,6 +11,7 @@ import pytest
 
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.resources import catalogue_folder, scenarios_folder
+from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 from wirerope_mj.mounts.laws import LAWS
 from wirerope_mj.runs.job_file import REPORTED
 from wirerope_mj.runs.schemas import FILES, SHIPPED, file_schema
@@ -18,8 +19,8 @@ from wirerope_mj.runs.schemas import FILES, SHIPPED, file_schema
 pytestmark = pytest.mark.quick
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "toml_files.md").read_text(encoding="utf-8")
-NAMED = set(re.findall(r"`\[*([\w.-]+)\]*`", PAGE))
+PAGE, LAWS_PAGE = ((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("toml_files.md", "laws.md"))
+NAMED = {*re.findall(r"`\[*([\w.-]+)\]*`", PAGE + LAWS_PAGE), *SPOKEN_MOTIONS}  # whose options are those of docs/shock.md
 UNIT = r"(m|mm|cm|in|um|ft|N|daN|kN|lbf|kip|kgf|N_per_mm|lb_per_in|J)"
 
 
@@ -32,7 +33,7 @@ def keys_in(content):
 
 
 @pytest.mark.parametrize("kind", FILES)
-def test_every_key_of_a_file_is_on_the_page(kind):
+def test_every_key_of_a_file_is_on_a_page(kind):
     keys = set(keys_in(file_schema(kind)))
     known = NAMED | {name.rpartition(".")[2] for name in NAMED}  # such as document.history
     assert {*REPORTED} <= NAMED
@@ -41,7 +42,7 @@ def test_every_key_of_a_file_is_on_the_page(kind):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_stands_there_with_all_its_parameters(name):
-    (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{name}` ")]
+    (row,) = [line for line in LAWS_PAGE.splitlines() if f" | `{name}`: " in line]
     assert set(inspect.signature(LAWS[name]).parameters) <= set(re.findall(r"`(\w+)`", row))
 
 

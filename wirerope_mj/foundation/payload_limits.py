@@ -4,24 +4,32 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import filter as matching
+from typing import NamedTuple
 
 from wirerope_mj.foundation.arguments import finite, one_of
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.quantities import values_with_unit
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS
 
-# Kinds of limits and how many values each may have.
-SIZES = {"acceleration": (1, 3), "clearance": (3, 6)}
 
-# Smallest and largest limit in SI: from the stillness of an optical table to what no equipment and no room has.
-RANGES = {"acceleration": (1e-6, 1e7), "clearance": (1e-7, 1e3)}
+class LimitKind(NamedTuple):
+    """What limits of a kind are written in."""
 
-UNITS = {"acceleration": "m/s^2", "clearance": "m"}
+    sizes: tuple[int, int]  # how many values one may have
+    unit: str
+    units: Mapping[str, float]  # in which texts may say it, each in `unit`
+    least: float  # from the stillness of an optical table
+    largest: float  # to what no equipment and no room has
+
+
+KINDS = {
+    "acceleration": LimitKind((1, 3), "m/s^2", ACCELERATION_UNITS, 1e-6, 1e7),
+    "clearance": LimitKind((3, 6), "m", LENGTH_UNITS, 1e-7, 1e3),
+}
 
 # Stands between two points in the name of the clearance between them.
 BETWEEN = " to "
 
-_KNOWN = {"acceleration": ACCELERATION_UNITS, "clearance": LENGTH_UNITS}
 _EXAMPLES = '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g" or "clearance/rack_top = 30 30 20 mm"'
 
 # Ways that a clearance limits, in the order of its six values.
@@ -44,16 +52,14 @@ class PayloadLimit:
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        one_of("kind", self.kind, SIZES)
+        one_of("kind", self.kind, KINDS)
+        (few, many), unit, _, low, high = KINDS[self.kind]
         values = tuple(finite("values", value) for value in self.values)
-        if len(values) not in SIZES[self.kind]:
-            few, many = SIZES[self.kind]
+        if len(values) not in (few, many):
             raise ValueError(f"`values` of {self.kind} must be {few} or {many} numbers, got {len(values)}.")
         if not all(math.isfinite(value) and value >= 0.0 for value in values) or not any(values):
             raise ValueError(f"`values` must be finite and >= 0, one of them > 0, got {values}.")
-        low, high = RANGES[self.kind]
         if (odd := next((value for value in values if value and not low <= value <= high), None)) is not None:
-            unit = UNITS[self.kind]
             raise ValueError(f"a limit of {self.kind} is from {low:g} to {high:g} {unit}, or 0 for none; got {odd:.6g} {unit}.")
         object.__setattr__(self, "values", values)
 
@@ -96,7 +102,7 @@ def limit_from_text(text: str) -> PayloadLimit:
     if not name:
         raise ValueError(f"a limit is written like {_EXAMPLES}; got {short(text)!r}.")
     try:
-        one_of("kind", kind, SIZES)
-        return PayloadLimit(kind=kind, name=name, values=values_with_unit(said, kind, _KNOWN[kind]))
+        one_of("kind", kind, KINDS)
+        return PayloadLimit(kind=kind, name=name, values=values_with_unit(said, kind, KINDS[kind].units))
     except ValueError as error:
         raise ValueError(f"limit {short(text)!r}: {error} It is written like {_EXAMPLES}.") from None

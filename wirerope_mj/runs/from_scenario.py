@@ -12,7 +12,7 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, write_json
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit, limits_by_patterns
+from wirerope_mj.foundation.payload_limits import KINDS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.job_file import Job
 from wirerope_mj.runs.page import write_page
@@ -107,7 +107,7 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
 def _text(limit: PayloadLimit) -> str:
     accelerates = limit.kind == "acceleration"
     values = " ".join(f"{value / (STANDARD_GRAVITY if accelerates else 1.0):.12g}" for value in limit.values)
-    return f"{limit.kind}/{limit.name} = {values} {'g' if accelerates else UNITS[limit.kind]}"
+    return f"{limit.kind}/{limit.name} = {values} {'g' if accelerates else KINDS[limit.kind].unit}"
 
 
 def _carried(scenario: Scenario) -> Entries:

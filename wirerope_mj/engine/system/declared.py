@@ -14,7 +14,7 @@ import numpy as np
 
 from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.payload_limits import BETWEEN, SIZES, PayloadLimit
+from wirerope_mj.foundation.payload_limits import BETWEEN, KINDS, PayloadLimit
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import load_isolator
@@ -220,8 +220,8 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
             continue
         prefix, _, rest = name.partition(LIMIT)
         kind, _, subject = rest.partition("/")
-        if kind not in SIZES:
-            raise ModelError(f"numeric {name!r}: a limit is called limit/KIND/NAME, KIND one of {', '.join(SIZES)}.")
+        if kind not in KINDS:
+            raise ModelError(f"numeric {name!r}: a limit is called limit/KIND/NAME, KIND one of {', '.join(KINDS)}.")
         known_there = known[kind]
         if prefix + subject not in known_there and BETWEEN in subject:
             subject = BETWEEN.join(prefix + one if number else one for number, one in enumerate(subject.split(BETWEEN)))
@@ -255,8 +255,5 @@ def limit_subjects(model: mujoco.MjModel, base: int) -> dict[str, list[str]]:
     modal = {mode.body for mode in declared_modes(model)}
     bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base) and b not in modal]
     shaped = [b for b in bodies if model.body_geomnum[b]]  # a body without geoms has no corners
-    return {
-        "acceleration": [*(model.body(b).name for b in bodies), *points],
-        "clearance": [*(model.body(b).name for b in shaped), *points],
-        "point": points,
-    }
+    every = [*(model.body(b).name for b in bodies), *points]
+    return dict.fromkeys(KINDS, every) | {"clearance": [*(model.body(b).name for b in shaped), *points], "point": points}

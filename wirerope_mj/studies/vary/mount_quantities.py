@@ -1,7 +1,7 @@
 """Parameters, positions, absence and failure of mounts that vary."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -123,11 +123,18 @@ class StiffeningParameter(LawParameter):
         return []  # any number of cycles may be meant
 
 
-class MountFactor(MountColumn):
-    """Factor on all forces of a mount, or on what dissipates in it; its key is "stiffness" or "damping"."""
+# Factors on whole mounts: what each makes of an isolator, and on what it is.
+MOUNT_FACTORS: dict[str, tuple[Callable[[Isolator, float], Isolator], str]] = {
+    "stiffness": (Isolator.scaled, "all its forces"),
+    "damping": (Isolator.with_damping, "what dissipates"),
+}
 
-    form = "mount/NAME/stiffness, mount/NAME/damping"
-    pattern = re.compile(r"mount/(.*)/(stiffness|damping)")
+
+class MountFactor(MountColumn):
+    """Factor on a whole mount; its key is one of `MOUNT_FACTORS`."""
+
+    form = ", ".join(f"mount/NAME/{name}" for name in MOUNT_FACTORS)
+    pattern = re.compile(rf"mount/(.*)/({'|'.join(MOUNT_FACTORS)})")
     acts = "factor"
 
     def nominal_of(self, system: System, target: str) -> float:

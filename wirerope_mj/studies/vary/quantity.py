@@ -30,7 +30,7 @@ class Draft:
     """Changes of a variant's system, gathered column by column."""
 
     system: System
-    # by mount, and there by ("axial", parameter), ("stiffening", parameter) or (WHOLE, "stiffness" or "damping")
+    # by mount, and there by ("axial", parameter), ("stiffening", parameter) or (WHOLE, a factor on it)
     parameters: dict[str, dict[tuple[str, ...], Any]] = field(default_factory=dict)
     isolators: dict[str, Isolator] = field(default_factory=dict)  # in place of the model's, by mount
     failed: set[str] = field(default_factory=set)  # mounts

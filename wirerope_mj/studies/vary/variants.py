@@ -17,6 +17,7 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Limits
 from wirerope_mj.studies.vary.failure import without_force
 from wirerope_mj.studies.vary.motion_settings import MotionSettings
+from wirerope_mj.studies.vary.mount_quantities import MOUNT_FACTORS
 from wirerope_mj.studies.vary.quantity import WHOLE, Draft, InputColumn
 
 Row = Entries
@@ -144,8 +145,9 @@ def _edited(isolator: Isolator, parameters: Mapping[tuple[str, ...], Any]) -> Is
         except ValueError as error:
             raise ValueError(f"[{part}] {error}") from None
     isolator = replace(isolator, **edited)
-    isolator = isolator.scaled(factors["stiffness"]) if "stiffness" in factors else isolator
-    return isolator.with_damping(factors["damping"]) if "damping" in factors else isolator
+    for name, (change, _) in MOUNT_FACTORS.items():
+        isolator = change(isolator, factors[name]) if name in factors else isolator
+    return isolator
 
 
 BLOCK = 1024  # Variants that are checked at once, and, one by one, before what was made of them is forgotten

@@ -16,6 +16,7 @@ from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.laws.law import FACTORS
 from wirerope_mj.studies.vary.body_quantities import bodies_of
 from wirerope_mj.studies.vary.distributions import Distribution
+from wirerope_mj.studies.vary.mount_quantities import MOUNT_FACTORS
 from wirerope_mj.studies.vary.quantity import WORLD
 
 _AXES = ", ".join(WORLD)
@@ -44,7 +45,8 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines += ["  mount/NAME/spread  specimens"] if spread else []
     if system.mounts:
         lines.append("all mounts: mount/NAME/fitted, mount/NAME/failed, mount/NAME/isolator (choices)")
-        lines.append("  mount/NAME/stiffness  factor on all its forces; mount/NAME/damping  factor on what dissipates")
+        on = [f"mount/NAME/{name}  factor on {what}" for name, (_, what) in MOUNT_FACTORS.items()]
+        lines.append(f"  {'; '.join(on)}")
         lines.append(f"  mount/NAME/position_shift/AXIS  shift [m] along the world's {_AXES}")
         lines.append(f"  mount/NAME/turn/AXIS  angle [°] by which it leans about the world's {_AXES}")
         lines.append("  several: mount/m01,m05,-m04/position_shift/x, those behind a minus moving the other way")
