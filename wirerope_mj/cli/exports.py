@@ -61,7 +61,7 @@ def export(
     from wirerope_mj.motions.restore import motion_from_dict
     from wirerope_mj.motions.spectra import shock_response_spectrum
     from wirerope_mj.motions.spectra.srs import exported_spectra, held
-    from wirerope_mj.runs.report import write_still, write_workbook_of
+    from wirerope_mj.runs.report import RENDERERS, write_content_of, write_still
     from wirerope_mj.studies.inputs_file import STUDY
     from wirerope_mj.studies.study import load_study
 
@@ -71,8 +71,8 @@ def export(
             raise ValueError("`--at` says the instant of a picture, OUT.png, which has no `--channels` and no `--spectrum`.")
         print(plain(f"written: {write_still(folder, out, at=at, force=force)}"))
         return 0
-    if kind == ".xlsx" and spectrum is None:
-        print(plain(f"written: {write_workbook_of(folder, out, channels=channels or (), force=force)}"))
+    if kind in RENDERERS and spectrum is None:
+        print(plain(f"written: {write_content_of(folder, out, channels=channels or (), force=force)}"))
         return 0
     if spectrum is None:
         table = (load_study(folder) if (folder / STUDY).is_file() else load_response(folder)).exported

@@ -27,6 +27,7 @@ from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.study import load_study
 from wirerope_mj.views.recording.viewer import FILE, find_recording
 from wirerope_mj.views.share import VIEWER, linked_report, viewer_pages
+from wirerope_mj.views.workbook import write_workbook
 
 
 def write_report(
@@ -67,21 +68,24 @@ def _content_of(folder: Path) -> Content:
     return replace(content, sections=(*content.sections, *correlation_sections(tests))) if tests else content
 
 
-def write_workbook_of(folder: Path, out: Path, *, channels: Sequence[str] = (), force: bool = False) -> Path:
-    """Write the tables of a run, a job or a study as a workbook, and the columns that patterns name; return its path.
+# What writes a content and samples as a file, by the file's ending.
+RENDERERS = {".xlsx": write_workbook}
+
+
+def write_content_of(folder: Path, out: Path, *, channels: Sequence[str] = (), force: bool = False) -> Path:
+    """Write what a run, a job or a study says as a file of `RENDERERS`, and the columns that patterns name; return its path.
 
     RecordError if the folder is none of them, or the file cannot be written; ValueError if a pattern matches no column, or
     a job has none.
     """
-    from wirerope_mj.views.workbook import write_workbook
-
+    write = RENDERERS[out.suffix.lower()]
     if (folder / STUDY).is_file():
         study = load_study(folder)
-        return write_workbook(result_content(study), picked(study.exported, channels or ["*"]), out, force=force)
+        return write(result_content(study), picked(study.exported, channels or ["*"]), out, force=force)
     if is_job(folder) and channels:
         raise ValueError("`channels` are those of one run: name the folder of a load case, JOB/cases/NAME.")
     samples = picked(load_response(folder).exported, channels) if channels else None
-    return write_workbook(_content_of(folder), samples, out, force=force)
+    return write(_content_of(folder), samples, out, force=force)
 
 
 def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool = False) -> Path:

@@ -81,8 +81,8 @@ def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
     """Say what the checks are of, where that is not the whole, " of the mounts", and what is not judged; "" of the whole."""
     rows = [row for row in verdicts if not row.contact]
     parts = {
-        "mounts": [row for row in rows if row.criterion.kind in _OF_MOUNTS],
-        "payload": [row for row in rows if row.criterion.kind not in (*_OF_MOUNTS, RATTLE_SPACE)],
+        "mounts": [row for row in rows if row.criterion.kind in OF_MOUNTS],
+        "payload": [row for row in rows if row.criterion.kind not in (*OF_MOUNTS, RATTLE_SPACE)],
         "rattle space": [row for row in rows if row.criterion.kind == RATTLE_SPACE],
     }
     judged = [part for part, members in parts.items() if any(row.verdict in (WITHIN, EXCEEDED) for row in members)]
@@ -131,7 +131,7 @@ def limit_of(criterion: Criterion) -> str:
 
 
 _RATED = (TRAVEL, STATIC_LOAD)
-_OF_MOUNTS = (RESTED, *_RATED, COMBINED.kind, BOTTOMING.kind)
+OF_MOUNTS = (RESTED, *_RATED, COMBINED.kind, BOTTOMING.kind)
 
 
 class Verdicts(tuple[Verdict, ...]):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from wirerope_mj.assessment.criteria.ended import too_short
-from wirerope_mj.assessment.criteria.judge import headline
+from wirerope_mj.assessment.criteria.judge import OF_MOUNTS, headline
 from wirerope_mj.assessment.criteria.loads import closing_text
 from wirerope_mj.assessment.criteria.travel import ELLIPSOID, peak_travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (
@@ -13,12 +13,9 @@ from wirerope_mj.assessment.criteria.verdict import (
     COMBINED,
     CONTACT,
     EXCEEDED,
-    LARGEST,
     NOT_JUDGED,
     RATTLE_SPACE,
     RESTED,
-    RMS,
-    SIGMA,
     STATIC_LOAD,
     STOP,
     TRAVEL,
@@ -126,7 +123,7 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     early = too_short(response)  # whose reason stands in the headline
     lines = ["What is not exceeded yet is not judged."] if early else []
     kinds = (ACCELERATION, RATTLE_SPACE)
-    rows = [row for row in verdicts if row.criterion.kind in (*kinds, RMS, SIGMA, LARGEST)]
+    rows = [row for row in verdicts if row.criterion.kind not in OF_MOUNTS and not row.contact]
     judged = sorted((row for row in rows if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
     lines += [f"{row.verdict.capitalize()}: {against_limit(row)}{_at(row)}." for row in judged[:_LIMITS]]
     if more := judged[_LIMITS:]:
