@@ -61,6 +61,7 @@ from .engine.system import load_system as load_system
 from .engine.system import on_deck as on_deck
 from .engine.system import varied as varied
 from .engine.system import with_flexible as with_flexible
+from .engine.system import with_gravity as with_gravity
 from .foundation.errors import AccuracyWarning as AccuracyWarning
 from .foundation.errors import BudgetError as BudgetError
 from .foundation.errors import ClusterWarning as ClusterWarning
@@ -80,6 +81,7 @@ from .motions import DecayingSine as DecayingSine
 from .motions import DesignSpectrum as DesignSpectrum
 from .motions import DoubleHalfSine as DoubleHalfSine
 from .motions import DoubleTriangle as DoubleTriangle
+from .motions import Drop as Drop
 from .motions import ForceTable as ForceTable
 from .motions import HalfSine as HalfSine
 from .motions import HarmonicForce as HarmonicForce

@@ -43,7 +43,7 @@ def shock(
     unit: str | None = None,
     start: float = 0.0,
     duration: float | None = None,
-    initial: Literal["settled", "relaxed", "unloaded"] = "settled",
+    initial: Literal["settled", "relaxed", "unloaded"] | None = None,
     sample_rate: float = 1000.0,
     accuracy: float | None = None,
     timestep: float | None = None,
@@ -81,7 +81,8 @@ def shock(
         start: instant at which a record begins [s].
         duration: simulated time [s]; by default until ten periods of the slowest mode after the motion, with a sweep until
             its end.
-        initial: state in which it begins: settled under its weight, relaxed (after long vibration) or unloaded.
+        initial: state in which it begins: settled under its weight, relaxed (after long vibration) or unloaded; by
+            default settled, and unloaded for a drop.
         sample_rate: of the response [Hz].
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
         timestep: largest step [s], in place of one that is chosen; no error is estimated then.
@@ -133,7 +134,8 @@ def shock(
     )  # fmt: skip
     made = made if deck is None else made.on_deck(deck_of(deck))
     duration = duration_of(motion, duration, system)
-    made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
+    initially = {"initial": initial} if initial else {}
+    made = replace(made, simulate={"duration": duration, "sample_rate": sample_rate} | initially | numerics)
     folder = out or dated(name)
     run_and_print(made, folder, force=force)
     return 0

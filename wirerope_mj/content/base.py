@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from wirerope_mj.assessment.criteria.foundation import foundation_force
-from wirerope_mj.assessment.criteria.sampled import STEADY, elements
+from wirerope_mj.assessment.criteria.sampled import elements, has_peak
 from wirerope_mj.assessment.criteria.verdict import AMPLIFIED
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
@@ -197,9 +197,10 @@ def ends(record: Record) -> tuple[np.ndarray, np.ndarray]:
 
 
 def shock_peak(motion: BaseMotion) -> float:
-    """Compute the largest acceleration of a shock [m/s^2]; NaN of steady and random motions."""
-    kinds = {str(part.get("kind")) for part in elements(motion.to_dict())}
-    if kinds & {*STEADY, RandomVibration.kind} or not math.isfinite(motion.end):
+    """Compute the largest acceleration of a shock [m/s^2]; NaN of steady and random motions, and of sudden velocities."""
+    stored = motion.to_dict()
+    random = any(part.get("kind") == RandomVibration.kind for part in elements(stored))
+    if random or not has_peak(stored) or not math.isfinite(motion.end):
         return math.nan
     times = np.union1d(motion.corners, np.linspace(0.0, motion.end, _INSTANTS))
     return float(np.linalg.norm(motion.acceleration(times), axis=1).max())

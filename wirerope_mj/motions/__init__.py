@@ -1,6 +1,7 @@
 """Base motion: shocks, sines, sweeps, random vibration and measured records; motions add with +."""
 
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
+from wirerope_mj.motions.drop import Drop
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce, PayloadForce

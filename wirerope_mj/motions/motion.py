@@ -104,6 +104,16 @@ class BaseMotion(ABC):
         """Vectors that span the directions in which the base moves, (n, 3)."""
 
     @property
+    def up(self) -> Array | None:
+        """Unit vector against gravity where the base falls onto a floor, (3,); None where nothing falls."""
+        return None
+
+    @property
+    def initial(self) -> str:
+        """State in which a simulation begins unless another is asked for: "settled", "unloaded" where the base falls."""
+        return "settled" if self.up is None else "unloaded"
+
+    @property
     def loaded_sites(self) -> tuple[str, ...]:
         """Sites of the payload at which forces come with the motion; none but for `PayloadForce` and sums with it."""
         return ()
@@ -263,6 +273,11 @@ class SumOfMotions(AsCall, BaseMotion):
     def directions(self) -> Array:
         """Directions of all terms, (n, 3)."""
         return np.concatenate([term.directions for term in self.terms])
+
+    @property
+    def up(self) -> Array | None:
+        """That of the first term that falls."""
+        return next((term.up for term in self.terms if term.up is not None), None)
 
     @property
     def loaded_sites(self) -> tuple[str, ...]:

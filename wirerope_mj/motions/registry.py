@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
+from wirerope_mj.motions.drop import Drop
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce
@@ -30,6 +31,7 @@ REGISTERED: tuple[type[BaseMotion] | type[DesignSpectrum] | type[SpectrumMatch],
     DesignSpectrum,  # stored as its double half-sine
     DoubleHalfSine,
     DoubleTriangle,
+    Drop,
     ShockTableImpact,
     DecayingSine,
     StruckPlate,

@@ -77,6 +77,8 @@ class Scaled(_Changed):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.motion.up is not None:
+            raise ValueError(f"a fall has no level but its height: change that. Got {self.motion.description}.")
         object.__setattr__(self, "factor", ranges.level("factor", self.factor))
 
     @property
@@ -135,6 +137,11 @@ class Turned(_Changed):
         if self.direction is None:
             return np.array(self.rotation)
         return np.outer(unit_vector(self.direction), _line(self.motion))
+
+    @property
+    def up(self) -> Array | None:
+        """That of the other motion, turned."""
+        return None if self.motion.up is None else self._changed(self.motion.up[np.newaxis])[0]
 
     @property
     def directions(self) -> Array:

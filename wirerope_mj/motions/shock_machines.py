@@ -180,6 +180,17 @@ class ShockTableImpact(StartedMotion):
     """
 
     kind: ClassVar[str] = "shock-table-impact"
+    phrases: ClassVar[tuple[SpokenMotion, ...]] = (
+        SpokenMotion(
+            name="drop-table", example="500 mm rebound 0.2 11 ms z", needs={"displacement": 1}, may={"time": 1},
+            summary="height of fall, rebound (0), half-sine of the programmer (at once), direction of the shock.",
+            words=START | {"rebound": ""},
+            make=lambda shape, phrase, direction, *_: shape(
+                drop_height=phrase.one("displacement"), rebound=phrase.named.get("rebound", 0.0), direction=direction,
+                pulse_duration=phrase.one("time") if "time" in phrase.quantities else None, start=phrase.start,
+            ),
+        ),
+    )  # fmt: skip
 
     drop_height: float  #: height h [m]
     rebound: float = 0.0  #: rebound velocity over impact velocity e, from 0 (the table stays) to 1

@@ -2,10 +2,10 @@
 
 import re
 import warnings
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
 
-from wirerope_mj.foundation.directions import directions_in
 from wirerope_mj.foundation.errors import ConvergenceError, ModelWarning
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.quantities import UNITS, Phrase, parse_phrase
@@ -14,10 +14,11 @@ from wirerope_mj.motions.phrases import SpokenMotion
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 
 
-def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> BaseMotion:
+def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None, along: str = "") -> BaseMotion:
     """Make the base motion that a phrase says; along several axes, as in "xyz", the sum of one along each.
 
-    `kind` is one of `SPOKEN_MOTIONS`; the relative path of a file starts in `folder`, the current one by default.
+    `kind` is one of `SPOKEN_MOTIONS`; the relative path of a file starts in `folder`, the current one by default;
+    a phrase without a direction is `along` one, if that is given.
 
     Raises:
         ValueError: the phrase is not understood, or says too little or too much; ends with an example.
@@ -30,6 +31,8 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> B
     try:
         begun, rest = (None, text) if spoken.begins is None else spoken.begins(text, folder or Path())
         phrase = parse_phrase(rest, words=spoken.words)
+        if along and spoken.directed and not phrase.directions:
+            phrase = replace(phrase, directions=(along,))
         _check(spoken, phrase)
         directions = phrase.directions if spoken.directed else ("z",)
         made = [spoken.make(phrase, direction, n, begun) for n, direction in enumerate(directions)]
@@ -63,8 +66,7 @@ def motion_from_words(text: str) -> BaseMotion:
         if match := re.search(rf"(?<![\w-]){written}(?![\w-])", named, re.IGNORECASE):
             rest = f"{named[: match.start()]} {named[match.end() :]}".replace(", ", " ")
             rest = " ".join(part.removesuffix(",") for part in rest.split())
-            along = "" if any(map(directions_in, rest.split())) or not SPOKEN_MOTIONS[kind].directed else " z"
-            return motion_from_phrase(kind, rest + along)
+            return motion_from_phrase(kind, rest, along="z")
     near = [one for word in text.split() for one in get_close_matches(word.lower(), SPOKEN_MOTIONS, n=1)]
     meant = f" Did you mean {near[0]}?" if near else ""
     raise ValueError(

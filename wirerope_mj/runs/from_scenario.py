@@ -63,7 +63,8 @@ def study_of(
         scenario = file.make(**(options or {}))
     elif options:
         raise ValueError("`options` are for a scenario file; this scenario is made already.")
-    simulate = _carried(scenario)
+    scenario = scenario.on_its_floor()
+    simulate: Entries = {"initial": scenario.motion.initial} | _carried(scenario)
     if timestep is not None or accuracy is not None:
         simulate |= {"timestep": timestep, "accuracy": simulate.get("accuracy", 1e-4) if accuracy is None else accuracy}
     return Study(

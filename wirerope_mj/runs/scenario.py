@@ -13,8 +13,9 @@ from types import UnionType
 from typing import Any, Self
 
 from wirerope_mj.engine.flexible import Deck
+from wirerope_mj.engine.simulation.stepper import falls_by_gravity
 from wirerope_mj.engine.system import Changes, load_system
-from wirerope_mj.engine.system.on_deck import deck_text
+from wirerope_mj.engine.system.on_deck import deck_text, with_gravity
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -210,6 +211,16 @@ class Scenario:
         system = load_system(self.model_source(), isolators=self.isolators)
         options = {**self.options, "deck": deck.description}
         return replace(self, model=deck_text(system, deck), isolators=system.isolators, options=options)
+
+    def on_its_floor(self) -> "Scenario":
+        """Turn the model's gravity against the floor onto which the motion falls, if it falls; the model is text then."""
+        if (up := self.motion.up) is None:
+            return self
+        system = load_system(self.model_source(), isolators=self.isolators)
+        if falls_by_gravity(system, up):
+            return self
+        turned = with_gravity(system, up=up)
+        return replace(self, model=turned.mjcf, isolators=turned.isolators)
 
 
 class ScenarioFile(OptionFile):

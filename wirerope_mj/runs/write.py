@@ -98,6 +98,7 @@ def write_run(
     target = Path(folder)
     check_folder(target, force=force, kind=KIND, marks=MARKS)
     arguments = checked_arguments(scenario)
+    scenario = scenario.on_its_floor()
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
     system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
     with atomic_folder(target, force=force, kind=KIND, marks=MARKS) as temporary:
@@ -196,7 +197,7 @@ def checked_arguments(scenario: Scenario) -> Entries:
         _check_numbers(arguments)
     except ValueError as error:
         raise ModelError(f"scenario {scenario.name!r}: {error}") from None
-    if not isinstance(arguments.get("initial", "settled"), str):
+    if not isinstance(arguments.get("initial"), str | None):
         choices = "'settled', 'relaxed' or 'unloaded'"
         raise ModelError(f"scenario {scenario.name!r}: `initial` must be {choices}, so that a file can say it.")
     return arguments
@@ -216,8 +217,8 @@ def _check_numbers(arguments: Entries) -> None:
 def _scenario_text(scenario: Scenario, response: Response, folder: Path, *, model: dict[str, str], arguments: Entries) -> str:
     """Return the scenario with every input resolved, as TOML; files of the motion are copied into `folder`."""
     numerics = response.numerics
-    resolved = {
-        "duration": float(arguments["duration"]), "initial": arguments.get("initial", "settled"),
+    resolved: Entries = {
+        "duration": float(arguments["duration"]), "initial": arguments.get("initial") or scenario.motion.initial,
         "timestep": numerics.timestep, "sample_rate": float(arguments.get("sample_rate", SAMPLE_RATE)),
         "callback": numerics.callback, "engine": numerics.engine,
     }  # fmt: skip

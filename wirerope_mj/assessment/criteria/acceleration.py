@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
-from wirerope_mj.assessment.criteria.sampled import STEADY, elements, read_columns, sampled_peak
+from wirerope_mj.assessment.criteria.sampled import has_peak, read_columns, sampled_peak
 from wirerope_mj.assessment.criteria.verdict import (
     ACCELERATION,
     Amplification,
@@ -44,9 +44,8 @@ def acceleration_verdicts(
         ValueError: a limit names neither a body nor a point, or the cutoff is not below half the sampling rate.
     """
     bodies, points = payload_bodies(response), list(response.points)
-    steady = any(part.get("kind") in STEADY for part in elements(response.motion))
     driven = response.peaks.bodies.get(response.scene.base)
-    base = 0.0 if steady or cutoff is not None or driven is None else driven.acceleration.value
+    base = driven.acceleration.value if driven is not None and cutoff is None and has_peak(response.motion) else 0.0
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *points])
     verdicts: list[Verdict] = []
     for kind, names, peaks in (("bodies", bodies, response.peaks.bodies), ("points", points, response.peaks.points)):

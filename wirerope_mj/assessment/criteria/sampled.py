@@ -84,6 +84,18 @@ def steady_interval(motion: Entries) -> tuple[bool, float, float]:
     return bool(parts) and len(intervals) == len(parts), first, last
 
 
+# Lengths without which a blow changes the base's velocity at once, by the kinds of motions; None where there is none to give
+SUDDEN = {"velocity-step": None, "drop": None, "shock-table-impact": "pulse_duration", "decaying-sine": "impact_duration"}
+
+
+def has_peak(stored: Entries) -> bool:
+    """Return whether a shock of the base has a peak acceleration: no sine that goes on, no velocity that changes at once."""
+    parts = list(elements(stored))
+    return not any(
+        part.get("kind") in STEADY or (part.get("kind") in SUDDEN and not part.get(str(SUDDEN[part["kind"]]))) for part in parts
+    )
+
+
 def elements(stored: Entries) -> Iterator[Entries]:
     """Yield the elementary motions of which one is made by adding, scaling and turning."""
     inner = [*stored.get("terms", ()), *([stored["motion"]] if "motion" in stored else ())]

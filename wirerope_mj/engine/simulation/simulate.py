@@ -48,7 +48,7 @@ RING_DOWN = 10.0
 
 
 def simulate(
-    system: System, motion: BaseMotion, *, duration: float, initial: str | State = "settled", timestep: float | None = None,
+    system: System, motion: BaseMotion, *, duration: float, initial: str | State | None = None, timestep: float | None = None,
     accuracy: float = 1e-4, sample_rate: float = 1000.0, corners: Sequence[float] | Array = (), callback: Kind = "native",
     engine: Engine = "auto", out: str | Path | None = None, progress: bool = False,
 ) -> Response:  # fmt: skip
@@ -60,7 +60,7 @@ def simulate(
         duration: simulated time [s].
         initial: "settled" (equilibrium under gravity on the virgin path), "relaxed" (equilibrium after long vibration, see
             `wirerope_mj.equilibrium`), "unloaded" (modelled geometry at rest relative to the base), or a State, from whose
-            instant the simulation goes on.
+            instant the simulation goes on; None is "settled", and "unloaded" where the base falls.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and refined peaks allowed, relative to the peaks; used if `timestep` is None.
         sample_rate: samples per second [Hz], at k / sample_rate.

@@ -14,8 +14,10 @@ from wirerope_mj.engine.simulation.stages import Segment, along_slides, loads_at
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arrays import AnyArray, Array, Integers
-from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.directions import direction_text
+from wirerope_mj.foundation.errors import ModelError, SimulationError
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import falling_text
@@ -236,12 +238,20 @@ def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> Integers:
     return np.flatnonzero(rides)
 
 
-def initial_state(system: System, motion: BaseMotion, initial: str | State) -> State:
-    """Return the state at the start of a simulation: "settled", "relaxed", "unloaded", or a state that is given.
+def initial_state(system: System, motion: BaseMotion, initial: str | State | None) -> State:
+    """Return the state at the start of a simulation: "settled", "relaxed", "unloaded", a given one, or None: the motion's own.
 
     The base stands and moves as the motion says just before the start; if the given state's base does not, the whole system
-    is carried along (a Galilean change), so that nothing but the motion's own acceleration disturbs it.
+    is carried along (a Galilean change), so that nothing but the motion's own acceleration disturbs it. ModelError if the
+    base falls otherwise than the model's gravity has it.
     """
+    if motion.up is not None and not falls_by_gravity(system, motion.up):
+        up, gravity = (direction_text(tuple(vector.tolist())) for vector in (motion.up, system.model.opt.gravity))
+        raise ModelError(
+            f"the base falls with {up} upwards, and gravity of this model is {gravity} m/s^2: "
+            "`wirerope_mj.with_gravity(system, up=..)` turns it."
+        )
+    initial = motion.initial if initial is None else initial
     if isinstance(initial, State):
         size = mujoco.mj_stateSize(system.model, STATE)
         added = TRAVEL_MEMORY * len(system.mounts)
@@ -258,6 +268,11 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State) -> S
     else:
         raise ValueError(f"`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got {initial!r}.")
     return moving_with_base(system, motion, state)
+
+
+def falls_by_gravity(system: System, up: Array) -> bool:
+    """Return whether gravity of a system is the standard one, against a unit vector."""
+    return bool(np.allclose(system.model.opt.gravity, -STANDARD_GRAVITY * up, rtol=0.0, atol=1e-3))
 
 
 def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:

@@ -1,10 +1,11 @@
-"""A model's text rewritten: on a deck that bends, with a body that bends, or with another part in its mounts' places."""
+"""A model's text rewritten: on a deck or with a body that bends, with another part in its mounts' places, turned in gravity."""
 
 from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import mujoco
+import numpy as np
 
 from wirerope_mj.engine.flexible import Deck, FlexiblePart, deck_of
 from wirerope_mj.engine.flexible.panel import NAME, add_panel
@@ -12,7 +13,9 @@ from wirerope_mj.engine.flexible.part import add_part
 from wirerope_mj.engine.system.named_files import named_files
 from wirerope_mj.engine.system.system import System, load_system
 from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arrays import ArrayLike
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator import Isolator
 
 
@@ -44,6 +47,24 @@ def with_flexible(system: System, part: FlexiblePart, *, body: str) -> System:
         ModelError: there is no such body, or it bends already, or no point of the part is at a mount's site.
     """
     return _as_written(system, _text_of(system, part, body=body, name=body))
+
+
+def with_gravity(system: System, *, up: ArrayLike) -> System:
+    """Turn standard gravity in the axes of a system, as if it stood on another side; its model is text then.
+
+    Args:
+        system: the system.
+        up: vector against gravity, (3,).
+
+    Raises:
+        ModelError: the model names files of its own.
+    """
+    root, along = model_root(system), np.asarray(up, dtype=float)
+    option = root.find("option")
+    option = ET.SubElement(root, "option") if option is None else option
+    gravity = 0.0 - STANDARD_GRAVITY * along / np.linalg.norm(along)
+    option.set("gravity", " ".join(repr(value) for value in gravity.tolist()))
+    return _as_written(system, written(root))
 
 
 def _as_written(system: System, text: str) -> System:

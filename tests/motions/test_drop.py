@@ -1,0 +1,122 @@
+"""The drop of a case: height to velocity, what lands, weightless fall, gravity of the side on which it comes to rest."""
+
+import math
+import tomllib
+
+import numpy as np
+import pytest
+from house import sdof
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.motions.spoken import motion_from_phrase
+from wirerope_mj.runs.job_file import load_job
+
+G = wr.STANDARD_GRAVITY
+QUARTER = G / 2 * 0.25**2  # height [m] of which the fall takes 0.25 s, a multiple of all steps below
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("text", "direction", "lands"), [
+    ("300 mm z", (0, 0, 1), "bottom"),
+    ("300 mm onto bottom", (0, 0, 1), "bottom"),
+    ("onto top 300 mm", (0, 0, -1), "top"),
+    ("300 mm onto -x side", (1, 0, 0), "-x"),
+    ("300 mm onto +y face", (0, -1, 0), "+y"),
+    ("300 mm onto bottom and -x", (1, 0, 1), "bottom -x"),
+    ("300 mm onto bottom, +x, -y corner", (-1, 1, 1), "bottom +x -y"),
+    ("300 mm 1,0,3", (1, 0, 3), "bottom -x, up along (1, 0, 3)"),
+])  # fmt: skip
+def test_the_face_that_lands_says_the_direction(text, direction, lands):
+    drop = motion_from_phrase("drop", text)
+    np.testing.assert_allclose(drop.up, np.array(direction) / np.linalg.norm(direction), atol=1e-15)
+    assert drop.description == f"drop 0.3 m onto {lands}, 2.426 m/s"
+    ((instant, jump),) = drop.velocity_jumps
+    assert instant == pytest.approx(math.sqrt(0.6 / G))
+    np.testing.assert_allclose(jump, math.sqrt(0.6 * G) * drop.up, rtol=1e-14)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("text", "fault"), [
+    ("300 mm -z", "may be that of the fall or that of the blow"),
+    ("300 mm x", "may be that of the fall or that of the blow"),
+    ("300 mm onto edge", '"onto edge" is no face'),
+    ("300 mm onto -x edge", '"onto -x edge" is no face'),
+    ("300 mm onto bottom top", '"onto bottom top" is no face'),
+    ("300 mm onto floor", '"onto" is no face'),
+    ("onto bottom", "a displacement must stand there"),
+    ("300 mm", "a direction must stand there"),
+])  # fmt: skip
+def test_a_drop_that_may_be_another_is_refused(text, fault):
+    with pytest.raises(ValueError, match=fault):
+        motion_from_phrase("drop", text)
+
+
+@pytest.mark.quick
+def test_a_table_is_said_with_and_without_programmer():
+    assert motion_from_phrase("drop-table", "500 mm rebound 0.2 11 ms z") == wr.ShockTableImpact(
+        drop_height=0.5, rebound=0.2, pulse_duration=0.011
+    )
+    assert motion_from_phrase("drop-table", "500 mm z").velocity_jumps[0][1][2] == pytest.approx(math.sqrt(G))
+
+
+@pytest.mark.filterwarnings("ignore::wirerope_mj.foundation.errors.AccuracyWarning")  # the same steps, whatever their error
+def test_a_drop_from_rest_is_the_step_of_its_velocity():
+    system, drop = wr.load_system("cabinet"), wr.Drop(drop_height=QUARTER)
+    step = wr.VelocityStep(velocity=drop.impact_velocity, direction="z")
+    exact = {"timestep": 2.0**-14, "sample_rate": 1024.0, "engine": "kernel"}
+    fallen = wr.simulate(system, drop, duration=0.25 + 0.125, **exact)
+    struck = wr.simulate(system, step, duration=0.125, initial="unloaded", **exact)
+    for name, peaks in struck.peaks.mounts.items():
+        assert fallen.peaks.mounts[name].deflection.value == pytest.approx(peaks.deflection.value, rel=1e-9)
+        assert fallen.peaks.mounts[name].force.value == pytest.approx(peaks.force.value, rel=1e-9)
+    deflection = fallen.mounts["m01"].deflection
+    np.testing.assert_allclose(deflection[256:], struck.mounts["m01"].deflection, atol=1e-9 * np.abs(deflection).max())
+    assert np.abs(deflection[:256]).max() < 1e-12  # nothing swings in the air
+
+
+@pytest.mark.quick
+def test_a_linear_mount_bears_the_closed_form():
+    """A mass that meets the floor at V on an unloaded spring peaks at sqrt(g^2 + w^2 V^2), and its force m g above that."""
+    drop, omega = wr.Drop(drop_height=0.3), math.sqrt(4e4 / 3.5)
+    response = wr.simulate(sdof(wr.KelvinVoigt(k=4e4, c=0.0), gravity=G), drop, duration=0.5, accuracy=1e-8)
+    peak = math.hypot(G, omega * drop.impact_velocity)
+    assert response.peaks.bodies["mass"].acceleration.value == pytest.approx(peak, rel=1e-6)
+    assert response.peaks.mounts["m1"].force.value == pytest.approx(3.5 * (peak + G), rel=1e-6)
+
+
+@pytest.mark.quick
+def test_gravity_is_that_of_the_side_that_lands_and_the_level_that_of_the_height():
+    system, drop = sdof(wr.KelvinVoigt(k=4e4, c=10.0), gravity=G), wr.Drop(drop_height=0.3, direction=(0, 0, -1))
+    with pytest.raises(wr.ModelError, match="with_gravity"):
+        wr.simulate(system, drop, duration=0.5)
+    with pytest.raises(wr.ModelError, match="with_gravity"):
+        wr.simulate(sdof(wr.KelvinVoigt(k=4e4, c=10.0)), wr.Drop(drop_height=0.3), duration=0.5)
+    turned = wr.with_gravity(system, up=drop.up)
+    upwards = wr.simulate(turned, drop, duration=0.5)
+    downwards = wr.simulate(system, wr.Drop(drop_height=0.3), duration=0.5)
+    mirrored = upwards.mounts["m1"].deflection + downwards.mounts["m1"].deflection
+    assert np.abs(mirrored).max() < 1e-12
+    with pytest.raises(ValueError, match="no level but its height"):
+        wr.Scaled(drop, 2.0)
+    assert wr.Turned(drop, direction="x").up.tolist() == [1.0, 0.0, 0.0]
+    assert (drop + wr.HalfSine(peak=1.0, duration=0.01, direction="z")).initial == "unloaded"
+
+
+@pytest.mark.slow
+def test_a_case_of_a_job_falls_on_its_side_begins_unloaded_and_replays(tmp_path, capsys):
+    (tmp_path / "job.toml").write_text(
+        'model = "shock_table_frame"\nquestion = "Does it stand its drops?"\n[[case]]\nname = "side"\ndrop = "200 mm onto -x"\n'
+        '[[case]]\nname = "held"\ndrop = "200 mm z"\ninitial = "settled"\n',
+        encoding="utf-8",
+    )
+    assert [case.scenario.motion.up.tolist() for case in load_job(tmp_path / "job.toml").cases] == [[1, 0, 0], [0, 0, 1]]
+    main(["cases", str(tmp_path / "job.toml"), "--out", str(tmp_path / "job")])
+    side, held = (
+        tomllib.loads((tmp_path / f"job/cases/{name}/scenario.toml").read_text(encoding="utf-8")) for name in ("side", "held")
+    )
+    assert (side["simulate"]["initial"], held["simulate"]["initial"]) == ("unloaded", "settled")
+    system = wr.load_system(tmp_path / "job/cases/side/model/shock_table_frame.xml")
+    assert system.model.opt.gravity.tolist() == [-G, 0.0, 0.0]
+    assert "amplification" not in capsys.readouterr().out  # no shock is sharper than a stop at once
+    assert main(["replay", str(tmp_path / "job/cases/side")]) == 0
