@@ -83,14 +83,23 @@ def new(
         return MISSING
 
 
-def levels(name: str | None = None, *, out: Path | None = None, force: Flag = False) -> int:
+def levels(
+    name: str | None = None, *, sds: float | None = None, z_h: float | None = None, ag: float | None = None,
+    ground: Literal["A", "B", "C", "D", "E"] | None = None, out: Path | None = None, force: Flag = False,
+) -> int:  # fmt: skip
     """List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.
 
     The files name the fields and formulas of a standard. Levels are those of your own specification: none is built in, and a
-    motion with an open level is refused.
+    motion with an open level is refused. Those of earthquakes follow from the numbers of a site:
+
+    wirerope levels ac156 --sds 1.2 --z-h 1
 
     Args:
         name: of the file, such as bv_043; without it all are listed.
+        sds: of ac156: design spectral acceleration at short periods S_DS [g].
+        z_h: of ac156: height of the attachment over that of the building, from 0 to 1.
+        ag: of en1998: design ground acceleration on rock times the importance factor [g].
+        ground: of en1998: type of the ground, whose soil factor and corner periods of type 1 are taken.
         out: where it is written; NAME.toml in the current folder by default.
         force: replace a file that is there.
     """
@@ -99,20 +108,34 @@ def levels(name: str | None = None, *, out: Path | None = None, force: Flag = Fa
     from wirerope_mj.foundation.errors import RecordError
     from wirerope_mj.foundation.toml_file import read_toml
     from wirerope_mj.motions.restore import level_templates
+    from wirerope_mj.motions.seismic_levels import LEVELS, ac156_levels, en1998_levels
 
     templates = level_templates()
     if name is None:
         standards = {stem: read_toml(path, "file of levels")["standard"] for stem, path in templates.items()}
-        print_questions("levels", standards)
+        print_questions("levels", standards | LEVELS)
         return 0
-    if name not in templates:
-        raise ValueError(f"there are no levels {name!r}; there are {', '.join(templates)}.")
+    if name not in (*templates, *LEVELS):
+        raise ValueError(f"there are no levels {name!r}; there are {', '.join((*templates, *LEVELS))}.")
+    sites = {"ac156": {"sds": sds, "z_h": z_h}, "en1998": {"ag": ag, "ground": ground}}
+    for standard, site in sites.items():
+        for key, value in site.items():
+            if (value is not None) != (standard == name):
+                verb = "needs" if standard == name else "alone takes"
+                raise ValueError(f"the file of levels {standard} {verb} --{key.replace('_', '-')}.")
+    if name in LEVELS:
+        files = {"ac156": ac156_levels, "en1998": en1998_levels}[name](**sites[name])  # type: ignore[operator]
+    else:
+        files = {f"{name}.toml": templates[name].read_text(encoding="utf-8")}
     target = out or Path(f"{name}.toml")
-    if target.exists() and not force:
-        raise RecordError(f"{target}: the file exists; --force replaces it.")
-    with atomic_file(target) as temporary:
-        temporary.write_bytes(templates[name].read_bytes())
-    print(f"written: {target}")
+    written = {target if file == f"{name}.toml" else target.parent / file: text for file, text in files.items()}
+    for path in written:
+        if path.exists() and not force:
+            raise RecordError(f"{path}: the file exists; --force replaces it.")
+    for path, text in reversed(written.items()):
+        with atomic_file(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    print(f"written: {', '.join(map(str, written))}")
     return 0
 
 

@@ -29,9 +29,9 @@ FACTORS = (0.6, 0.75, 1.05)
 
 def en1998_spectrum(
     frequencies: ArrayLike, *, ground_acceleration: float, soil_factor: float,
-    corner_periods: tuple[float, float, float], damping: float = 0.05,
+    corner_periods: tuple[float, float, float], damping: float = 0.05, plateau: float = 2.5,
 ) -> Array:  # fmt: skip
-    """Return the horizontal elastic response spectrum of EN 1998-1, 3.2.2.2 [m/s^2].
+    """Return the elastic response spectrum of EN 1998-1, 3.2.2.2 and 3.2.2.3, in the unit of the ground acceleration.
 
     With T = 1/f and eta = sqrt(10/(5 + 100 damping)), at least 0.55,
 
@@ -40,14 +40,16 @@ def en1998_spectrum(
              2.5 ag S eta TC/T               up to TD
              2.5 ag S eta TC TD/T^2          up to 4 s
 
+    The vertical one has 3.0 for 2.5, S = 1 and corner periods of its own.
     `EN1998_TYPE_1["B"]` and the like hold soil factor and corner periods of the ground types.
 
     Args:
         frequencies: frequencies [Hz], any shape, 0.25 Hz or more.
-        ground_acceleration: design ground acceleration on rock, ag [m/s^2].
+        ground_acceleration: design ground acceleration on rock, ag, for instance in [m/s^2].
         soil_factor: factor S of the ground [-].
         corner_periods: TB, TC and TD [s].
         damping: damping ratio of the oscillators.
+        plateau: amplification of the plateau at 5 % damping: 2.5, of the vertical spectrum 3.0.
     """
     level = positive("ground_acceleration", ground_acceleration) * positive("soil_factor", soil_factor)
     tb, tc, td = (positive("corner_periods", period) for period in corner_periods)
@@ -55,10 +57,10 @@ def en1998_spectrum(
         raise ValueError(f"`corner_periods` must increase, got {corner_periods!r}.")
     period = 1 / _above(frequencies, 1 / LONGEST_PERIOD, "the spectrum of EN 1998-1 ends at 4 s")
     eta = max(math.sqrt(10 / (5 + 100 * positive("damping", damping))), 0.55)
-    plateau = 2.5 * eta
+    highest = plateau * eta
     # Beyond each corner the factor of the branch before it goes on.
-    falling = plateau * np.minimum(tc / period, 1.0) * np.minimum(td / period, 1.0)
-    return level * np.where(period < tb, 1 + period / tb * (plateau - 1), falling)
+    falling = highest * np.minimum(tc / period, 1.0) * np.minimum(td / period, 1.0)
+    return level * np.where(period < tb, 1 + period / tb * (highest - 1), falling)
 
 
 def ac156_spectrum(frequencies: ArrayLike, *, s_ds: float, height_ratio: float, vertical: bool = False) -> Array:
