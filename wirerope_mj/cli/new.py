@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from wirerope_mj.cli.options import Deck, Flag
 
@@ -108,7 +108,7 @@ def levels(
     from wirerope_mj.foundation.errors import RecordError
     from wirerope_mj.foundation.toml_file import read_toml
     from wirerope_mj.motions.restore import level_templates
-    from wirerope_mj.motions.seismic_levels import LEVELS, ac156_levels, en1998_levels
+    from wirerope_mj.motions.seismic_levels import LEVELS, WRITERS
 
     templates = level_templates()
     if name is None:
@@ -117,14 +117,14 @@ def levels(
         return 0
     if name not in (*templates, *LEVELS):
         raise ValueError(f"there are no levels {name!r}; there are {', '.join((*templates, *LEVELS))}.")
-    sites = {"ac156": {"sds": sds, "z_h": z_h}, "en1998": {"ag": ag, "ground": ground}}
+    sites: dict[str, dict[str, Any]] = {"ac156": {"sds": sds, "z_h": z_h}, "en1998": {"ag": ag, "ground": ground}}
     for standard, site in sites.items():
         for key, value in site.items():
             if (value is not None) != (standard == name):
                 verb = "needs" if standard == name else "alone takes"
                 raise ValueError(f"the file of levels {standard} {verb} --{key.replace('_', '-')}.")
     if name in LEVELS:
-        files = {"ac156": ac156_levels, "en1998": en1998_levels}[name](**sites[name])  # type: ignore[operator]
+        files = WRITERS[name](**sites[name])
     else:
         files = {f"{name}.toml": templates[name].read_text(encoding="utf-8")}
     target = out or Path(f"{name}.toml")

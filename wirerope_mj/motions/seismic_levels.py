@@ -1,5 +1,7 @@
 """Files of levels of earthquakes: the required spectra of AC156 and EN 1998-1 for the numbers of a site, three axes at once."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from wirerope_mj.foundation.arguments import one_of
@@ -58,3 +60,6 @@ def _files(name: str, formulas: str, length: str, ramps: str, frequencies: Array
         for kind, levels in zip(("horizontal", "vertical"), spectra, strict=True)
     }
     return {f"{name}.toml": "\n".join(lines) + "\n", **tables}
+
+
+WRITERS: dict[str, Callable[..., dict[str, str]]] = {"ac156": ac156_levels, "en1998": en1998_levels}
