@@ -123,10 +123,8 @@ def levels(
             if (value is not None) != (standard == name):
                 verb = "needs" if standard == name else "alone takes"
                 raise ValueError(f"the file of levels {standard} {verb} --{key.replace('_', '-')}.")
-    if name in LEVELS:
-        files = WRITERS[name](**sites[name])
-    else:
-        files = {f"{name}.toml": templates[name].read_text(encoding="utf-8")}
+    filled_in = WRITERS[name](**sites[name]) if name in LEVELS else {}
+    files = filled_in or {f"{name}.toml": templates[name].read_text(encoding="utf-8")}
     target = out or Path(f"{name}.toml")
     written = {target if file == f"{name}.toml" else target.parent / file: text for file, text in files.items()}
     for path in written:
