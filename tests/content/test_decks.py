@@ -1,4 +1,6 @@
-"""What a report says of decks that bend: the peaks on four panels, or why they were not looked at."""
+"""What a report says of decks that bend: the peaks on four panels if asked, or why they were not looked at."""
+
+from dataclasses import replace
 
 import pytest
 
@@ -13,10 +15,10 @@ pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is a
 PULSE = wr.HalfSine(peak=150.0, duration=0.011, direction="z", start=0.05)
 
 
-def blocks(system, motion=PULSE, **how):
+def blocks(system, motion=PULSE, *, decks=True, **how):
     """Return the blocks on decks of a run."""
     response = wr.simulate(system, motion, **({"duration": 0.2, "timestep": 2e-4} | how))
-    return response, list(decks_blocks(judged_run(system, motion, response, {})))
+    return response, list(decks_blocks(replace(judged_run(system, motion, response, {}), decks=decks)))
 
 
 @pytest.mark.quick
@@ -38,6 +40,15 @@ def test_the_peaks_on_panels_are_those_of_runs_on_them():
     factor = max(row[column].content for row in table.rows for column in (3, 6))
     assert answer.values["largest_factor"] == pytest.approx(factor, rel=1e-12)
     assert f"grows to {100 * factor:.0f} %" in answer.text
+
+
+@pytest.mark.quick
+def test_nothing_is_simulated_on_decks_unless_it_is_asked_for(monkeypatch):
+    monkeypatch.delattr("wirerope_mj.content.decks.peaks_on_decks")
+    _, (statement,) = blocks(wr.load_system("cabinet"), decks=False)
+    assert isinstance(statement, Statement)
+    assert "--decks" in statement.text
+    assert "8 to 25 Hz" in statement.text
 
 
 @pytest.mark.quick

@@ -40,6 +40,9 @@ Deck = Annotated[str | None, Parameter(help=(
     "damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part."
 ))]  # fmt: skip
 
+_ON_DECKS = "have the report say how the peaks move on decks of 8 to 25 Hz, which takes four more simulations."
+Decks = Annotated[bool, Parameter(negative=(), help=_ON_DECKS)]
+
 
 def own_option(name: str, kind: object, default: object, help_text: str, **parameter_options: Any) -> inspect.Parameter:
     """Return an option of the command itself: its name, type, default, and what --help says."""
@@ -61,6 +64,7 @@ NUMERICS = (
         "timestep", float | None, None, "largest step [s], in place of one that is chosen; no error is estimated then"
     ),
 )  # fmt: skip
+DECKS = own_option("decks", bool, False, _ON_DECKS, negative=())
 
 
 def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timestep: float | None) -> dict[str, Any]:

@@ -3,11 +3,13 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from wirerope_mj.cli.options import Flag
+from wirerope_mj.cli.options import Decks, Flag
 from wirerope_mj.foundation.plain_text import plain
 
 
-def report(folder: Path, *, out: Path | None = None, pdf: Flag = False, docx: Flag = False, force: Flag = False) -> int:
+def report(
+    folder: Path, *, out: Path | None = None, pdf: Flag = False, docx: Flag = False, decks: Decks = False, force: Flag = False
+) -> int:
     """Make the report of a run, a job or a study: one HTML page that holds everything it shows, and a PDF or DOCX of it.
 
     Question and verdicts first, then model and mounts with the provenance of their figures, statics, modes, the base's motion,
@@ -28,7 +30,7 @@ def report(folder: Path, *, out: Path | None = None, pdf: Flag = False, docx: Fl
         check_writable(out)
     elif folder.is_dir():  # what is no folder at all has a message of its own
         check_writable(folder / REPORT)
-    return _written(write_report(folder, out=out, pdf=pdf, force=force, docx=docx))
+    return _written(write_report(folder, out=out, pdf=pdf, force=force, docx=docx, decks=decks))
 
 
 def study_report(

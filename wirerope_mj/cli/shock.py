@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, dated, own_option, with_numerics
+from wirerope_mj.cli.options import Deck, Decks, Flag, Repeated, RepeatedPaths, Texts, dated, own_option, with_numerics
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
@@ -48,6 +48,7 @@ def shock(
     accuracy: float | None = None,
     timestep: float | None = None,
     deck: Deck = None,
+    decks: Decks = False,
     limit: Repeated = None,
     combined_travel: bool = True,
     out: Path | None = None,
@@ -137,5 +138,5 @@ def shock(
     initially = {"initial": initial} if initial else {}
     made = replace(made, simulate={"duration": duration, "sample_rate": sample_rate} | initially | numerics)
     folder = out or dated(name)
-    run_and_print(made, folder, force=force)
+    run_and_print(made, folder, force=force, decks=decks)
     return 0

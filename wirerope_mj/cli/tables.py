@@ -20,7 +20,7 @@ def print_questions(kind: str, questions: Mapping[str, str]) -> None:
     print_table(Table(title="", columns=columns, rows=list(questions.items())))
 
 
-def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool = False) -> None:
+def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool = False, decks: bool = False) -> None:
     """Simulate a scenario, print peaks and verdicts, write its folder, and print what lies there.
 
     An error after the verdict carries a note that the verdict holds and that there is no folder.
@@ -36,7 +36,8 @@ def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool 
         printed = True
 
     try:
-        write_run(scenario, folder, force=force, progress=sys.stderr.isatty(), when_judged=show, state=state)
+        watched = sys.stderr.isatty()
+        write_run(scenario, folder, force=force, progress=watched, when_judged=show, state=state, decks=decks)
     except BaseException as error:
         if printed:
             error.add_note(f"the peaks and verdicts above hold, but the run was not written to {folder}.")

@@ -27,12 +27,20 @@ _BOLTS = 10  # bolts that are shown at once
 
 
 def decks_blocks(run: JudgedRun) -> Iterator[Block]:
-    """Yield how governing peaks move on decks of four frequencies, or why that was not looked at."""
+    """Yield how governing peaks move on decks of four frequencies if that was asked for, or why it was not looked at."""
     if not run.response.scene.mounts:
         return
     if run.system.assembly.subjects.modes or any(body.name == NAME for body in run.response.scene.bodies):
         return  # it bends already
     why = _why_not(run)
+    if not (why or run.decks):
+        yield Statement(
+            "decks",
+            f"The deck is rigid here: `wirerope report RUN --decks` adds the peaks on decks of {DECKS[0]:g} to {DECKS[-1]:g} "
+            'Hz, --deck "10 Hz 800 kg 4 %" puts the model on one.',
+            tone="quiet",
+        )
+        return
     if not why:
         try:
             mass = HEAVIER * sum(payload.mass for payload in payloads_of(run.system))

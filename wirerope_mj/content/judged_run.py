@@ -85,6 +85,7 @@ class JudgedRun(RunResult):
     # see `wirerope_mj.engine.statics.model_warnings`
     model_warnings: tuple[str, ...] = ()
     inputs: Entries = field(default_factory=dict)  # resolved inputs, the content of the run's scenario.toml
+    decks: bool = False  # whether the run is repeated on decks that bend
 
     @property
     def acting(self) -> str:

@@ -31,8 +31,9 @@ from wirerope_mj.views.workbook import write_workbook
 
 
 def write_report(
-    folder: str | Path, *, out: str | Path | None = None, pdf: bool = False, force: bool = False, docx: bool = False
-) -> list[Path]:
+    folder: str | Path, *, out: str | Path | None = None, pdf: bool = False, force: bool = False, docx: bool = False,
+    decks: bool = False,
+) -> list[Path]:  # fmt: skip
     """Write the report of a run or a job and return the files, the page first.
 
     Args:
@@ -41,6 +42,7 @@ def write_report(
         pdf: whether a PDF of the page is written beside it.
         force: whether files at `out` are replaced.
         docx: whether a DOCX of it is.
+        decks: whether the peaks of a run on decks that bend are in it, which four more simulations find.
 
     Raises:
         RecordError: the folder is not a run, its files are damaged or not of one run, or a file is there and must not be
@@ -48,21 +50,23 @@ def write_report(
         WireRopeError: a PDF cannot be made here.
     """
     folder = Path(folder)
+    if decks and (is_job(folder) or (folder / STUDY).is_file()):
+        raise ValueError("`decks` is for the report of one run.")
     if (folder / STUDY).is_file() and not docx:
         return write_study_report(folder, out=out, pdf=pdf, force=force)
     files = page_files(folder, out, pdf=pdf, force=force, docx=docx)
-    write_page(_content_of(folder), files)
+    write_page(_content_of(folder, decks=decks), files)
     if not is_job(folder):
         update_checksums(folder, files)
     return files
 
 
-def _content_of(folder: Path) -> Content:
+def _content_of(folder: Path, *, decks: bool = False) -> Content:
     """Compose what a run or a job says."""
     if is_job(folder):
         return job_content(judged_job(folder))
     warn_of_alterations(_run_folder(folder))
-    run = judged_folder(folder)
+    run = replace(judged_folder(folder), decks=decks)
     content = run_content(run)
     tests = tuple(correlate(run.response, one) for one in tests_of(folder))
     return replace(content, sections=(*content.sections, *correlation_sections(tests))) if tests else content

@@ -88,12 +88,13 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
 
 def write_run(
     scenario: Scenario, folder: str | Path, *, force: bool = False, progress: bool = False, state: bool = False,
-    when_judged: Callable[[JudgedRun], None] = lambda judged: None,
+    decks: bool = False, when_judged: Callable[[JudgedRun], None] = lambda judged: None,
 ) -> None:  # fmt: skip
     """Do what `run_scenario` does without reading the response back.
 
     `when_judged` is called with the judged run before anything is made of it; what it raises ends the run, whose folder is
-    not written then. With `state` the recording keeps every sample, too.
+    not written then. With `state` the recording keeps every sample, too; with `decks` the report has the peaks on decks that
+    bend.
     """
     target = Path(folder)
     check_folder(target, force=force, kind=KIND, marks=MARKS)
@@ -111,7 +112,7 @@ def write_run(
             response = simulate(system, scenario.motion, **arguments, out=temporary if long else None, progress=progress)
         seconds = perf_counter() - started
         text = _scenario_text(scenario, response, temporary, model=model_table(system, model), arguments=arguments)
-        judged = judged_run(system, scenario.motion, response, tomllib.loads(text))
+        judged = replace(judged_run(system, scenario.motion, response, tomllib.loads(text)), decks=decks)
         when_judged(judged)
         with progress_line(enabled=progress) as writing:
             writing("the response")
