@@ -99,7 +99,7 @@ def test_the_base_of_a_run_needs_its_own_density(shaken, tmp_path, capsys):
     assert levels[1:-1] == pytest.approx(0.2, rel=0.4)
     assert levels[1:-1].mean() == pytest.approx(0.2, rel=0.08)
     assert (levels[[0, -1]] > 0.4).all()
-    motion = wr.motions.spoken.motion_from_phrase("psd", f"{tmp_path / 'psd.csv'} 10 s z seed 1")
+    motion = wr.motions.registry.motion_from_phrase("psd", f"{tmp_path / 'psd.csv'} 10 s z seed 1")
     assert motion.duration == 10.0
 
 
@@ -149,7 +149,7 @@ def test_what_is_played_does_the_damage_of_the_run_with_its_rise_and_fall(shaken
     time = np.arange(40001) / 2000.0  # s: as the run is sampled
     played = []
     for seed in range(50, 62):
-        motion = wr.motions.spoken.motion_from_phrase("psd", f"{out} 20 s z seed {seed}")
+        motion = wr.motions.registry.motion_from_phrase("psd", f"{out} 20 s z seed {seed}")
         history = motion.acceleration(time)[:, 2]
         played.append(wr.fatigue_damage_spectrum(time, history, exponent=exponent, frequencies=at).damage / run)
     # A further playing is the least of nine once in nine times; what is asked of the rule alone is met in half of them.

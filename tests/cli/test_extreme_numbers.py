@@ -9,7 +9,7 @@ from commands import refused
 import wirerope_mj as wr
 from wirerope_mj.cli.app import _warnings_shown
 from wirerope_mj.foundation.payload_limits import limit_from_text
-from wirerope_mj.studies.calibration.posterior import Coordinates
+from wirerope_mj.studies.calibration.fit import Coordinates
 
 pytestmark = pytest.mark.quick
 

@@ -15,7 +15,7 @@ from wirerope_mj.engine.statics.loading import HISTORIES, Loading
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.engine.system.varied import changed
 from wirerope_mj.foundation.resources import shipped_models
-from wirerope_mj.studies.vary.failure import acts, without_force
+from wirerope_mj.studies.vary.quantity import acts, without_force
 
 SAME = 1e-9
 """Relative to the largest deflection or force: both end within 1e-11 of gravity, and follow lines to 1e-10 of a state."""

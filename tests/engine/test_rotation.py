@@ -15,7 +15,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.mounts import righting_torque
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.studies.vary.failure import without_force
+from wirerope_mj.studies.vary.quantity import without_force
 
 pytestmark = pytest.mark.quick
 

@@ -17,7 +17,7 @@ from wirerope_mj.engine.simulation.timestep import ACCURACY
 from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.laws.registry import evaluate
-from wirerope_mj.studies.vary.failure import without_force
+from wirerope_mj.studies.vary.quantity import without_force
 from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.mounts import CLOSED, OPEN
 

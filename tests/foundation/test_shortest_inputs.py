@@ -15,12 +15,12 @@ from wirerope_mj.foundation.errors import AccuracyWarning, BudgetError, Converge
 from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.motions import DecayingSine, Sine
-from wirerope_mj.motions.spoken import motion_from_phrase
+from wirerope_mj.motions.registry import motion_from_phrase
 from wirerope_mj.mounts.estimate import estimate_loop
 from wirerope_mj.runs import run_scenario
+from wirerope_mj.runs.explore import checked_values, sliders_of
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import read_judge_table
-from wirerope_mj.runs.sliders import checked_values, sliders_of
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.studies.inputs_file import STUDY, identity, write_inputs
 from wirerope_mj.studies.vary.vary_option import read_vary

@@ -356,7 +356,7 @@ def test_a_heading_is_split_into_name_and_unit(cell, parts):
 def test_a_density_of_numbers_alone_is_refused_in_words(rows, here):
     (here / "p.csv").write_text(rows)
     with pytest.raises(wr.RecordError, match="no header stands above them"):
-        wr.motions.spoken.motion_from_phrase("psd", "p.csv 0.4 s z seed 1", folder=here)
+        wr.motions.registry.motion_from_phrase("psd", "p.csv 0.4 s z seed 1", folder=here)
 
 
 def test_units_of_labview_stand_in_the_cells_of_their_columns(tmp_path):

@@ -11,8 +11,7 @@ from generators import TOML_VALUES, VALUES, Table, damaged, edited, finite, igno
 
 import wirerope_mj as wr
 from wirerope_mj.foundation.payload_limits import limit_from_text
-from wirerope_mj.motions.restore import level_templates, motion_from_dict, motion_of_levels
-from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
+from wirerope_mj.motions.registry import SPOKEN_MOTIONS, level_templates, motion_from_dict, motion_from_phrase, motion_of_levels
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.test_rig import load_cycles, steady_loops
 from wirerope_mj.runs.scenario_file import judge_table, judged_by, read_judge_table

@@ -9,8 +9,7 @@ import pytest
 
 from wirerope_mj.cli.shock import shock
 from wirerope_mj.motions import BaseMotion, motion_from_dict
-from wirerope_mj.motions.registry import BY_KIND, REGISTERED, SPOKEN_MOTIONS
-from wirerope_mj.motions.spoken import motion_from_phrase, motion_from_words
+from wirerope_mj.motions.registry import BY_KIND, REGISTERED, SPOKEN_MOTIONS, motion_from_phrase, motion_from_words
 from wirerope_mj.runs.job_file import load_job
 
 pytestmark = pytest.mark.quick

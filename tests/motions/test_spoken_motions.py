@@ -9,8 +9,13 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.payload_limits import limit_from_text
-from wirerope_mj.motions.restore import level_templates, motion_of_levels
-from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase, motion_from_words
+from wirerope_mj.motions.registry import (
+    SPOKEN_MOTIONS,
+    level_templates,
+    motion_from_phrase,
+    motion_from_words,
+    motion_of_levels,
+)
 
 G = wr.STANDARD_GRAVITY
 

@@ -18,7 +18,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.laws import KelvinVoigt, OnBracket, Parallel, Zener, on_bracket
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.studies.measures import measures
-from wirerope_mj.studies.vary.failure import acts
+from wirerope_mj.studies.vary.quantity import acts
 
 BRACKET = 3e5  # of the laws' own size, so that it takes a third of the deflection
 PATH = [0.0, 0.01, -0.008, 0.006]

@@ -23,7 +23,7 @@ from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws.plane_kernels import loop_force
-from wirerope_mj.studies.vary.failure import without_force
+from wirerope_mj.studies.vary.quantity import without_force
 
 G = wr.STANDARD_GRAVITY
 RNG = np.random.default_rng(11)

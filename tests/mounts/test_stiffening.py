@@ -24,7 +24,7 @@ from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws.wrapped import smoothable
 from wirerope_mj.runs.repeat import replay
 from wirerope_mj.studies.measures import measures
-from wirerope_mj.studies.vary.failure import acts, without_force
+from wirerope_mj.studies.vary.quantity import acts, without_force
 from wirerope_mj.studies.vary.vary_option import available_lines
 
 G = wr.STANDARD_GRAVITY

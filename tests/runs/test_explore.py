@@ -9,9 +9,16 @@ import wirerope_mj as wr
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-from wirerope_mj.runs.explore import Exploration, scenario_or_model
+from wirerope_mj.runs.explore import (
+    Exploration,
+    checked_values,
+    frequency_ratio,
+    groups_of,
+    scenario_or_model,
+    sliders_of,
+    variant,
+)
 from wirerope_mj.runs.scenario import load_scenario
-from wirerope_mj.runs.sliders import checked_values, frequency_ratio, groups_of, sliders_of, variant
 from wirerope_mj.views.explore.server import OvertakenError
 
 FLOOR = wr.load_system("floating_floor")

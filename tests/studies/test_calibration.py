@@ -16,12 +16,11 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.records.measured import MeasuredChannel
 from wirerope_mj.studies.calibration import Prior, Series
 from wirerope_mj.studies.calibration.calibrate import Calibrated, calibrate_model
-from wirerope_mj.studies.calibration.fit import Fit, Problem
+from wirerope_mj.studies.calibration.fit import Fit, Posterior, Problem
 from wirerope_mj.studies.calibration.forward import SystemForward
 from wirerope_mj.studies.calibration.isolators import calibrated_isolators, calibrated_system
 from wirerope_mj.studies.calibration.noise import Noise
 from wirerope_mj.studies.calibration.open_law import open_laws, rises
-from wirerope_mj.studies.calibration.posterior import Posterior
 from wirerope_mj.studies.results.stated_limits import limit_of_text
 
 LAW = wr.BoucWen.from_normalised(z_max=250.0, x_y=2e-3, sigma=0.6, n=1.0, k=8e4)

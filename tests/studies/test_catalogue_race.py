@@ -13,7 +13,7 @@ from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.statics.find import settle_together
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.units import STANDARD_GRAVITY as G
-from wirerope_mj.motions.spoken import motion_from_words
+from wirerope_mj.motions.registry import motion_from_words
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.selection import equipment, write_selected
 from wirerope_mj.studies.catalogue import CRITERIA, TriedPart, catalogue, select_parts, try_parts

@@ -124,7 +124,7 @@ def test_a_summary_that_was_damaged_is_one_message(tmp_path, capsys):
     folder = tmp_path / "study"
     assert run_with_limit(folder, None) == 0
     for content, words in (
-        ("{", "it is not JSON"),
+        ("{", "not the summary of a study, nor JSON"),
         ('{"stated_limits": [{"text": "speed"}]}', "`stated_limits` is not"),
     ):
         (folder / "summary.json").write_text(content)

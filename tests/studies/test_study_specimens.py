@@ -13,9 +13,9 @@ from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.identification import joint_spread
 from wirerope_mj.mounts.identification.specimens import own_parameters
 from wirerope_mj.mounts.laws import LAWS, Masing
-from wirerope_mj.runs.study_file import load_study_file
+from wirerope_mj.runs.from_scenario import load_study_file
 from wirerope_mj.studies.vary.quantities import quantities
-from wirerope_mj.studies.vary.specimens import deviation_bounds, known_specimens, rank, specimen_messages
+from wirerope_mj.studies.vary.sampling import deviation_bounds, known_specimens, rank, specimen_messages
 
 TWINS = catalogue_folder() / "twins" / "five_twins_wr16_400.toml"
 BUILD = Path(__file__).parents[2] / "docs" / "specimens" / "build.py"

@@ -24,7 +24,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from wirerope_mj.cli import app  # here, since an interrupt may come while it is imported
 
         code = app.main(arguments)
-        if failure := _unprinted():
+        sys.stdout.flush()
+        failure = getattr(_raw(sys.stdout), "failure", None)  # because of which not all was printed
+        if failure and not isinstance(failure, BrokenPipeError):  # of which nobody wanted to read more
             print(f"wirerope: standard output: {failure.strerror}; what was printed is not complete.", file=sys.stderr)
             code = code or 2
     except MemoryError as error:
@@ -58,7 +60,7 @@ def _check_address_space() -> None:
 
 
 def _open_streams() -> None:
-    """Let nothing that is printed end the command, whose results are wanted all the same; `_unprinted` says what failed."""
+    """Let nothing that is printed end the command, whose results are wanted all the same."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -69,13 +71,6 @@ def _open_streams() -> None:
     if sys.stderr is None:
         sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
     sys.stdout, sys.stderr = _unfailing(sys.stdout), _unfailing(sys.stderr)
-
-
-def _unprinted() -> OSError | None:
-    """Return the error because of which not all was printed; None if all was, or nobody wanted to read more."""
-    sys.stdout.flush()
-    failure = getattr(_raw(sys.stdout), "failure", None)
-    return None if isinstance(failure, BrokenPipeError) else failure
 
 
 def _raw(stream: object) -> object:

@@ -121,7 +121,6 @@ def _say(message: str) -> None:
 
 
 def _say_notes(error: BaseException) -> None:
-    """Print what was added to an error on its way: what holds all the same."""
     for note in getattr(error, "__notes__", ()):
         _say(note)
 

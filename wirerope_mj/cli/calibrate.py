@@ -1,17 +1,35 @@
 """`wirerope calibrate`: measured tests and a model to the values that they tell, a page, and a calibrated model."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from wirerope_mj.cli.options import Flag, Repeated, RepeatedPaths, Texts
+from wirerope_mj.cli.tables import say_where
+from wirerope_mj.content.calibration import calibration_content
+from wirerope_mj.engine.simulation.simulate import duration_of
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.atomic_files import check_folder
+from wirerope_mj.foundation.resources import model_source
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.records.measured import load_measured, parse_channel
+from wirerope_mj.motions.registry import motion_from_words
+from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.test_rig import read_cyclic_test
+from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
+from wirerope_mj.runs.measured import read_map, tests_of
+from wirerope_mj.runs.scenario_file import scenario_content
+from wirerope_mj.runs.sources import is_run, system_and_motion
+from wirerope_mj.studies.calibration import LoopTest, MeasuredTest
+from wirerope_mj.studies.calibration import calibrate as calibrated
+from wirerope_mj.studies.calibration.forward import Test
+from wirerope_mj.studies.calibration.predict import predict as predicted
+from wirerope_mj.studies.calibration.rig_tests import read_frequency_tests
+from wirerope_mj.studies.measures import measure_names
+from wirerope_mj.studies.results.stated_limits import limit_of_text
 from wirerope_mj.studies.vary.vary_option import EXAMPLE
-
-if TYPE_CHECKING:
-    from wirerope_mj.engine.system import System
-    from wirerope_mj.motions import BaseMotion, Measured
-    from wirerope_mj.studies.calibration.forward import Test
+from wirerope_mj.views.terminal import print_title, show_answer
 
 NOT_CONVERGED = 1  # Exit code of a fit that did not converge
 
@@ -67,23 +85,6 @@ def calibrate(
         seed: of design and sampler.
         force: replace a calibration that is there.
     """
-    from wirerope_mj.cli.tables import say_where
-    from wirerope_mj.content.calibration import calibration_content
-    from wirerope_mj.engine.simulation.simulate import duration_of
-    from wirerope_mj.foundation.arguments import integer
-    from wirerope_mj.foundation.atomic_files import check_folder
-    from wirerope_mj.motions.spoken import motion_from_words
-    from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
-    from wirerope_mj.runs.measured import tests_of
-    from wirerope_mj.runs.sources import is_run
-    from wirerope_mj.studies.calibration import MeasuredTest
-    from wirerope_mj.studies.calibration import calibrate as calibrated
-    from wirerope_mj.studies.calibration.predict import predict as predicted
-    from wirerope_mj.studies.calibration.rig_tests import read_frequency_tests
-    from wirerope_mj.studies.measures import measure_names
-    from wirerope_mj.studies.results.stated_limits import limit_of_text
-    from wirerope_mj.views.terminal import print_title, show_answer
-
     kept = tests_of(Path(model)) if is_run(model) and not (test or frequency_response or loops) else ()
     if not (test or frequency_response or loops or kept):
         usage = "wirerope calibrate MODEL --test TEST.csv --map COLUMN=PHRASE .. --vary .. --out FOLDER"
@@ -91,13 +92,20 @@ def calibrate(
     if not vary:
         raise ValueError(f"`--vary` must say what is to be found, with its prior, such as {EXAMPLE!r}, got none.")
     check_folder(out, force=force, kind=KIND, marks=MARKS)
-    system, motion = _system_and_motion(model)
+    if is_run(model):
+        motion: BaseMotion | None
+        system, motion = system_and_motion(Path(model), scenario_content(Path(model)))
+    else:
+        system, motion = load_system(model_source(model, folder=None, asker="a calibration")), None
     motions = [motion_from_words(phrase) for phrase in predict or ()]
     limits = [limit_of_text(text, measure_names(system)) for text in limit or ()]
     if limits and not motions:
         example = "--predict 'half-sine 15 g 11 ms z'"
         raise ValueError(f"`--limit` is on a prediction; say of which motion, for instance {example}.")
-    measured = _measured(test, map or (), baseline=baseline, start=start) if test else list(kept)
+    if test and not map:
+        raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
+    settings: Entries = {"baseline": baseline, "start": start} | (read_map(map) if map else {})
+    measured = [load_measured(file, **settings) for file in test] if test else list(kept)
     moved = any(channel.subject == "base" for one in measured for channel in one.channels)
     if measured and not moved and motion is None:
         message = "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
@@ -133,36 +141,8 @@ def calibrate(
     return 0 if result.fit.converged else NOT_CONVERGED
 
 
-def _system_and_motion(model: str) -> "tuple[System, BaseMotion | None]":
-    """Return a model's system, or system and motion of a run."""
-    from wirerope_mj.engine.system import load_system
-    from wirerope_mj.foundation.resources import model_source
-    from wirerope_mj.runs.scenario_file import scenario_content
-    from wirerope_mj.runs.sources import is_run, system_and_motion
-
-    if is_run(model):
-        return system_and_motion(Path(model), scenario_content(Path(model)))
-    return load_system(model_source(model, folder=None, asker="a calibration")), None
-
-
-def _measured(files: Sequence[Path], texts: Sequence[str], **settings: object) -> "list[Measured]":
-    """Return the tests of files, their columns as the map says."""
-    from wirerope_mj.motions.records.measured import load_measured
-    from wirerope_mj.runs.measured import read_map
-
-    if not texts:
-        raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
-    arguments: Entries = settings | read_map(texts)
-    return [load_measured(file, **arguments) for file in files]
-
-
-def _loop_test(text: str) -> "Test":
+def _loop_test(text: str) -> Test:
     """Return the test of FILE=PHRASE, loops of the isolator of a mount."""
-    from wirerope_mj.motions.records.channel_map import parse_channel
-    from wirerope_mj.mounts.isolator import AXES
-    from wirerope_mj.mounts.test_rig import read_cyclic_test
-    from wirerope_mj.studies.calibration import LoopTest
-
     file, sign, phrase = text.rpartition("=")
     said = parse_channel(file, phrase) if sign else None
     if said is None or not said.subject.startswith("mount/"):

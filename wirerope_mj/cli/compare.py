@@ -70,7 +70,11 @@ def compare(
     called = _names(runs, names)
     if any(is_job(folder) for folder in runs):
         return _compare_jobs(runs, called, out)
-    target = _target(out, force=force)
+    target = out or dated("compare").with_suffix(".rrd")
+    if target.suffix != ".rrd":
+        raise ValueError(f"`--out` must be a file that ends with .rrd, got {target}.")
+    if out is not None:
+        check_writable(out, force=force)
     for folder in runs:
         warn_of_alterations(folder)
     from wirerope_mj.views.recording.drawn_runs import several_runs  # late: rerun takes long to import
@@ -165,13 +169,3 @@ def _names(runs: Sequence[Path], names: Sequence[str] | None) -> list[str]:
         if plain(name) != name:
             raise ValueError(f"`--names` must be visible characters on one line, got {name!r}.")
     return list(names)
-
-
-def _target(out: Path | None, *, force: bool) -> Path:
-    """Return the file to write; ValueError or RecordError if it must not be written."""
-    target = out or dated("compare").with_suffix(".rrd")
-    if target.suffix != ".rrd":
-        raise ValueError(f"`--out` must be a file that ends with .rrd, got {target}.")
-    if out is not None:
-        check_writable(out, force=force)
-    return target

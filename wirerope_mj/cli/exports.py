@@ -58,7 +58,7 @@ def export(
     from wirerope_mj.foundation.errors import RecordError, WireRopeError
     from wirerope_mj.foundation.exports import picked, write_export
     from wirerope_mj.foundation.plain_text import plain
-    from wirerope_mj.motions.restore import motion_from_dict
+    from wirerope_mj.motions.registry import motion_from_dict
     from wirerope_mj.motions.spectra import shock_response_spectrum
     from wirerope_mj.motions.spectra.srs import exported_spectra, held
     from wirerope_mj.runs.report import RENDERERS, write_content_of, write_still

@@ -1,7 +1,6 @@
 """`wirerope frf`: branches of periodic motions and sweeps of a model, as tables on the screen and as one folder."""
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -77,8 +76,11 @@ def frf(
     if (orders is None) != (speed_rpm is None):
         raise ValueError("`--orders` and `--speed-rpm` belong together: give both.")
     bands = () if orders is None or speed_rpm is None else order_bands(orders, speed_rpm)
+    if acceleration is not None and acceleration_g is not None:
+        raise ValueError("give the levels as `--acceleration` [m/s^2] or as `--acceleration-g` [g], not both.")
+    in_g = None if acceleration_g is None else [level * STANDARD_GRAVITY for level in acceleration_g]
     options = ResponseOptions(
-        accelerations=_levels(acceleration, acceleration_g), method=method, start=start, stop=stop,
+        accelerations=tuple(in_g or acceleration or [DEFAULT]), method=method, start=start, stop=stop,
         direction=direction_in(direction, "--direction"), payload=payload, rate=rate,
         periods=int(periods) if float(periods).is_integer() else periods,  # type: ignore[arg-type]  # refused by name below
         response_direction=None if response_direction is None else direction_in(response_direction, "--response-direction"),
@@ -105,15 +107,5 @@ def frf(
     return 0 if result.complete else NOT_COMPLETE
 
 
-def _levels(acceleration: Sequence[float] | None, acceleration_g: Sequence[float] | None) -> tuple[float, ...]:
-    """Return the levels [m/s^2] of the two options, of which one may be given."""
-    if acceleration is not None and acceleration_g is not None:
-        raise ValueError("give the levels as `--acceleration` [m/s^2] or as `--acceleration-g` [g], not both.")
-    if acceleration_g is not None:
-        return tuple(level * STANDARD_GRAVITY for level in acceleration_g)
-    return (DEFAULT,) if acceleration is None else tuple(acceleration)
-
-
 def _report(text: str) -> None:
-    """Say what is being done on standard error."""
     print(plain(f"{text} .."), file=sys.stderr, flush=True)

@@ -212,7 +212,6 @@ def _check_outputs(out: Path, report: Path, *, force: bool, pdf: bool) -> None:
 
 
 def _marks(folder: Path) -> tuple[str]:
-    """Return the file by which a folder is known as a report."""
     return (_OLD_REPORT,) if (folder / _OLD_REPORT).is_file() else (REPORT,)
 
 

@@ -107,7 +107,7 @@ def levels(
     from wirerope_mj.foundation.atomic_files import atomic_file
     from wirerope_mj.foundation.errors import RecordError
     from wirerope_mj.foundation.toml_file import read_toml
-    from wirerope_mj.motions.restore import level_templates
+    from wirerope_mj.motions.registry import level_templates
     from wirerope_mj.motions.seismic_levels import LEVELS, WRITERS
 
     templates = level_templates()

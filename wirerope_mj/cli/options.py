@@ -94,25 +94,17 @@ def dated(name: str) -> Path:
 
 def option_message(error: CycloptsError, arguments: Sequence[str]) -> str:
     """Word an error of the parser: what is wrong with the arguments of a command, and the help that says what it takes."""
-    return f"{_fault(error)} `{_command(arguments)} --help` says what there is."
-
-
-def _fault(error: CycloptsError) -> str:
+    fault, command = str(error), ["wirerope", *arguments[:1]]
     if isinstance(error, CoercionError) and error.token is not None and error.target_type in _NUMBERS:
         name = error.token.keyword or (error.argument.name if error.argument is not None else "the argument")
-        return f"`{name}` must be {_NUMBERS[error.target_type]}, got {error.token.value!r}."
-    if isinstance(error, UnusedCliTokensError):
+        fault = f"`{name}` must be {_NUMBERS[error.target_type]}, got {error.token.value!r}."
+    elif isinstance(error, UnusedCliTokensError):
         left = ", ".join(map(repr, error.unused_tokens or []))
-        return (
+        fault = (
             f"{left} belongs to no option or argument: a text with spaces needs quotes, and most options "
             "are written again before each further value, as `--limit A --limit B`."
         )
-    return str(error)
-
-
-def _command(arguments: Sequence[str]) -> str:
-    """Return the command as it is called, with the scenario or study whose options are meant."""
-    parts = ["wirerope", *arguments[:1]]
     if list(arguments[:1]) in (["run"], ["study"]) or list(arguments[:2]) == ["isolators", "fit"]:
-        parts += arguments[1:2]
-    return " ".join(part for part in parts if not part.startswith("-"))
+        command += arguments[1:2]  # the scenario or study whose options are meant
+    called = " ".join(part for part in command if not part.startswith("-"))
+    return f"{fault} `{called} --help` says what there is."

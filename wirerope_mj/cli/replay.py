@@ -6,7 +6,6 @@ from pathlib import Path
 
 from wirerope_mj.cli.options import DIFFERENT
 from wirerope_mj.foundation.plain_text import plain
-from wirerope_mj.runs.repeat import Replay
 
 
 def replay(folder: Path) -> int:
@@ -35,19 +34,16 @@ def _replay_run(folder: Path) -> int:
     from wirerope_mj.runs import replay as replay_run
 
     result = replay_run(folder, progress=sys.stderr.isatty())
-    print(plain(f"{folder}: {_replayed(result)}"), flush=True)
+    if result.identical:
+        text = "every stored number is bit-identical: samples, peaks, states and summary."
+    elif math.isinf(result.largest_difference):
+        text = f"{result.column} is not what is computed from the folder; the numbers do not agree."
+    else:
+        cause = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
+        text = f"largest difference {result.largest_difference:.3g}, relative to the peak, in {result.column}; {cause}."
+    print(plain(f"{folder}: {text}"), flush=True)
     if result.alterations is None:
         print("There is no checksums.txt here: what else was altered since the run was written is not known.")
     else:
         print(plain(result.alterations.text or "No file was altered since the run was written."))
     return 0 if result.agrees and result.intact else DIFFERENT
-
-
-def _replayed(result: Replay) -> str:
-    """Return a sentence on whether the numbers are the same."""
-    if result.identical:
-        return "every stored number is bit-identical: samples, peaks, states and summary."
-    if math.isinf(result.largest_difference):
-        return f"{result.column} is not what is computed from the folder; the numbers do not agree."
-    cause = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
-    return f"largest difference {result.largest_difference:.3g}, relative to the peak, in {result.column}; {cause}."

@@ -27,7 +27,6 @@ _LIST = own_option("list", bool, False, "print the scenarios that ship with the 
 
 
 def list_scenarios() -> None:
-    """Print name and question of the scenarios that ship with the package."""
     print_questions("scenario", {name: load_scenario(name).question for name in shipped_scenarios()})
 
 

@@ -71,8 +71,7 @@ def select(
     from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.units import STANDARD_GRAVITY
-    from wirerope_mj.motions.restore import motion_of_levels
-    from wirerope_mj.motions.spoken import motion_from_words
+    from wirerope_mj.motions.registry import motion_from_words, motion_of_levels
     from wirerope_mj.runs.new_model import KIND, marks
     from wirerope_mj.runs.selection import equipment, read_prices, write_selected
     from wirerope_mj.studies.catalogue import catalogue, select_parts

@@ -19,11 +19,10 @@ from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.runs.folder import SCENARIO
-from wirerope_mj.runs.from_scenario import VARIANTS, limits_of, study_of, what_can_vary
+from wirerope_mj.runs.from_scenario import VARIANTS, limits_of, load_study_file, shipped_studies, study_of, what_can_vary
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, defines, load_scenario, shipped_scenarios
 from wirerope_mj.runs.sources import is_run, stored_scenario
-from wirerope_mj.runs.study_file import StudyFile, load_study_file, shipped_studies
 from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
@@ -115,7 +114,13 @@ def study(name: str, tokens: Sequence[str]) -> None:
         _check_known(name)
         if any(token.split("=")[0] == "--vary" for token in tokens):
             raise ValueError("`--vary` is for scenarios; what varies in a study file is said there.")
-        _of_file(load_study_file(name), tokens)
+        file = load_study_file(name)
+        _check_names(file.path, "study", file.function, _RUN)
+
+        def action(options: Entries, own: Entries) -> None:
+            compute_and_print(lambda: file.make(**options), file.name, **own)
+
+        run_with_options(f"wirerope study {file.name}", file.function, _RUN, action, tokens)
 
 
 def _check_known(name: str) -> None:
@@ -140,16 +145,6 @@ def _check_known(name: str) -> None:
     )
 
 
-def _of_file(file: StudyFile, tokens: Sequence[str]) -> None:
-    """Compute the study of a study file."""
-    _check_names(file.path, "study", file.function, _RUN)
-
-    def action(options: Entries, own: Entries) -> None:
-        compute_and_print(lambda: file.make(**options), file.name, **own)
-
-    run_with_options(f"wirerope study {file.name}", file.function, _RUN, action, tokens)
-
-
 def _of_scenario(file: ScenarioFile, tokens: Sequence[str]) -> None:
     """Compute the study of a scenario; an option that the scenario has already is called study-... here."""
     _check_names(file.path, "scenario", file.function, _RUN)
@@ -161,7 +156,10 @@ def _of_scenario(file: ScenarioFile, tokens: Sequence[str]) -> None:
         deck, scenario = arguments.pop("deck"), file.make(**options)
         if deck is not None:
             scenario = scenario.on_deck(deck_of(deck))
-        own["limit"] = _limits(scenario, own["limit"] or [])
+        can, cannot = limits_of(scenario)
+        _warn_of_unjudged(cannot)
+        named = {text.partition("=")[0].strip() for text in own["limit"] or ()}
+        own["limit"] = [*(own["limit"] or ()), *(text for text in can if text.partition("=")[0].strip() not in named)]
         varied = arguments.pop("vary")
         compute_and_print(lambda: study_of(scenario, vary=_quantities(scenario, varied), **arguments), file.name, **own)
 
@@ -193,14 +191,6 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
         """Compute the same variants under every load case of a job."""
 
     run_with_options(f"wirerope study {path}", none, [*_VARY, *kept], action, tokens)
-
-
-def _limits(scenario: Scenario, given: Sequence[str]) -> list[str]:
-    """Return the limits that are given, and behind them the scenario's on other measures; warn of what is not judged."""
-    can, cannot = limits_of(scenario)
-    _warn_of_unjudged(cannot)
-    names = {text.partition("=")[0].strip() for text in given}
-    return [*given, *(text for text in can if text.partition("=")[0].strip() not in names)]
 
 
 def _warn_of_unjudged(limits: Sequence[str]) -> None:

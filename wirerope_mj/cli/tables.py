@@ -15,7 +15,6 @@ from wirerope_mj.views.terminal import console, print_table, show_answer
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
-    """Print what ships with the package: names of scenarios or studies and the question of each."""
     columns = Column(kind, align="left"), Column("question", align="text")
     print_table(Table(title="", columns=columns, rows=list(questions.items())))
 

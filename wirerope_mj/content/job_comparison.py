@@ -9,7 +9,7 @@ from wirerope_mj.content.job import JudgedJob, job_headline
 from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
-from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
+from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 
 # Names and values of what was given to each load case of each job
 Inputs = Mapping[str, Mapping[str, Mapping[str, str]]]

@@ -30,8 +30,7 @@ from wirerope_mj.studies.results.measure import (
 )
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 from wirerope_mj.studies.results.varied import value_text
-from wirerope_mj.studies.vary.sampling import OF_INDICES
-from wirerope_mj.studies.vary.specimens import specimen_messages
+from wirerope_mj.studies.vary.sampling import OF_INDICES, specimen_messages
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers

@@ -1,12 +1,13 @@
-"""TOML files that users write, read with messages that name file, line and column."""
+"""TOML files that users write and JSON files of programs, read with messages that name file, line and column."""
 
+import json
 import tomllib
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
+from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 
 
@@ -39,6 +40,22 @@ def toml_content(path: str | Path) -> Entries:
         return tomllib.loads(regular(path).read_text(encoding="utf-8"))
     except RecursionError:
         raise tomllib.TOMLDecodeError("lists or tables stand in one another too deeply") from None
+
+
+def read_json(path: Path, kind: str, remedy: str) -> Entries:
+    """Read the table of a JSON file, which messages call a `kind`, as "the summary of a run"; RecordError if it is none."""
+    try:
+        content = json.loads(regular(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RecordError(f"{path}: {why_unread(error)} {remedy}") from None
+    except json.JSONDecodeError as error:
+        where = f"{path}, line {error.lineno}, column {error.colno}"
+        raise RecordError(f"{where}: this is not {kind}, nor JSON. {remedy}") from None
+    except (ValueError, RecursionError):
+        raise RecordError(f"{path}: this is not {kind}, nor JSON in UTF-8. {remedy}") from None
+    if not isinstance(content, dict):
+        raise RecordError(f"{path}: this is not {kind}, which has names and values in braces. {remedy}")
+    return content
 
 
 def line_of(path: Path, keys: Sequence[str | int], named: Sequence[str] = ()) -> int | None:
@@ -76,3 +93,22 @@ def entry_at(content: object, keys: Sequence[str | int]) -> object:
         except (LookupError, TypeError):
             return None
     return content
+
+
+def flat_entries(
+    content: object, path: str = "", label: Callable[[object, int], str] = lambda item, number: str(number)
+) -> Entries:
+    """Return the values of nested tables and lists by their paths, "simulate.duration"; of what is empty its size, 0.
+
+    `label` says what an entry of a list is called.
+    """
+    if isinstance(content, Mapping):
+        items = [(str(key), item) for key, item in content.items()]
+    elif isinstance(content, list | tuple):
+        items = [(label(item, number), item) for number, item in enumerate(content)]
+    else:
+        return {path: content}
+    if not items and path:
+        return {path: 0}
+    below = (flat_entries(item, f"{path}.{key}" if path else key, label) for key, item in items)
+    return {name: value for entries in below for name, value in entries.items()}

@@ -5,14 +5,13 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import between
-from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import Said, StartedMotion, doubt_of_length, unique_times
@@ -22,6 +21,8 @@ from wirerope_mj.motions.piecewise import PiecewiseLinear
 @dataclass(frozen=True, init=False, repr=False)
 class DoublePulse(StartedMotion):
     """Two opposite acceleration pulses: at rest before `start`, at rest at the displacement after the second."""
+
+    renamed: ClassVar[Mapping[str, str]] = {"velocity": "peak_velocity", "displacement": "final_displacement"}
 
     peak: float  # peak acceleration of the first pulse [m/s^2]
     peak_velocity: float  # velocity between the pulses, the largest there is [m/s]
@@ -96,10 +97,6 @@ class DoublePulse(StartedMotion):
         text = f"{name} {level}, {1e3 * self.final_displacement:.4g} mm {self._line_text}"
         events = (self.start, f"{name} begins"), (self.middle, "second pulse begins"), (self.end, f"{name} ends")
         return Said(text, events, min(self.first_duration, self.second_duration))
-
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        levels = {"peak": self.peak, "velocity": self.peak_velocity, "displacement": self.final_displacement}
-        return {**levels, "direction": plain_direction(self.direction), "start": self.start}
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -211,9 +208,6 @@ class DoubleTriangle(DoublePulse):
     @cached_property
     def _piecewise(self) -> PiecewiseLinear:
         return PiecewiseLinear(self._knots, np.array([0.0, self.peak, 0.0, self.second_peak, 0.0]))
-
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        return {**super()._parameters(files), "r1": self.r1, "r2": self.r2}
 
     def _along(self, t: Array, order: int) -> Array:
         return self._piecewise.derivative(t, order)

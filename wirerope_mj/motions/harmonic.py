@@ -4,14 +4,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import as_times, the_one_given
-from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
+from wirerope_mj.foundation.arrays import Array, ArrayLike
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import Said, StraightMotion
@@ -34,6 +33,7 @@ class Sine(StraightMotion):
     """
 
     kind: ClassVar[str] = "sine"
+    renamed: ClassVar[Mapping[str, str]] = {"acceleration": "amplitude"}
     phrases = (
         SpokenMotion(
             name="sine", example="0.5 g 12 Hz 10 s z", summary="steady sine: amplitude, frequency, length, direction.",
@@ -67,11 +67,6 @@ class Sine(StraightMotion):
         ends = ((self.duration, "sine ends"),) if math.isfinite(self.duration) else ()
         events = ((0.0, f"sine of {self.frequency:.4g} Hz begins"), *ends)
         return Said(f"sine {level} along {direction_text(self.direction)}", events, 1 / self.frequency)
-
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        direction = plain_direction(self.direction)
-        values = {"frequency": self.frequency, "acceleration": self.amplitude, "direction": direction}
-        return {**values, "duration": self.duration} if math.isfinite(self.duration) else values
 
     @property
     def _omega(self) -> float:
@@ -140,8 +135,8 @@ class Sweep(StraightMotion):
     duration: float
 
     def __init__(
-        self, *, start: float, stop: float, rate: float, direction: str | Sequence[float],
-        acceleration: float | None = None, velocity: float | None = None, displacement: float | None = None,
+        self, *, start: float, stop: float, rate: float, acceleration: float | None = None, velocity: float | None = None,
+        displacement: float | None = None, direction: str | Sequence[float],
     ) -> None:  # fmt: skip
         self._set(start=ranges.frequency("start", start), stop=ranges.frequency("stop", stop))
         if self.start == self.stop:
@@ -178,9 +173,8 @@ class Sweep(StraightMotion):
         events = (0.0, f"sweep begins at {self.start:.4g} Hz"), (self.duration, f"sweep reaches {self.stop:.4g} Hz")
         return Said(text, events, 1 / max(self.start, self.stop))
 
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        values = {"start": self.start, "stop": self.stop, "rate": self.rate, self.quantity: self.amplitude}
-        return {**values, "direction": plain_direction(self.direction)}
+    def _argument(self, name: str) -> object:
+        return (self.amplitude if name == self.quantity else None) if name in FORMS else super()._argument(name)
 
     def _along(self, t: Array, order: int) -> Array:
         return self.amplitude * FORMS[self.quantity][order](self.course, t)

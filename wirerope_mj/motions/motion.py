@@ -1,9 +1,10 @@
 """Base motions: acceleration, velocity and displacement that are exact closed forms of each other."""
 
+import inspect
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, NamedTuple
@@ -39,6 +40,7 @@ class BaseMotion(ABC):
 
     kind: ClassVar[str]  # name of the motion in stored files
     phrases: ClassVar[tuple[SpokenMotion, ...]] = ()  # how commands, jobs and files of levels say it
+    renamed: ClassVar[Mapping[str, str]] = {}  # arguments of the constructor that attributes of other names hold
 
     # length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop, of a sum from time
     # zero; infinite for an endless sine. `end` is the instant after which it is over.
@@ -152,12 +154,14 @@ class BaseMotion(ABC):
         return cls
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        """Return the constructor's arguments as plain values: the motion's fields but for None and lengths without an end."""
-        stated = {item.name: getattr(self, item.name) for item in fields(self) if item.init}  # type: ignore[arg-type]
-        return {name: _plain(value) for name, value in stated.items() if value is not None and value != math.inf}
+        """Return the constructor's arguments as plain values, but for None and lengths without an end."""
+        stated = {name: self._argument(name) for name in inspect.signature(type(self)).parameters}
+        return {name: _plain(value, files) for name, value in stated.items() if value is not None and value != math.inf}
+
+    def _argument(self, name: str) -> object:
+        return getattr(self, self.renamed.get(name, name))
 
     def _set(self, **values: object) -> None:
-        """Set attributes of a frozen motion while it is made."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
@@ -209,7 +213,6 @@ class StartedMotion(StraightMotion):
 
     @property
     def _line_text(self) -> str:
-        """Direction and start, as descriptions end."""
         return f"along {direction_text(self.direction)}" + (f" at {self.start:.4g} s" if self.start else "")
 
 
@@ -236,8 +239,8 @@ class SumOfMotions(AsCall, BaseMotion):
     def __post_init__(self) -> None:
         if not self.terms:
             raise ValueError("`terms` must hold at least one motion, got none.")
-        object.__setattr__(self, "terms", tuple(part for term in self.terms for part in _terms(term)))
-        object.__setattr__(self, "duration", max(term.end for term in self.terms))
+        self._set(terms=tuple(part for term in self.terms for part in _terms(term)))
+        self._set(duration=max(term.end for term in self.terms))
 
     def _derivative(self, t: Array, order: int) -> Array:
         return np.asarray(sum(term._derivative(t, order) for term in self.terms))
@@ -298,9 +301,6 @@ class SumOfMotions(AsCall, BaseMotion):
         """Elementary motions of all terms."""
         return tuple(part for term in self.terms for part in term.parts)
 
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        return {"terms": [term.to_dict(files=files) for term in self.terms]}
-
 
 def unique_times(times: Iterable[float] | Array) -> Array:
     """Return the instants [s] sorted; of those within `SAME_TIME` of their neighbour only the first stays."""
@@ -308,9 +308,11 @@ def unique_times(times: Iterable[float] | Array) -> Array:
     return ordered[np.diff(ordered, prepend=-np.inf) > SAME_TIME]
 
 
-def _plain(value: object) -> object:
-    """Return a value with lists for tuples."""
-    return [_plain(one) for one in value] if isinstance(value, tuple) else value
+def _plain(value: object, files: Mapping[Path, str]) -> object:
+    """Return a value with lists for tuples, and tables for motions."""
+    if isinstance(value, BaseMotion):
+        return value.to_dict(files=files)
+    return [_plain(one, files) for one in value] if isinstance(value, tuple) else value
 
 
 def _terms(motion: BaseMotion) -> "tuple[BaseMotion, ...]":

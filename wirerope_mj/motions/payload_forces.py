@@ -40,7 +40,6 @@ class PayloadForce(BaseMotion):
 
     @property
     def loaded_sites(self) -> tuple[str, ...]:
-        """The site."""
         return (self.site,)
 
     def load(self, site: str, time: ArrayLike) -> Array:

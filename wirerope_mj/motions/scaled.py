@@ -1,16 +1,15 @@
 """A base motion at another level, and one in another direction."""
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
+from wirerope_mj.foundation.arrays import Array, ArrayLike
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, Said, SumOfMotions
 
@@ -19,7 +18,6 @@ _SQUARE = 1e-9  # largest error of a product of rows of a rotation: a matrix who
 
 
 def _same(name: str) -> Any:
-    """Make a property that is that of the other motion."""
     return property(lambda self: getattr(self.motion, name))
 
 
@@ -33,7 +31,7 @@ class _Changed(BaseMotion):
     def __post_init__(self) -> None:
         if not isinstance(self.motion, BaseMotion):
             raise ValueError(f"`motion` must be a base motion, got {self.motion!r}.")
-        object.__setattr__(self, "duration", self.motion.duration)
+        self._set(duration=self.motion.duration)
 
     @abstractmethod
     def _changed(self, vectors: Array) -> Array:
@@ -79,7 +77,7 @@ class Scaled(_Changed):
         super().__post_init__()
         if self.motion.up is not None:
             raise ValueError(f"a fall has no level but its height: change that. Got {self.motion.description}.")
-        object.__setattr__(self, "factor", ranges.level("factor", self.factor))
+        self._set(factor=ranges.level("factor", self.factor))
 
     @property
     def directions(self) -> Array:
@@ -96,9 +94,6 @@ class Scaled(_Changed):
 
     def _changed(self, vectors: Array) -> Array:
         return self.factor * vectors
-
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        return {"motion": self.motion.to_dict(files=files), "factor": self.factor}
 
 
 @dataclass(frozen=True, init=False)
@@ -120,16 +115,25 @@ class Turned(_Changed):
     def __init__(
         self, motion: BaseMotion, *, rotation: ArrayLike | None = None, direction: str | Sequence[float] | Array | None = None
     ) -> None:
-        object.__setattr__(self, "motion", motion)
+        self._set(motion=motion)
         super().__post_init__()
         if (rotation is None) == (direction is None):
             raise ValueError(
                 f"exactly one of `rotation` and `direction` must be given, got {'none' if rotation is None else 'both'}."
             )
-        self._set(rotation=None if rotation is None else _checked_rotation(rotation))
-        self._set(direction=None if direction is None else checked_direction(direction))
         if direction is not None:
+            self._set(rotation=None, direction=checked_direction(direction))
             _line(motion)  # raises if there is none
+            return
+        try:
+            matrix = np.asarray(rotation, dtype=float)
+        except (TypeError, ValueError):
+            matrix = np.empty(0)
+        if matrix.shape != (3, 3) or not np.all(np.isfinite(matrix)):
+            raise ValueError(f"`rotation` must be a rotation matrix of 3 x 3 finite numbers, got {rotation!r}.")
+        if np.abs(matrix @ matrix.T - np.eye(3)).max() > _SQUARE or np.linalg.det(matrix) < 0.0:
+            raise ValueError(f"`rotation` must be orthonormal and not mirror, got {matrix.tolist()}.")
+        self._set(rotation=tuple(map(tuple, matrix.tolist())), direction=None)
 
     @cached_property
     def matrix(self) -> Array:
@@ -152,18 +156,19 @@ class Turned(_Changed):
         """For instance `half-sine 15 g 11 ms along z, turned to (0, 1, 1)`, or `..., turned by 30 deg about (0, 0, 1)`."""
         if self.direction is not None:
             return f"{quoted}, turned to {direction_text(self.direction)}"
-        return f"{quoted}, turned {_rotation_text(np.array(self.rotation))}"
+        from scipy.spatial.transform import Rotation  # takes longer to import than the rest of this room
+
+        vector = Rotation.from_matrix(np.array(self.rotation)).as_rotvec(degrees=True)
+        angle = float(np.linalg.norm(vector))
+        if angle < 1e-6:
+            return f"{quoted}, turned by 0 deg"
+        x, y, z = (float(part) + 0.0 for part in np.round(vector / angle, 4))
+        return f"{quoted}, turned by {angle:.4g} deg about {direction_text((x, y, z))}"
 
     def _changed(self, vectors: Array) -> Array:
         # Sums of three products in this order, so that a row has the same bits however many there are.
         columns = vectors[:, :, np.newaxis] * self.matrix.T[np.newaxis]
         return columns[:, 0] + columns[:, 1] + columns[:, 2]
-
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        values: Entries = {"motion": self.motion.to_dict(files=files)}
-        if self.direction is not None:
-            return {**values, "direction": plain_direction(self.direction)}
-        return {**values, "rotation": [list(row) for row in self.rotation or ()]}
 
 
 def _line(motion: BaseMotion) -> Array:
@@ -175,28 +180,3 @@ def _line(motion: BaseMotion) -> Array:
             f"{motion.description}. Give `rotation`, a rotation matrix."
         )
     return np.asarray(directions[0] / np.linalg.norm(directions[0]))
-
-
-def _checked_rotation(rotation: ArrayLike) -> Rows:
-    try:
-        matrix = np.asarray(rotation, dtype=float)
-    except (TypeError, ValueError):
-        matrix = np.empty(0)
-    if matrix.shape != (3, 3) or not np.all(np.isfinite(matrix)):
-        raise ValueError(f"`rotation` must be a rotation matrix of 3 x 3 finite numbers, got {rotation!r}.")
-    if np.abs(matrix @ matrix.T - np.eye(3)).max() > _SQUARE or np.linalg.det(matrix) < 0.0:
-        raise ValueError(f"`rotation` must be orthonormal and not mirror, got {matrix.tolist()}.")
-    first, second, third = ((float(x), float(y), float(z)) for x, y, z in matrix)
-    return (first, second, third)
-
-
-def _rotation_text(matrix: Array) -> str:
-    """Return angle and axis of a rotation for a human reader."""
-    from scipy.spatial.transform import Rotation  # takes longer to import than the rest of this room
-
-    vector = Rotation.from_matrix(matrix).as_rotvec(degrees=True)
-    angle = float(np.linalg.norm(vector))
-    if angle < 1e-6:
-        return "by 0 deg"
-    x, y, z = (float(part) + 0.0 for part in np.round(vector / angle, 4))
-    return f"by {angle:.4g} deg about {direction_text((x, y, z))}"

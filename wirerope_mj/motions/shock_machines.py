@@ -2,17 +2,16 @@
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import between, finite, positive, the_one_given
-from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
@@ -73,8 +72,8 @@ class DecayingSine(StartedMotion):
     duration: float  #: time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that
 
     def __init__(
-        self, *, frequency: float, damping: float, direction: str | Sequence[float], velocity: float | None = None,
-        acceleration: float | None = None, impact_duration: float = 0.0, start: float = 0.0,
+        self, *, frequency: float, damping: float, velocity: float | None = None, acceleration: float | None = None,
+        direction: str | Sequence[float], impact_duration: float = 0.0, start: float = 0.0,
     ) -> None:  # fmt: skip
         self._set(frequency=ranges.frequency("frequency", frequency))
         if not 0 < finite("damping", damping) < 1:
@@ -122,10 +121,9 @@ class DecayingSine(StartedMotion):
         events = (self.start, f"deck of {self.frequency:.4g} Hz is struck"), (self.end, "deck is at rest within 0.1 %")
         return Said(f"{deck}{blow} {self._line_text}", events, min(1 / self.frequency, self.impact_duration or math.inf))
 
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        values = {"frequency": self.frequency, "damping": self.damping, self.quantity: self.level}
-        direction = plain_direction(self.direction)
-        return {**values, "direction": direction, "impact_duration": self.impact_duration, "start": self.start}
+    def _argument(self, name: str) -> object:
+        either = name in ("velocity", "acceleration")
+        return (self.level if name == self.quantity else None) if either else super()._argument(name)
 
     @property
     def _omega(self) -> float:

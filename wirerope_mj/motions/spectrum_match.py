@@ -209,8 +209,18 @@ class _Matching:
         step = 1 / (SAMPLES_PER_PERIOD * frequencies[-1])
         # Oscillators may answer most after the end: they are watched for a period of the lowest.
         self.time = step * np.arange(math.ceil((envelope.stop + 1 / frequencies[0]) / step) + 1.0)
-        self.lines = _line_accelerations(self.time, frequencies, envelope)
-        self.filters = [_filter(frequency, damping, step) for frequency in frequencies]
+        # of unit sines and of unit cosines, as `VibrationLines` makes them, (2 n, n_t)
+        factor, first, second = envelope.derivatives(self.time)
+        omega = 2 * np.pi * frequencies[:, np.newaxis]
+        sine, cosine = np.sin(omega * self.time), np.cos(omega * self.time)
+        of_sines = factor * sine - 2 * first * cosine / omega - second * sine / omega**2
+        of_cosines = factor * cosine + 2 * first * sine / omega - second * cosine / omega**2
+        self.lines = np.concatenate([of_sines, of_cosines])
+        self.filters = []  # ramp-invariant, of the oscillators' absolute acceleration (Smallwood 1981, ISO 18431-4)
+        for one in (2 * math.pi * frequencies).tolist():
+            decay, angle = math.exp(-damping * one * step), one * step * math.sqrt(1 - damping**2)
+            c, s = decay * math.cos(angle), decay * math.sin(angle) / angle
+            self.filters.append(([1 - s, 2 * (s - c), decay**2 - s], [1.0, -2 * c, decay**2]))
         impulse = np.zeros(self.time.size)
         impulse[0] = 1.0
         reach = -math.log(FORGOTTEN) / (2 * np.pi * frequencies * damping * step)
@@ -277,21 +287,3 @@ class _Matching:
         gains *= size / self.target[:, np.newaxis]
         normal = np.einsum("ij,kj->ik", gains, gains) + REGULARISATION * np.eye(self.frequencies.size)
         return size * np.einsum("ij,i->j", gains, np.linalg.solve(normal, excess))
-
-
-def _line_accelerations(time: Array, frequencies: Array, envelope: Envelope) -> Array:
-    """Return the accelerations of lines of unit sine and of unit cosine as `VibrationLines` makes them, (2 n, n_t)."""
-    factor, first, second = envelope.derivatives(time)
-    omega = 2 * np.pi * frequencies[:, np.newaxis]
-    sine, cosine = np.sin(omega * time), np.cos(omega * time)
-    of_sines = factor * sine - 2 * first * cosine / omega - second * sine / omega**2
-    of_cosines = factor * cosine + 2 * first * sine / omega - second * cosine / omega**2
-    return np.concatenate([of_sines, of_cosines])
-
-
-def _filter(frequency: float, damping: float, step: float) -> tuple[list[float], list[float]]:
-    """Return the ramp-invariant filter of an oscillator's absolute acceleration (Smallwood 1981, ISO 18431-4)."""
-    omega = 2 * math.pi * frequency
-    decay, angle = math.exp(-damping * omega * step), omega * step * math.sqrt(1 - damping**2)
-    c, s = decay * math.cos(angle), decay * math.sin(angle) / angle
-    return [1 - s, 2 * (s - c), decay**2 - s], [1.0, -2 * c, decay**2]

@@ -85,7 +85,6 @@ class Course:
 
     @property
     def sign(self) -> float:
-        """s: 1 for a sweep up, -1 for a sweep down."""
         return 1.0 if self.stop > self.start else -1.0
 
     @property
@@ -112,7 +111,6 @@ class Course:
         return 2 * math.pi * self.frequency(t)
 
     def u(self, within: Array) -> Array:
-        """Return u at times up to the end of the sweep."""
         return 2 * math.pi * self.start / self.growth * np.exp(self.sign * self.growth * within)
 
     def angle(self, within: Array) -> Array:
@@ -139,7 +137,6 @@ def _tail(course: Course, within: Array, order: int) -> ComplexArray:
 
 
 def _ends(course: Course, t: Array) -> bool:
-    """Return whether the sweep is over at one of the times: until then nothing is added to it."""
     return bool((t > course.duration).any())
 
 

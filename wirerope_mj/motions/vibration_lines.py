@@ -1,17 +1,16 @@
 """Several steady sines at once: ship vibration at shaft, blade and engine orders."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, integer, the_one_given
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text
 from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
@@ -102,10 +101,10 @@ class VibrationLines(AsCall, StartedMotion):
     duration: float
 
     def __init__(
-        self, *, direction: str | Sequence[float], acceleration: Sequence[Sequence[float]] | None = None,
-        velocity: Sequence[Sequence[float]] | None = None, displacement: Sequence[Sequence[float]] | None = None,
-        phases: Sequence[float] | None = None, seed: int | None = None, duration: float | None = None,
-        rise: float | None = None, fall: float | None = None, start: float = 0.0,
+        self, *, acceleration: Sequence[Sequence[float]] | None = None, velocity: Sequence[Sequence[float]] | None = None,
+        displacement: Sequence[Sequence[float]] | None = None, phases: Sequence[float] | None = None, seed: int | None = None,
+        duration: float | None = None, fall: float | None = None, rise: float | None = None,
+        direction: str | Sequence[float], start: float = 0.0,
     ) -> None:  # fmt: skip
         given = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         quantity, points = the_one_given(given)
@@ -117,18 +116,15 @@ class VibrationLines(AsCall, StartedMotion):
             raise ValueError(f"`phases` must hold one phase for each of the {len(lines)} lines, got {len(phases)}.")
         self._set(phases=None if phases is None else tuple(finite("phases", phase) for phase in phases))
         self._set(seed=None if seed is None else integer("seed", seed, least=0), start=ranges.start("start", start))
-        self._set_ramps(duration, rise, fall)
-
-    def _set_ramps(self, duration: float | None, rise: float | None, fall: float | None) -> None:
-        lowest = self.lines[0][0]
+        lowest = lines[0][0]
         if duration is None:
             if fall is not None:
                 raise ValueError("`fall` needs a `duration`: an endless vibration never falls.")
             ramps = 0.0 if rise is None else usual_ramp("rise", rise, lowest=lowest, duration=math.inf), 0.0
         else:
             length = ranges.length("duration", duration)
-            given = (("rise", rise), ("fall", fall))
-            first, last = (usual_ramp(name, value, lowest=lowest, duration=length) for name, value in given)
+            asked = (("rise", rise), ("fall", fall))
+            first, last = (usual_ramp(name, value, lowest=lowest, duration=length) for name, value in asked)
             check_room(length, first, last)
             ramps = first, last
         self._set(rise=ramps[0], fall=ramps[1], duration=math.inf if duration is None else float(duration))
@@ -184,17 +180,10 @@ class VibrationLines(AsCall, StartedMotion):
             1 / self.lines[-1][0],
         )
 
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        values: Entries = {self.quantity: [list(line) for line in self.lines]}
-        if self.phases is not None:
-            values["phases"] = list(self.phases)
-        if self.seed is not None:
-            values["seed"] = self.seed
-        if math.isfinite(self.duration):
-            values |= {"duration": self.duration, "fall": self.fall}
-        if self.rise:
-            values["rise"] = self.rise
-        return {**values, "direction": plain_direction(self.direction), "start": self.start}
+    def _argument(self, name: str) -> object:
+        if name in _ORDER:
+            return self.lines if name == self.quantity else None
+        return super()._argument(name) if name not in ("rise", "fall") else getattr(self, name) or None
 
     @cached_property
     def _terms(self) -> tuple[tuple[float, float, float], ...]:

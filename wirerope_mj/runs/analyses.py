@@ -62,7 +62,20 @@ def write_frequency_response(
         said = {"format": FORMAT, "headline": content.verdict.text, "levels": levels, "tables": tables}
         (temporary / MARKS[1]).write_text(json_text(said), encoding="utf-8")
         save_tables(result, temporary)
-        _write_views(result, findings, content, temporary)
+        # Here, because rerun and the page take longer to import than checking the options.
+        from wirerope_mj.views.pictures import save_pictures
+        from wirerope_mj.views.report import report_html
+
+        title = f"{result.name}, base {dict(content.facts)['Base']}"
+        charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
+        for name, picture in PICTURES.items():
+            if name in charts:
+                save_pictures([charts[name]], temporary / picture, title=title)
+        (temporary / REPORT).write_text(report_html(content), encoding="utf-8")
+        if result.branches:
+            from wirerope_mj.views.recording.branch import record_branches
+
+            record_branches(result, findings, content, temporary / "run.rrd")
 
 
 def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, object], *packages: str) -> None:
@@ -96,20 +109,3 @@ def _question(result: FrequencyResponse) -> Entries:
     if options.method != "continuation":
         content["sweep"] = {"rate": options.rate}
     return content
-
-
-def _write_views(result: FrequencyResponse, findings: list[LevelSummary], content: Content, folder: Path) -> None:
-    # Here, because rerun and the page take longer to import than checking the options.
-    from wirerope_mj.views.pictures import save_pictures
-    from wirerope_mj.views.report import report_html
-
-    title = f"{result.name}, base {dict(content.facts)['Base']}"
-    charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
-    for name, picture in PICTURES.items():
-        if name in charts:
-            save_pictures([charts[name]], folder / picture, title=title)
-    (folder / REPORT).write_text(report_html(content), encoding="utf-8")
-    if result.branches:
-        from wirerope_mj.views.recording.branch import record_branches
-
-        record_branches(result, findings, content, folder / "run.rrd")

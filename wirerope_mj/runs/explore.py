@@ -1,33 +1,169 @@
-"""A what-if of a scenario: runs with the sliders at other values, of which the last two are kept."""
+"""A what-if of a scenario: its sliders, and runs with them at other values, of which the last two are kept."""
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
+
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.numbers import title_of
+from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.simulate import RING_DOWN
 from wirerope_mj.engine.simulation.stability import slowest_period
-from wirerope_mj.engine.system import load_system
-from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.engine.statics.payloads import payloads_of
+from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.engine.system.varied import moving_bodies, sprung_joints, varied, with_changes
+from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import directions_in
 from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.resources import model_file, shipped_models
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions import HalfSine, Measured
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, significant
+from wirerope_mj.motions import BaseMotion, HalfSine, Measured, Scaled, Turned
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.scenario_file import judged_by
-from wirerope_mj.runs.sliders import checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.explore.answer import answer
 from wirerope_mj.views.explore.recorder import Recorder, ShownRun
 from wirerope_mj.views.explore.server import OvertakenError
+
+# Keys of the sliders; that of a stiffness is followed by what the model calls the isolator.
+LEVEL, DIRECTION, MASS, DAMPING, STIFFNESS, DECK = "level", "direction", "mass", "damping", "stiffness/", "deck"
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slider:
+    """One quantity that can be changed."""
+
+    key: str  # by which its value is handed over
+    label: str  # what it is called
+    unit: str  # "×" for a factor on what the scenario has, "°" for an angle
+    # minimum, maximum: smallest and largest value
+    minimum: float
+    maximum: float
+    nominal: float  # what leaves the scenario as it is
+    note: str  # what it acts on, and what stays
+
+    def text(self, value: float) -> str:
+        return f"{value:.4g}°" if self.unit == "°" else f"×\N{NO-BREAK SPACE}{value:.4g}"
+
+
+def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
+    """Return the sliders that act on a system under a motion: none that could do nothing."""
+    found = [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
+    if _can_turn(system, motion):
+        found.append(Slider(
+            key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0, nominal=0.0,
+            note="Turns the motion about the vertical, from x towards y.",
+        ))  # fmt: skip
+    if system.mounts:
+        mass = sum(payload.mass for payload in payloads_of(system))
+        note = f"On mass and inertia of all that the mounts carry, {significant(mass)} kg; its shape stays."
+        found.append(_factor(MASS, "Payload mass", (0.5, 2.0), note))
+    groups = groups_of(system)
+    for group, mounts in groups.items():
+        device = system.mounts[mounts[0]].written.name
+        note = f"On all forces of {len(mounts)} {'mounts' if len(mounts) > 1 else 'mount'}; their ratings stay."
+        found.append(_factor(STIFFNESS + group, f"Stiffness of {device}", (0.5, 2.0), note))
+    laws = {group: system.mounts[mounts[0]].written.axes.values() for group, mounts in groups.items()}
+    damped = [group for group in groups if any(law.damping_parameters for law in laws[group] if law is not None)]
+    if damped:
+        others = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
+        note = "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
+        note += f" {', '.join(others)}: loss and stiffness are one law, which stays." if others else ""
+        found.append(_factor(DAMPING, "Damping of all mounts", (0.33, 3.0), note))
+    if (deck := sprung_joints(system.model).get(NAME)) is not None:
+        note = f"On the {significant(deck)} Hz of the deck panel alone; its mass and damping ratio stay."
+        found.append(_factor(DECK, "Deck frequency", (0.5, 2.0), note))
+    return tuple(found)
+
+
+def groups_of(system: System) -> dict[str, list[str]]:
+    """Return the mounts that share an isolator by what the model calls it; mere stops are no isolators."""
+    groups: dict[str, list[str]] = {}
+    for name, mount in system.mounts.items():
+        if not mount.written.is_stop:
+            groups.setdefault(mount.isolator_name, []).append(name)
+    return groups
+
+
+def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float]:
+    """Return a value for every slider: the one that is given, brought into its range, else the nominal one.
+
+    ValueError if `values` is no table of finite numbers, or names what is no slider.
+    """
+    if not isinstance(values, Mapping):
+        raise ValueError(f'the sliders\' values must be a table such as {{"level": 1.2}}, got {quoted(values, 40)}.')
+    known = {slider.key: slider for slider in sliders}
+    checked = {slider.key: slider.nominal for slider in sliders}
+    for key, value in values.items():
+        if key not in known:
+            raise ValueError(f"there is no slider {str(key)[:40]!r}; there are {', '.join(known)}.")
+        try:
+            number = finite(key, value)
+        except ValueError:
+            raise ValueError(f"the value of {key!r} must be a finite number, got {quoted(value, 40)}.") from None
+        checked[key] = min(max(number, known[key].minimum), known[key].maximum)
+    return checked
+
+
+def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System, BaseMotion]:
+    """Return system and motion with all sliders at some values; where all are nominal, those that are given.
+
+    ValueError if a factor takes a parameter out of its law's range; ModelError if the compiled model has no room for the
+    change.
+    """
+    mass, damping = values.get(MASS, 1.0), values.get(DAMPING, 1.0)
+    isolators: dict[str, Isolator] = {}
+    for group, mounts in groups_of(system).items():
+        stiffness = values.get(STIFFNESS + group, 1.0)
+        for mount in mounts:
+            written = system.mounts[mount].written
+            changed = written if stiffness == 1.0 else written.scaled(stiffness)
+            isolators[mount] = changed if damping == 1.0 else changed.with_damping(damping)
+    ids = {body for payload in payloads_of(system) for body in payload.bodies} if mass != 1.0 else set()
+    carried = [name for name in moving_bodies(system.model) if system.model.body(name).id in ids]
+    tunings = {NAME: values[DECK]} if values.get(DECK, 1.0) != 1.0 else {}
+    if carried or tunings or any(isolators[mount] is not system.mounts[mount].written for mount in isolators):
+        system = varied(system, isolators=isolators, masses=dict.fromkeys(carried, mass), tunings=tunings)
+    if angle := values.get(DIRECTION, 0.0):
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        motion = Turned(motion, rotation=[[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    if (level := values.get(LEVEL, 1.0)) != 1.0:
+        motion = Scaled(motion, level)
+    return system, motion
+
+
+def frequency_ratio(values: Values) -> float:
+    """Return by how much the fastest motion is at most faster than the scenario's: root of stiffness over mass, >= 1."""
+    stiffest = max((value for key, value in values.items() if key.startswith(STIFFNESS)), default=1.0)
+    # Damping multiplies the friction, which is a part of the stiffness at small amplitudes, and a damper's rate itself.
+    mounts = max(1.0, stiffest * max(1.0, values.get(DAMPING, 1.0)) ** 2 / values.get(MASS, 1.0)) ** 0.5
+    return max(mounts, values.get(DECK, 1.0))
+
+
+def _factor(key: str, label: str, ends: tuple[float, float], note: str) -> Slider:
+    return Slider(key=key, label=label, unit="×", minimum=ends[0], maximum=ends[1], nominal=1.0, note=note)
+
+
+def _can_turn(system: System, motion: BaseMotion) -> bool:
+    """Return whether the motion has a horizontal component, and the base follows any such motion."""
+    drive = system.assembly.tables.drive
+    reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
+    # 1e-9: rounding of unit vectors, as where the simulation checks its direction.
+    follows = np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9
+    return bool(follows and np.abs(motion.directions[:, :2]).max(initial=0.0) > 1e-9)
+
 
 _START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest before it
 
@@ -155,7 +291,6 @@ class Exploration:
             raise RecordError(f"the recording was not written: {error}") from error
 
     def close(self) -> None:
-        """End the process that writes recordings."""
         if self._recorder is not None:
             self._recorder.close()
 

@@ -86,7 +86,6 @@ class WireRopeUnit(Fmi3Slave):
         return Fmi3StepResult()
 
     def _get_fmu_state(self) -> dict[str, object]:
-        """Save the motion, the clock and the inputs, in plain values that JSON holds exactly."""
         inputs = [self._base.tolist(), *(wrench.tolist() for wrench in self._loads.values())]
         return {**self._going.to_plain(), "inputs": inputs, "stepped": self._stepped}
 
@@ -103,7 +102,6 @@ class WireRopeUnit(Fmi3Slave):
 
 
 def _entry(values: Array, number: int) -> tuple[Callable[[], float], Callable[[float], None]]:
-    """Return how an entry of an array is read and written."""
     return lambda: float(values[number]), lambda value: values.__setitem__(number, float(value))
 
 

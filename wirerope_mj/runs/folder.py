@@ -45,7 +45,6 @@ class Alterations:
 
 
 def write_checksums(folder: Path) -> None:
-    """Write `checksums.txt` of all files in a folder and below it, as its last file."""
     _write(folder, {name: digest_of(folder / name) for name in _names(folder)})
 
 

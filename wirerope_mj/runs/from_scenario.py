@@ -1,4 +1,4 @@
-"""Studies of a scenario, whose system and motion they take and of which something varies, and of every load case of a job."""
+"""Studies from files with a function, from scenarios of which something varies, and of every load case of a job."""
 
 from collections.abc import Mapping
 from contextlib import nullcontext
@@ -13,10 +13,11 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, write_json
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import KINDS, PayloadLimit, limits_by_patterns
+from wirerope_mj.foundation.resources import scenarios_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.job_file import Job
 from wirerope_mj.runs.page import write_page
-from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.runs.scenario import OptionFile, Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import subjects_of
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.study import CONTENT
@@ -24,6 +25,7 @@ from wirerope_mj.studies.folder import check_whole
 from wirerope_mj.studies.measures import measure_names, payload_points
 from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
 from wirerope_mj.studies.results.study_summary import summary_of
+from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study, load_study
 from wirerope_mj.studies.vary.distributions import Distribution
 from wirerope_mj.studies.vary.vary_option import EXAMPLE, available_lines, signatures
@@ -32,6 +34,34 @@ VARIANTS = 256  # Variants unless it is said how many: a power of two, of which 
 _COUNTED = ("sobol", "latin-hypercube", "random")  # Samplings of which any number of variants is a study
 # Arguments of a scenario's simulation that a study takes over.
 _CARRIED = ("duration", "timestep", "accuracy", "sample_rate", "initial")
+
+
+class StudyFile(OptionFile):
+    """A file with one function `study(*, ...) -> Study`, or `-> Search`, whose keyword arguments are the options."""
+
+    def make(self, **options: object) -> Study | Search:
+        """Return the study of some options; the others have their defaults.
+
+        ModelError if an option is unknown, or the function does not return a Study, or fails; says in which line.
+        """
+        made, _ = self.made(options)
+        if not isinstance(made, Study | Search):
+            raise ModelError(f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}.")
+        made.name = self.name if made.name == "study" else made.name
+        made.question = made.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
+        return made
+
+
+def shipped_studies() -> dict[str, Path]:
+    return {path.stem: path for path in sorted((scenarios_folder() / "studies").glob("*.py"))}
+
+
+def load_study_file(name_or_path: str | Path) -> StudyFile:
+    """Return the study file at a path, or the shipped one of that name.
+
+    ModelError if there is no such study, or the file has no function `study` with keyword options only.
+    """
+    return StudyFile.load(name_or_path, shipped_studies(), "study")
 
 
 def study_of(
@@ -64,7 +94,18 @@ def study_of(
     elif options:
         raise ValueError("`options` are for a scenario file; this scenario is made already.")
     scenario = scenario.on_its_floor()
-    simulate: Entries = {"initial": scenario.motion.initial} | _carried(scenario)
+    simulate: Entries = {"initial": scenario.motion.initial} | dict(scenario.simulate)
+    asks = f"scenario {scenario.name!r}"
+    if (callback := simulate.pop("callback", "native")) != "native":
+        text = f"{asks} asks for the {callback!r} callback, and variants are simulated with the native one"
+        raise ModelError(f"{text}; leave it out.")
+    if (engine := simulate.pop("engine", "auto")) != "auto":
+        raise ModelError(f"{asks} asks for the engine {engine!r}, and of variants each has its own; leave it out.")
+    if other := [key for key in simulate if key not in _CARRIED]:
+        text = f"a study cannot take over `{other[0]}` of its simulation; it takes {', '.join(_CARRIED)}."
+        raise ModelError(f"{asks}: {text}")
+    if "duration" not in simulate:
+        raise ModelError(f"{asks}: `simulate` must say the duration [s].")
     if timestep is not None or accuracy is not None:
         simulate |= {"timestep": timestep, "accuracy": simulate.get("accuracy", 1e-4) if accuracy is None else accuracy}
     return Study(
@@ -111,22 +152,6 @@ def _text(limit: PayloadLimit) -> str:
     return f"{limit.kind}/{limit.name} = {values} {'g' if accelerates else KINDS[limit.kind].unit}"
 
 
-def _carried(scenario: Scenario) -> Entries:
-    """Return the arguments of the simulation that a study shares; ModelError if there is another that matters."""
-    arguments, asks = dict(scenario.simulate), f"scenario {scenario.name!r}"
-    if (callback := arguments.pop("callback", "native")) != "native":
-        text = f"{asks} asks for the {callback!r} callback, and variants are simulated with the native one"
-        raise ModelError(f"{text}; leave it out.")
-    if (engine := arguments.pop("engine", "auto")) != "auto":
-        raise ModelError(f"{asks} asks for the engine {engine!r}, and of variants each has its own; leave it out.")
-    if other := [key for key in arguments if key not in _CARRIED]:
-        text = f"a study cannot take over `{other[0]}` of its simulation; it takes {', '.join(_CARRIED)}."
-        raise ModelError(f"{asks}: {text}")
-    if "duration" not in arguments:
-        raise ModelError(f"{asks}: `simulate` must say the duration [s].")
-    return arguments
-
-
 def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution], how: Entries, drawn: Entries) -> Content:
     """Compute the same variants under every load case, write them and what they say into a folder, and return that.
 
@@ -136,11 +161,6 @@ def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution],
     them, and raises.
     """
     folder = Path(folder)
-
-    def content_of(place: Path) -> Content:
-        cases = {case.name: summary_of(load_study(place / case.folder)) for case in job.cases}
-        return job_study_content(job.name, job.question, cases)
-
     # Cases of two answers never stand together: a finished study of a job is replaced as a whole.
     replaces = how.get("force") and not how.get("resume") and (folder / CONTENT).is_file()
     whole = partial(atomic_folder, force=True, kind="study of a job", marks=(CONTENT,)) if replaces else nullcontext[Path]
@@ -151,7 +171,8 @@ def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution],
             study.run(place / case.folder, when_done=partial(write_stated, limits=limits), **how)
             if replaces:
                 check_whole(place / case.folder, folder)
-        content = content_of(place)
+        cases = {case.name: summary_of(load_study(place / case.folder)) for case in job.cases}
+        content = job_study_content(job.name, job.question, cases)
         write_json(place / CONTENT, content.to_dict("answer", "cases"))
         write_page(content, [place / "report.html"])
-    return content_of(folder)
+    return content

@@ -124,7 +124,6 @@ def run_job(
 
 
 def is_job(path: str | Path) -> bool:
-    """Return whether a path is the folder of a job."""
     return (Path(path) / JOB).is_file()
 
 
@@ -253,17 +252,17 @@ def _simulated(question: _Question) -> _Outcome:
     return _Outcome(scenario.name, perf_counter() - began, answers[0], warned=warned)
 
 
-def _lost(question: _Question, reason: str) -> _Outcome:
-    return _Outcome(question[0].name, 0.0, "", error=f"its process {reason} each time; perhaps it ran out of memory.")
-
-
 def _run_all(questions: list[_Question], workers: int | None, done: Done) -> Iterator[tuple[str, str]]:
     """Simulate cases side by side; yield name and reason of those that failed."""
     from wirerope_mj.studies.engines.local import in_processes  # late: with it comes all that studies need
 
     if len(questions) == 1:
         workers = 1
-    for number, outcome in enumerate(in_processes(_simulated, questions, lost=_lost, workers=workers), start=1):
+
+    def lost(question: _Question, reason: str) -> _Outcome:
+        return _Outcome(question[0].name, 0.0, "", error=f"its process {reason} each time; perhaps it ran out of memory.")
+
+    for number, outcome in enumerate(in_processes(_simulated, questions, lost=lost, workers=workers), start=1):
         for category, text in outcome.warned:
             warnings.warn(f"{outcome.name}: {text}", category, stacklevel=2)
         if outcome.error:

@@ -20,7 +20,7 @@ from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
+from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 from wirerope_mj.runs.said_motion import PLAYED, said_motion, with_dwells_found
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judged_by
@@ -149,7 +149,12 @@ def load_job(path: str | Path) -> Job:
     path = Path(path)
     content = structure(JobFile, read_toml(path, KIND), Place(path))
     source = model_source(content.model, folder=path.resolve().parent, asker=str(path))
-    limits = tuple(_limits(Place(path, ("limits",)), content.limits))
+    limits: list[PayloadLimit] = []
+    for key, value in content.limits.items():
+        try:
+            limits.append(limit_from_text(f"{key} = {value}"))
+        except ValueError as error:
+            raise Place(path, ("limits",)).fault(f'{error} Here it is "acceleration/rack" = "15 g".') from None
     document = content.document and _with_logo(content.document, Place(path, ("document",)))
     try:
         system = judged_by(load_system(source), combined_travel=content.combined_travel, limits=limits)
@@ -177,14 +182,6 @@ def load_job(path: str | Path) -> Job:
         name=content.name or path.stem, question=content.question, cases=tuple(cases), report=_texts(content.report),
         document=document, path=path,
     )  # fmt: skip
-
-
-def _limits(place: Place, table: dict[str, str]) -> Iterator[PayloadLimit]:
-    for key, value in table.items():
-        try:
-            yield limit_from_text(f"{key} = {value}")
-        except ValueError as error:
-            raise place.fault(f'{error} Here it is "acceleration/rack" = "15 g".') from None
 
 
 def _cases(path: Path, content: JobFile) -> Iterator[tuple[Place, Path, Case]]:

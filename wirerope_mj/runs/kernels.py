@@ -42,16 +42,12 @@ def compile_beside_a_command() -> None:
     with suppress(KeyboardInterrupt):
         native_callbacks()
         _law().trace([0.0, 0.001])
-        _step_through_nothing()
+        # what steps, and all that it calls, without a position of rest to begin at
+        system = load_system("sdof_shaker")
+        group = group_of([equations(system)], np.zeros((1, moving(system).size)), [0])
+        drive = np.zeros((1, 1, len(system.assembly.tables.drive)))
+        group.go(np.zeros((5, 0)), drive[:, :0], drive[:, :0], np.zeros((1, 0, 3)), np.zeros(0, dtype=np.int64), NOTHING)
         use_all_kernels()
-
-
-def _step_through_nothing() -> None:
-    """Compile what steps, and all that it calls, without a position of rest to begin at."""
-    system = load_system("sdof_shaker")
-    group = group_of([equations(system)], np.zeros((1, moving(system).size)), [0])
-    drive = np.zeros((1, 1, len(system.assembly.tables.drive)))
-    group.go(np.zeros((5, 0)), drive[:, :0], drive[:, :0], np.zeros((1, 0, 3)), np.zeros(0, dtype=np.int64), NOTHING)
 
 
 def _law() -> Law:

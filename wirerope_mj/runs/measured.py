@@ -40,7 +40,6 @@ class ColumnMap:
 
     @property
     def arguments(self) -> Entries:
-        """What it says, as `load_measured` takes it."""
         return {key: value for key, value in vars(self).items() if value is not None and key not in ("file", "name")}
 
 

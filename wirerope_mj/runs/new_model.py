@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from wirerope_mj.engine.flexible import Deck
-from wirerope_mj.engine.from_tables import Layout, StopLaw, mjcf_of, read_layout
+from wirerope_mj.engine.from_tables import Layout, mjcf_of, read_layout
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.on_deck import deck_text
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
@@ -90,14 +90,17 @@ def from_template(
     if template == "genset":
         tables = tables_in(models_folder() / "templates" / "genset")
         return new_model(folder, tables, deck=deck, formats=formats, force=force)
+    from xml.etree import ElementTree as ET
+
     source = models_folder() / _MODELS[template]
     name = folder.resolve().name
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:
         target = temporary / f"{name}.xml"
         shutil.copyfile(source, target)
         (temporary / "isolators").mkdir()
-        for isolator in _isolators_in(source):
-            shutil.copyfile(models_folder() / isolator, temporary / isolator)
+        for text in ET.parse(source).iter("text"):
+            if (isolator := text.get("data", "")).startswith("isolators/"):
+                shutil.copyfile(models_folder() / isolator, temporary / isolator)
         _loaded(target, deck)
     return None
 
@@ -111,16 +114,7 @@ def _loaded(model: Path, deck: Deck | None) -> None:
 
 
 def marks(name: str) -> tuple[str, ...]:
-    """Return the files by which a model's folder is known."""
     return (f"{name}.xml",)
-
-
-def _isolators_in(model: Path) -> list[str]:
-    """Return the isolators' files that a model of the house names, relative to its folder."""
-    from xml.etree import ElementTree as ET
-
-    texts = ET.parse(model).iter("text")
-    return [data for text in texts if (data := text.get("data", "")).startswith("isolators/")]
 
 
 def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
@@ -132,16 +126,12 @@ def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
             device = load_isolator(layout.isolators[mount.isolator])
             replace(device, bracket=mount.bracket).save(folder / f"{mount.device}.toml")
     for stop in layout.stops:
-        if stop.law is not None:
+        if (law := stop.law) is not None:
+            assumed = ("stiffness and damping are those of the table",)
+            stated = Provenance(kind="illustrative", source="table of stops", assumed=assumed)
+            name = f"Stop, {law.stiffness / 1e6:g} MN/m behind {1e3 * law.gap:g} mm"
             try:
-                _stop_isolator(stop.law).save(folder / f"{stop.isolator}.toml")
+                axial = Stop(gap_below=law.gap, k=law.stiffness, c=law.damping, rounding=law.rounding)
+                Isolator(name=name, axial=axial, provenance=stated).save(folder / f"{stop.isolator}.toml")
             except (ModelError, ValueError) as error:
                 raise RecordError(f"{stops}: stop {stop.name!r}: {error}") from None
-
-
-def _stop_isolator(law: StopLaw) -> Isolator:
-    axial = Stop(gap_below=law.gap, k=law.stiffness, c=law.damping, rounding=law.rounding)
-    assumed = ("stiffness and damping are those of the table",)
-    stated = Provenance(kind="illustrative", source="table of stops", assumed=assumed)
-    name = f"Stop, {law.stiffness / 1e6:g} MN/m behind {1e3 * law.gap:g} mm"
-    return Isolator(name=name, axial=axial, provenance=stated)

@@ -3,7 +3,6 @@
 import math
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -16,9 +15,10 @@ from wirerope_mj.engine.response.scene import scene_to_dict
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.in_lanes import moving
 from wirerope_mj.engine.simulation.simulate import versions
-from wirerope_mj.foundation.arrays import Entries, Integers
+from wirerope_mj.foundation.arrays import Integers
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.foundation.toml_file import flat_entries
 from wirerope_mj.runs.folder import SUMMARY, Alterations, alterations
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
@@ -74,7 +74,7 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
     """
     folder = Path(folder)
     altered = alterations(folder) if folder.is_dir() else None
-    with _naming(altered):
+    try:
         content = scenario_content(folder)
         system, motion = system_and_motion(folder, content)
         stored = load_response(folder)
@@ -94,7 +94,15 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
             differences += _peak_differences(stored, again)
             parts = np.split(moving(system), [system.model.nq, system.model.nq + system.model.nv])
             differences += _rest_differences(stored, again, parts)
-    difference, where = _largest(differences)
+    except (WireRopeError, ValueError) as error:
+        if altered is None or altered.intact:
+            raise
+        raise type(error)(f"{error} {altered.text}") from None  # of which it may be the consequence
+    nonzero = [one for one in differences if one[0] > 0.0]
+    worst = max(nonzero, default=(0.0, ""))
+    # the summary repeats what the response says, which is named first
+    of_response = max((one for one in nonzero if not one[1].startswith(SUMMARY)), default=worst)
+    difference, where = of_response if (of_response[0] > AGREES) == (worst[0] > AGREES) else worst
     return Replay(
         identical=not where, largest_difference=difference, column=where, response=None if long else again, alterations=altered
     )
@@ -135,25 +143,6 @@ def replay_study(folder: str | Path) -> tuple[float, str]:
     return worst
 
 
-@contextmanager
-def _naming(altered: Alterations | None) -> Iterator[None]:
-    """Name the altered files in the message of what they led to."""
-    try:
-        yield
-    except (WireRopeError, ValueError) as error:
-        if altered is None or altered.intact:
-            raise
-        raise type(error)(f"{error} {altered.text}") from None
-
-
-def _largest(differences: list[Difference]) -> Difference:
-    """Return the largest difference; the summary repeats what the response says, which is named first."""
-    nonzero = [one for one in differences if one[0] > 0.0]
-    worst = max(nonzero, default=(0.0, ""))
-    of_response = max((one for one in nonzero if not one[1].startswith(SUMMARY)), default=worst)
-    return of_response if (of_response[0] > AGREES) == (worst[0] > AGREES) else worst
-
-
 # Next to the largest number of its vector: what is smaller is rounding, as along an axis in which nothing moves.
 NEGLIGIBLE = 1e-9
 _BLOCK = 64  # columns that are compared at once
@@ -189,7 +178,6 @@ def _sample_differences(stored: Response, again: Response) -> Iterator[Differenc
 
 
 def _vector(name: str) -> str:
-    """Return the name of the vector of which a column is a component, or that of the column."""
     vector, _, component = name.rpartition("/")
     return vector if component in ("w", "x", "y", "z", "roll", "shear", "axial") else name
 
@@ -211,7 +199,7 @@ def _peak_differences(stored: Response, again: Response) -> Iterator[Difference]
         yield from _plain_differences(contacts, contacts_again, "peaks.contacts")
     if travels is not None:
         yield from _plain_differences(travels, travels_again, "peaks.travels")
-    mine, other = _flat(mine), _flat(other)
+    mine, other = flat_entries(mine), flat_entries(other)
     for where in [where for where in mine if mine[where] != other[where]]:
         peak, index = where.rsplit(".", 1)
         largest = max(abs(mine[f"{peak}.0"]), abs(other[f"{peak}.0"]), np.finfo(float).tiny)
@@ -258,7 +246,7 @@ def _plain_differences(
     mine: object, other: object, where: str, *, texts: bool = True, without: tuple[str, ...] = ()
 ) -> Iterator[Difference]:
     """Yield the differences between plain values: numbers relative to themselves, anything else infinite."""
-    one, two = _flat(mine), _flat(other)
+    one, two = (flat_entries(value, label=_label) for value in (mine, other))
     for key in dict.fromkeys((*one, *two)):
         if key.startswith(without) if without else False:
             continue
@@ -275,20 +263,6 @@ def _plain_differences(
             if not texts and key.startswith("judged.") and key.rpartition(".")[2] in _JUDGEMENT:
                 continue
             yield np.inf, f"{where} {key}"
-
-
-def _flat(value: object, where: str = "") -> Entries:
-    """Return the numbers and texts in nested tables and lists by name; entries of a list by what they are called."""
-    if isinstance(value, Mapping):
-        items = [(str(key), item) for key, item in value.items()]
-    elif isinstance(value, list | tuple):
-        items = [(_label(item, number), item) for number, item in enumerate(value)]
-    else:
-        return {where: value}
-    flat = {} if items or not where else {where: len(items)}
-    for key, item in items:
-        flat |= _flat(item, f"{where}.{key}" if where else key)
-    return flat
 
 
 def _label(item: object, number: int) -> str:

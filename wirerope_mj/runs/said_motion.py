@@ -15,9 +15,8 @@ from wirerope_mj.foundation.quantities import parse_phrase
 from wirerope_mj.motions import BaseMotion, load_record
 from wirerope_mj.motions.phrases import file_first
 from wirerope_mj.motions.psd_lines import Points, table_lines
-from wirerope_mj.motions.records.record import Record, record_channels
-from wirerope_mj.motions.restore import motion_of_levels
-from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
+from wirerope_mj.motions.records.record import record_channels
+from wirerope_mj.motions.registry import SPOKEN_MOTIONS, motion_from_phrase, motion_of_levels
 
 # What is said of how a record is played, beside its channels and their directions, as `load_record` takes it.
 PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit")
@@ -41,26 +40,22 @@ def said_motion(
     motions += [motion_of_levels(file) for file in levels]
     if record is not None:
         one = load_record(record, channels=_channels(record, channels, direction), **(played or {}))
-        _check_that_it_moves(record, one, duration)
+        if not one.samples.any():
+            zero = "all of its samples are zero" if one.baseline == "none" else "nothing but zeros is left of it"
+            text = f"{zero}, so that the base would not move. Is it the right file, and the right channel?"
+            raise RecordError(f"{record}: {text}")
+        if one.end <= 0.0:
+            raise ValueError(
+                f"`start` {one.start:g} lets the record end at {one.end:g} s, before the simulation begins at 0 s: the base "
+                "would not move. Start it at 0 s or later."
+            )
+        if duration is not None and duration <= one.start:
+            text = f"`duration` {duration:g} ends the simulation before the record begins, at {one.start:g} s (`start`)."
+            raise ValueError(text)
         motions.append(one)
     elif channels is not None or direction is not None:
         raise ValueError("`direction` and `channels` belong to a `record`; other motions say their direction.")
     return sum(motions[1:], start=motions[0])
-
-
-def _check_that_it_moves(path: Path, motion: Record, duration: float | None) -> None:
-    """Raise an error for a record that would leave the base at rest all the time."""
-    if not motion.samples.any():
-        zero = "all of its samples are zero" if motion.baseline == "none" else "nothing but zeros is left of it"
-        raise RecordError(f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?")
-    if motion.end <= 0.0:
-        raise ValueError(
-            f"`start` {motion.start:g} lets the record end at {motion.end:g} s, before the simulation begins at 0 s: the "
-            "base would not move. Start it at 0 s or later."
-        )
-    if duration is not None and duration <= motion.start:
-        text = f"`duration` {duration:g} ends the simulation before the record begins, at {motion.start:g} s (`start`)."
-        raise ValueError(text)
 
 
 def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> Entries | None:

@@ -70,12 +70,10 @@ class OptionFile:
 
     @property
     def question(self) -> str:
-        """First line of the file's docstring."""
         return (self.function.__doc__ or "").strip().split("\n", 1)[0]
 
     @property
     def defaults(self) -> Entries:
-        """Options and their default values."""
         return {name: option.default for name, option in inspect.signature(self.function).parameters.items()}
 
     def made(self, options: Entries) -> tuple[object, Entries]:
@@ -87,7 +85,11 @@ class OptionFile:
         for option, value in options.items():
             if option not in values:
                 raise ModelError(f"{self.path}: no option {option!r}; the options are {', '.join(values)}.")
-            _check_kind(self.path, option, values[option], value)
+            default = values[option]  # None says nothing of its kind
+            known, accepted, kind = next((one for one in _OPTION_KINDS if isinstance(default, one[0])), (object, object, ""))
+            if not isinstance(value, accepted) or (isinstance(value, bool) and known not in (bool, object)):
+                text = f"option `{option}` must be {kind}, as its default {default!r} is, got {value!r}."
+                raise ModelError(f"{self.path}: {text}")
         values |= options
         return guarded(self.path, lambda: self.function(**values)), values
 
@@ -100,7 +102,12 @@ def load_function(path: Path, name: str) -> Callable[..., object]:
     spec = spec_from_file_location(path.stem, path.resolve())
     if path.suffix != ".py" or spec is None or spec.loader is None:
         raise ModelError(f"{path}: a {name} is a Python file; its name ends with .py.")
-    _check_text(path, name)
+    try:
+        content = regular(path).read_bytes()
+    except OSError as error:
+        raise ModelError(f"{path}: this {name} cannot be read: {why_unread(error)}") from None
+    if b"\0" in content:
+        raise ModelError(f"{path}: this is not text; a {name} is a Python file, saved as text in UTF-8.")
     module, loader = module_from_spec(spec), spec.loader
     guarded(path, lambda: loader.exec_module(module))
     function = getattr(module, name, None)
@@ -113,23 +120,6 @@ def load_function(path: Path, name: str) -> Callable[..., object]:
     _, arguments, options = (inspect.getdoc(function) or "").partition("Args:")
     function.__doc__ = f"{(inspect.getdoc(module) or '').strip()}\n\n{arguments}{options}".strip()
     return function
-
-
-def _check_text(path: Path, name: str) -> None:
-    """Raise ModelError if a file cannot be read, or holds bytes that no text has."""
-    try:
-        content = regular(path).read_bytes()
-    except OSError as error:
-        raise ModelError(f"{path}: this {name} cannot be read: {why_unread(error)}") from None
-    if b"\0" in content:
-        raise ModelError(f"{path}: this is not text; a {name} is a Python file, saved as text in UTF-8.")
-
-
-def _check_kind(path: Path, option: str, default: object, value: object) -> None:
-    """Raise ModelError unless a value is of the kind of the option's default; None says nothing of it."""
-    known, accepted, kind = next((one for one in _OPTION_KINDS if isinstance(default, one[0])), (object, object, ""))
-    if not isinstance(value, accepted) or (isinstance(value, bool) and known not in (bool, object)):
-        raise ModelError(f"{path}: option `{option}` must be {kind}, as its default {default!r} is, got {value!r}.")
 
 
 def guarded(path: Path, action: Callable[[], object]) -> object:
@@ -238,7 +228,6 @@ class ScenarioFile(OptionFile):
 
 
 def shipped_scenarios() -> dict[str, Path]:
-    """Return the scenarios that ship with the package, by name."""
     return {path.stem: path for path in sorted(scenarios_folder().glob("*.py"))}
 
 

@@ -17,8 +17,24 @@ from wirerope_mj.runs.folder import FORMAT, SCENARIO
 
 
 def judged_by(system: System, *, combined_travel: bool, limits: Sequence[PayloadLimit]) -> System:
-    """Return the system with a scenario's limits in place of its model's; ModelError for one on nothing that is there."""
-    return replace(_with_limits(system, limits), combined_travel=system.combined_travel and combined_travel)
+    """Return the system with a scenario's limits in place of its model's for the same subjects.
+
+    A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a limit
+    names no body of the payload and no point, or one thing is limited twice.
+    """
+    known = subjects_of(system) if limits else {}
+    limits = limits_by_patterns(limits, known) if limits else ()
+    for number, limit in enumerate(limits):
+        if not is_subject(limit.name, limit.kind, known):
+            raise ModelError(
+                f"limit {limit.kind}/{limit.name}: there is no body of the payload and no point {limit.name!r} that has "
+                f"this. There are {', '.join(known[limit.kind]) or 'none'}."
+            )
+        if any((other.kind, other.name) == (limit.kind, limit.name) for other in limits[:number]):
+            raise ModelError(f"limit {limit.kind}/{limit.name}: it is given twice.")
+    named = {(limit.kind, limit.name) for limit in limits}
+    kept = [limit for limit in system.limits if (limit.kind, limit.name) not in named]
+    return replace(system, limits=(*kept, *limits), combined_travel=system.combined_travel and combined_travel)
 
 
 def judge_table(*, combined_travel: bool, limits: Sequence[PayloadLimit]) -> Entries:
@@ -36,29 +52,7 @@ def read_judge_table(content: Entries) -> Entries:
 
 
 def subjects_of(system: System) -> dict[str, list[str]]:
-    """Name the bodies and points that a limit of each kind may be on."""
     return limit_subjects(system.model, system.model.body(system.base).id if system.base else 0)
-
-
-def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
-    """Return the system with limits in place of those that its model states for the same subjects."""
-    # A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a limit
-    # names no body of the payload and no point, or one thing is limited twice.
-    if not limits:
-        return system
-    known = subjects_of(system)
-    limits = limits_by_patterns(limits, known)
-    for number, limit in enumerate(limits):
-        if not is_subject(limit.name, limit.kind, known):
-            raise ModelError(
-                f"limit {limit.kind}/{limit.name}: there is no body of the payload and no point {limit.name!r} that has "
-                f"this. There are {', '.join(known[limit.kind]) or 'none'}."
-            )
-        if any((other.kind, other.name) == (limit.kind, limit.name) for other in limits[:number]):
-            raise ModelError(f"limit {limit.kind}/{limit.name}: it is given twice.")
-    named = {(limit.kind, limit.name) for limit in limits}
-    kept = [limit for limit in system.limits if (limit.kind, limit.name) not in named]
-    return replace(system, limits=(*kept, *limits))
 
 
 _REMEDY = "Put it right, or take the file from another copy of the folder."

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.schema import schema
-from wirerope_mj.motions.restore import Levels
+from wirerope_mj.motions.registry import Levels
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.tables import law_schema
 from wirerope_mj.mounts.laws import Law

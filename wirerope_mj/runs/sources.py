@@ -1,6 +1,5 @@
 """System and motion of a run, read from its folder alone, and the check that its response is theirs."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +16,9 @@ from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.toml_file import flat_entries
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.restore import check_records, motion_from_dict
+from wirerope_mj.motions.registry import check_records, motion_from_dict
 from wirerope_mj.runs.folder import SCENARIO, digest_of
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile
 from wirerope_mj.runs.scenario_file import judged_by, read_judge_table, scenario_content
@@ -108,36 +108,27 @@ def check_one_run(folder: Path, content: Entries, system: System, response: Resp
             f"{folder / SCENARIO}: `simulate.duration` and `simulate.sample_rate` make {samples:.0f} samples, and {FILE} holds "
             f"{response.time.size}. {_REMEDY}"
         )
+    here, there = flat_entries(content["motion"]), flat_entries(response.motion)
+    named = [
+        name for name in sorted({*here, *there}) if not {*name.split(".")} & {"path", "description"}
+    ]  # records lie elsewhere
     pairs = [
         *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("timestep", "callback")),
-        *_motion_pairs(content["motion"], response.motion, "motion"),
+        *((f"motion.{name}", here.get(name), there.get(name)) for name in named),
         *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("engine", "accuracy") if key in simulate),
     ]  # fmt: skip
-    for name, here, there in pairs:
-        if here != there:
-            raise RecordError(f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}")
+    for name, stated, computed in pairs:
+        if stated != computed:
+            raise RecordError(f"{folder / SCENARIO}: `{name}` is {stated}, and {FILE} was computed with {computed}. {_REMEDY}")
     if not same_columns(response.samples.names, column_plan(system).names):
         what = f"the bodies, points and mounts of {content['model']['file']}"
         raise RecordError(f"{folder}: {what} are not those of {FILE}. {_REMEDY}")
-
-
-def _motion_pairs(here: object, there: object, where: str) -> Iterator[tuple[str, object, object]]:
-    """Yield name and both values of every parameter of two stored motions; records lie elsewhere in the folder."""
-    if isinstance(here, dict) and isinstance(there, dict):
-        for key in sorted({*here, *there} - {"path", "description"}):
-            yield from _motion_pairs(here.get(key), there.get(key), f"{where}.{key}")
-    elif isinstance(here, list) and isinstance(there, list) and len(here) == len(there):
-        for i, (one, other) in enumerate(zip(here, there, strict=True)):
-            yield from _motion_pairs(one, other, f"{where}.{i}")
-    else:
-        yield where, here, there
 
 
 _RESOLVED = ("engine",)  # What a run's folder says of its simulation that nobody asked for: the engine that was chosen
 
 
 def is_run(path: str | Path) -> bool:
-    """Return whether a path is the folder of a run."""
     return (Path(path) / SCENARIO).is_file()
 
 

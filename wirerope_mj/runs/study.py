@@ -9,7 +9,6 @@ from wirerope_mj.content.study import measures_table, study_content, worst_table
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.atomic_files import write_json
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
@@ -105,23 +104,17 @@ def write_worst(result: StudyResult, by: str | None, count: int) -> list[Path]:
         together.unlink(missing_ok=True)  # of others that were written before
         return list(folders.values())
     responses = {name: load_response(folder) for name, folder in folders.items()}
-    inputs = {name: _inputs(result, int(name.split()[1])) for name in folders}
-    return [record_overlay(responses, together, inputs=inputs, tables=_tables(result, by)), *folders.values()]
-
-
-def _tables(result: StudyResult, by: str) -> list[Table]:
-    """Return the tables of a study or a search that stand beside its worst variants."""
+    inputs = {}
+    for name in folders:
+        row = result.study.row(int(name.split()[1]))
+        values = {one: row[one] for one in input_names(result.table)}
+        inputs[name] = {one: f"{value:.5g}" if isinstance(value, float) else str(value) for one, value in values.items()}
     if isinstance(result, SearchResult):
-        return [front_table(result, _ROWS)] if result.front.num_rows else []
-    summary = summary_of(result, by)
-    return [measures_table(summary), worst_table(summary)]
-
-
-def _inputs(result: StudyResult, number: int) -> dict[str, str]:
-    """Return the inputs of a variant as text."""
-    row = result.study.row(number)
-    values = {name: row[name] for name in input_names(result.table)}
-    return {name: f"{value:.5g}" if isinstance(value, float) else str(value) for name, value in values.items()}
+        tables = [front_table(result, _ROWS)] if result.front.num_rows else []
+    else:
+        summary = summary_of(result, by)
+        tables = [measures_table(summary), worst_table(summary)]
+    return [record_overlay(responses, together, inputs=inputs, tables=tables), *folders.values()]
 
 
 def _scenario(result: StudyResult, number: int) -> Scenario:

@@ -1,6 +1,5 @@
 """summary.json of a run: what is written into it, and read back."""
 
-import json
 from pathlib import Path
 
 from wirerope_mj.assessment.criteria import summary
@@ -8,9 +7,9 @@ from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.run import run_content
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import Absent, RecordError, why_unread
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.errors import Absent, RecordError
 from wirerope_mj.foundation.summary import json_values
+from wirerope_mj.foundation.toml_file import read_json
 from wirerope_mj.runs.folder import FORMAT, SUMMARY
 
 _REMEDY = "Take the file from another copy of the folder, or repeat the run."
@@ -20,12 +19,16 @@ def summary_content(judged: JudgedRun, *, seconds: float) -> Entries:
     """Return the content of summary.json; `seconds` is how long the simulation took."""
     response, content = judged.response, run_content(judged)
     numerics = response.numerics
+    names = ("criterion", "subject", "value", "unit", "note")  # standard errors of random vibration are in its notes
+    random = (
+        [] if isinstance(judged.random, Absent) else [{name: getattr(row, name) for name in names} for row in judged.random]
+    )
     return {
         "format": FORMAT, "name": str(judged.inputs["name"]), "motion": judged.motion.description,
         "record_warnings": list(judged.record_warnings),
         **({"model_warnings": list(judged.model_warnings)} if judged.model_warnings else {}),
         **summary(response, judged.verdicts),
-        **_random_content(judged),
+        **({"random": random} if random else {}),
         **({"untested": judged.untested} if judged.untested else {}),
         "content": content.to_dict(*content.sections_of("headline", "summary")),
         "numerics": {
@@ -38,29 +41,9 @@ def summary_content(judged: JudgedRun, *, seconds: float) -> Entries:
     }  # fmt: skip
 
 
-def _random_content(judged: JudgedRun) -> Entries:
-    """Return rms and 3-sigma accelerations of random vibration [m/s^2], standard errors in their notes; nothing without any."""
-    if isinstance(judged.random, Absent) or not judged.random:
-        return {}
-    names = ("criterion", "subject", "value", "unit", "note")
-    return {"random": [{name: getattr(row, name) for name in names} for row in judged.random]}
-
-
 def read_summary(folder: str | Path) -> Entries:
     """Return the content of a run's summary.json; RecordError if there is none, or it cannot be read."""
     path = Path(folder) / SUMMARY
-    try:
-        content = json.loads(regular(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise RecordError(f"{folder}: there is no {SUMMARY} here. {_REMEDY}") from None
-    except OSError as error:
-        raise RecordError(f"{path}: {why_unread(error)}") from None
-    except json.JSONDecodeError as error:
-        raise RecordError(
-            f"{path}, line {error.lineno}, column {error.colno}: this is not the summary of a run, nor JSON. {_REMEDY}"
-        ) from None
-    except (ValueError, RecursionError):
-        raise RecordError(f"{path}: this is not the summary of a run, nor JSON in UTF-8. {_REMEDY}") from None
-    if not isinstance(content, dict):
-        raise RecordError(f"{path}: this is not the summary of a run, which has names and values in braces. {_REMEDY}")
-    return content
+    if not path.exists():
+        raise RecordError(f"{folder}: there is no {SUMMARY} here. {_REMEDY}")
+    return read_json(path, "the summary of a run", _REMEDY)

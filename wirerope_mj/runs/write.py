@@ -33,7 +33,7 @@ from wirerope_mj.foundation.errors import FontWarning, ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.foundation.processes import run_beside
 from wirerope_mj.motions.records.record import records_in
-from wirerope_mj.motions.restore import copy_records
+from wirerope_mj.motions.registry import copy_records
 from wirerope_mj.runs.folder import CHECKSUMS, FORMAT, KIND, MARKS, SCENARIO, SUMMARY, write_checksums
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judge_table, judged_by, scenario_content
@@ -179,7 +179,6 @@ def _now() -> datetime:
 
 
 def is_streamed(arguments: Entries) -> bool:
-    """Return whether a simulation with these arguments writes its samples to a file while it goes on."""
     return bool(arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE) > STREAM_SAMPLES)
 
 
@@ -195,24 +194,19 @@ def checked_arguments(scenario: Scenario) -> Entries:
     if "duration" not in arguments:
         raise ModelError(f"scenario {scenario.name!r}: `simulate` must say the duration [s].")
     try:
-        _check_numbers(arguments)
+        for name in ("duration", "sample_rate", "timestep", "accuracy"):
+            value = arguments.get(name, SAMPLE_RATE)
+            if value is not None or name not in ("timestep", "accuracy"):  # None leaves a step to be chosen
+                positive(name, value)
+        for name, known in (("callback", ("native", "python")), ("engine", ("auto", "mujoco", "kernel"))):
+            one_of(name, arguments.get(name, known[0]), known)
+        checked_corners(arguments.get("corners", ()))
     except ValueError as error:
         raise ModelError(f"scenario {scenario.name!r}: {error}") from None
     if not isinstance(arguments.get("initial"), str | None):
         choices = "'settled', 'relaxed' or 'unloaded'"
         raise ModelError(f"scenario {scenario.name!r}: `initial` must be {choices}, so that a file can say it.")
     return arguments
-
-
-def _check_numbers(arguments: Entries) -> None:
-    """Raise ValueError unless the arguments of a simulation are of the right kind; None leaves a step to be chosen."""
-    for name in ("duration", "sample_rate", "timestep", "accuracy"):
-        value = arguments.get(name, SAMPLE_RATE)
-        if value is not None or name not in ("timestep", "accuracy"):
-            positive(name, value)
-    for name, choices in (("callback", ("native", "python")), ("engine", ("auto", "mujoco", "kernel"))):
-        one_of(name, arguments.get(name, choices[0]), choices)
-    checked_corners(arguments.get("corners", ()))
 
 
 def _scenario_text(scenario: Scenario, response: Response, folder: Path, *, model: dict[str, str], arguments: Entries) -> str:
@@ -249,7 +243,10 @@ def _write_views(scenario: Scenario, judged: JudgedRun, folder: Path, writing: C
     from wirerope_mj.views.plots.letters import fonts_for
     from wirerope_mj.views.report import report_html
 
-    title, text, content = judged.title, _scenario_markdown(scenario), run_content(judged)
+    title, content = judged.title, run_content(judged)
+    options = ", ".join(f"{name} = {value}" for name, value in scenario.options.items())
+    parts = [markdown_lines(scenario.question.strip()), f"**Base motion:** {markdown(scenario.motion.description)}"]
+    text = "\n\n".join([*parts, *([f"**Options:** {markdown(options)}"] if options else [])])
     response = judged.response
     # Here, because what the copy of this process warns of is lost.
     fonts_for("\n".join((title, scenario.motion.description, *response.bodies, *response.points, *response.mounts)))
@@ -272,10 +269,3 @@ def _write_views(scenario: Scenario, judged: JudgedRun, folder: Path, writing: C
 
         over = panel_over_frequency(judged)
         record_run(judged, folder / "run.rrd", title=title, scenario_text=text, state=state, over_frequency=over)
-
-
-def _scenario_markdown(scenario: Scenario) -> str:
-    options = ", ".join(f"{name} = {value}" for name, value in scenario.options.items())
-    parts = [markdown_lines(scenario.question.strip()), f"**Base motion:** {markdown(scenario.motion.description)}"]
-    parts += [f"**Options:** {markdown(options)}"] if options else []
-    return "\n\n".join(parts)

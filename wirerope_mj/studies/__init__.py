@@ -6,4 +6,4 @@ from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study, load_study
 from wirerope_mj.studies.vary.distributions import Choice, Isotropic, Normal, Specimens, Uniform
-from wirerope_mj.studies.vary.specimens import redrawn
+from wirerope_mj.studies.vary.sampling import redrawn

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Self
 
@@ -24,7 +24,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.budget import require_time
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.motions.restore import check_records, motion_from_dict
+from wirerope_mj.motions.registry import check_records, motion_from_dict
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.vary.distributions import Distribution, distribution_from_dict
 from wirerope_mj.studies.vary.motion_settings import MotionSettings
@@ -83,7 +83,12 @@ class StudyDefinition:
         self.duration, self.sample_rate, self.initial = float(duration), float(sample_rate), initial
         self.timestep, self.accuracy = None if timestep is None else float(timestep), accuracy
         self.sampling, self.seed = sampling, integer("seed", seed, least=0)
-        self.motions = _motions(motion, motions)
+        if (motion is None) == (len(motions) == 0):
+            raise ValueError("either `motion` or `motions` must be given.")
+        self.motions = (motion,) if motion is not None else tuple(motions)
+        for one in self.motions:
+            if not isinstance(one, BaseMotion):
+                raise ValueError(f"`motion` must be a base motion, got {one!r}.")
         written = load_system(model_source(model, folder=folder, asker=f"study {name!r}"), isolators=isolators)
         self.base = with_changes(written, changes)
         self.quantities = quantities(self.vary, self.base, self.motions)
@@ -160,27 +165,33 @@ class StudyDefinition:
     @cached_property
     def work(self) -> Work:
         """Inputs that all variants share, the timestep chosen."""
-        step = self._common_step() if self.timestep is None else self.timestep
+        step = self.timestep
+        if step is None:  # the smallest of those for the nominal system under the extreme motions
+            choose = partial(
+                choose_timestep, self.base, duration=self.duration, sample_rate=self.sample_rate, accuracy=self.accuracy
+            )
+            starts = ((motion, initial_state(self.base, motion, self.initial)) for motion in self._extreme_motions())
+            step = min(choose(motion, start).timestep for motion, start in starts)
         return Work(
             system=self.base, motions=self.motions, columns=self._columns, duration=self.duration, timestep=step,
             sample_rate=self.sample_rate, initial=self.initial, corners=joined(*(one.corners for one in self.motions)),
         )  # fmt: skip
 
-    def _common_step(self) -> float:
-        """Return the smallest of the steps that `simulate` chooses for the nominal system under the extreme motions [s]."""
-        # Of every record that is the motion of the highest level; if the direction varies, those that reach farthest along x, y
-        # and z.
-        steps = []
-        for motion in self._extreme_motions():
-            chosen = choose_timestep(
-                self.base, motion, initial_state(self.base, motion, self.initial), duration=self.duration,
-                sample_rate=self.sample_rate, accuracy=self.accuracy,
-            )  # fmt: skip
-            steps.append(chosen.timestep)
-        return min(steps)
-
     def _extreme_motions(self) -> Iterator[BaseMotion]:
-        for row in _extremes(self._columns, self._checked):
+        """Yield the motion of the highest level of every record; if the direction varies, those farthest along x, y and z."""
+        rows, names = self._checked.num_rows, self._checked.column_names
+        settings = MotionSettings.of(self._columns, {name: np.asarray(self._checked[name]) for name in names})
+        size = np.broadcast_to(np.abs(1.0 if settings.level is None else settings.level), rows)
+        reaches = [size]
+        if settings.turns:
+            a, e = (np.radians(0.0 if one is None else one) for one in (settings.azimuth, settings.elevation))
+            axes = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
+            reaches = [size * np.abs(axis) for axis in axes]
+        record, found = np.broadcast_to(settings.record, rows), dict[int, None]()
+        for number in np.unique(record):
+            own = np.flatnonzero(record == number)
+            found |= {int(own[np.argmax(reach[own])]): None for reach in reaches}
+        for row in found:
             yield self._maker.motion(self._checked.slice(row, 1).to_pylist()[0])
 
     def warn_of_given_step(self) -> None:
@@ -199,30 +210,3 @@ class StudyDefinition:
     def _checked(self) -> pa.Table:
         check_variants(self.name, self.base, self.motions, self._columns, self._inputs)
         return self._inputs
-
-
-def _motions(motion: BaseMotion | None, motions: Sequence[BaseMotion]) -> tuple[BaseMotion, ...]:
-    given = (motion,) if motion is not None else tuple(motions)
-    if (motion is None) == (len(motions) == 0):
-        raise ValueError("either `motion` or `motions` must be given.")
-    for one in given:
-        if not isinstance(one, BaseMotion):
-            raise ValueError(f"`motion` must be a base motion, got {one!r}.")
-    return given
-
-
-def _extremes(columns: Sequence[InputColumn], inputs: pa.Table) -> list[int]:
-    """Return the indices of the rows with the extreme motions."""
-    settings = MotionSettings.of(columns, {name: np.asarray(inputs[name]) for name in inputs.column_names})
-    size = np.broadcast_to(np.abs(1.0 if settings.level is None else settings.level), inputs.num_rows)
-    record = np.broadcast_to(settings.record, inputs.num_rows)
-    reaches = [size]
-    if settings.turns:
-        a, e = (np.radians(0.0 if one is None else one) for one in (settings.azimuth, settings.elevation))
-        axes = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
-        reaches = [size * np.abs(axis) for axis in axes]
-    rows = []
-    for number in np.unique(record):
-        own = np.flatnonzero(record == number)
-        rows += [int(own[np.argmax(reach[own])]) for reach in reaches]
-    return list(dict.fromkeys(rows))

@@ -12,13 +12,7 @@ import pyarrow.parquet as pq
 import tomli_w
 
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.atomic_files import (
-    atomic_file,
-    atomic_folder,
-    place_named,
-    worked_on_alone,
-    write_json,
-)
+from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder, place_named, worked_on_alone, write_json
 from wirerope_mj.foundation.errors import DiskFullError, RecordError, SimulationError
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.regular_files import regular
@@ -196,17 +190,13 @@ def read_table(folder: Path, columns: Sequence[str] | None = None) -> pa.Table:
     """Return the table of a study that is complete, or some columns of it; RecordError if its file is damaged or changed."""
     with _table_file(folder) as path:
         table = pq.read_table(path, columns=columns)
-    _check_table(folder / TABLE, table, [name for name in _ALWAYS if columns is None or name in columns])
-    return table
-
-
-def _check_table(path: Path, table: pa.Table, names: Sequence[str]) -> None:
-    """Raise RecordError unless the columns of these names are what studies write, and the variants are numbered in order."""
-    for name in names:
+    where = f"{folder / TABLE}: column"
+    for name in [name for name in _ALWAYS if columns is None or name in columns]:
         if name not in table.column_names or table[name].type != _ALWAYS[name] or table[name].null_count:
-            raise RecordError(f"{path}: column {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}")
-    if "variant" in names and not np.array_equal(table["variant"].to_numpy(), np.arange(table.num_rows)):
-        raise RecordError(f"{path}: column 'variant' must number the rows from 0 on; the table was changed. {_COPY}")
+            raise RecordError(f"{where} {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}")
+        if name == "variant" and not np.array_equal(table[name].to_numpy(), np.arange(table.num_rows)):
+            raise RecordError(f"{where} 'variant' must number the rows from 0 on; the table was changed. {_COPY}")
+    return table
 
 
 # Columns of every study's table, and their types.
@@ -240,8 +230,11 @@ def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
     They stay where a process died, so that the study can go on. `summary` is asked once the table is there.
     """
     if not (folder / TABLE).is_file():
-        with atomic_file(folder / TABLE) as temporary_path:
-            _write_table(temporary_path, parts(folder, list(range(chunks))))
+        tables = parts(folder, list(range(chunks)))
+        first = next(tables)
+        with atomic_file(folder / TABLE) as temporary_path, pq.ParquetWriter(temporary_path, first.schema) as writer:
+            for table in (first, *tables):
+                writer.write_table(table)
     if not (folder / SUMMARY).is_file():
         write_json(folder / SUMMARY, summary())
     if not dead(folder):
@@ -250,14 +243,5 @@ def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
         clear_half_written(path)
 
 
-def _write_table(path: Path, tables: Iterator[pa.Table]) -> None:
-    first = next(tables)
-    with pq.ParquetWriter(path, first.schema) as writer:
-        writer.write_table(first)
-        for table in tables:
-            writer.write_table(table)
-
-
 def part_path(folder: Path, number: int, ending: str = "") -> Path:
-    """Return the path of the part of a chunk."""
     return folder / PARTS / f"{number:06d}{ending}.parquet"

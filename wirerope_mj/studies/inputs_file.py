@@ -19,8 +19,8 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.resources import version_of
 from wirerope_mj.foundation.structure import Place, keys_of, structure
-from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.motions.restore import copy_records
+from wirerope_mj.foundation.toml_file import flat_entries, read_toml
+from wirerope_mj.motions.registry import copy_records
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.responses import PEAKS
 from wirerope_mj.studies.vary.distributions import Distribution, distribution_to_dict
@@ -35,17 +35,12 @@ def versions() -> dict[str, str]:
 
     The digest tells a checkout that was changed from one that was not, which have the same version.
     """
-    return {**{name: version_of(name) for name in _PACKAGES}, "code": _code()}
-
-
-def _code() -> str:
-    package = Path(__file__).parents[1]
-    digest = hashlib.sha256()
+    package, digest = Path(__file__).parents[1], hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
         relative = path.relative_to(package)
         if relative.parts[0] not in _SHOWS:
             digest.update(f"{relative.as_posix()}\n".encode() + path.read_bytes())
-    return digest.hexdigest()[:16]
+    return {**{name: version_of(name) for name in _PACKAGES}, "code": digest.hexdigest()[:16]}
 
 
 STUDY = "study.toml"
@@ -178,7 +173,7 @@ def check_same(folder: Path, content: Entries, *, computed: bool) -> None:
             "be read (`wirerope study-report`, `load_study`), but does not go on; nothing in it was touched. Choose another "
             "folder, or begin it anew with --force (`force=True`)."
         )
-    old, new = _flat(there), _flat(content)
+    old, new = flat_entries(there), flat_entries(content)
     other = [key for key in {**old, **new} if key not in _TEXTS and old.get(key) != new.get(key)]
     if computed:  # whoever computed it
         other = [key for key in other if not key.startswith("versions.")]
@@ -210,14 +205,6 @@ def _difference(key: str, old: Entries, new: Entries) -> str:
         f"{new.get(key, 'absent')!r} here); nothing in it was touched. Choose another folder, or replace it with --force "
         "(`force=True`)."
     )
-
-
-def _flat(content: object, path: str = "") -> Entries:
-    """Return the values of nested tables and lists by their paths, "simulate.duration"."""
-    if not isinstance(content, dict | list):
-        return {path: content}
-    items = content.items() if isinstance(content, dict) else enumerate(content)
-    return {k: v for key, value in items for k, v in _flat(value, f"{path}.{key}" if path else str(key)).items()}
 
 
 def _check_distribution(name: str, table: Entries) -> None:

@@ -21,7 +21,7 @@ from wirerope_mj.foundation.payload_limits import SIDES
 from wirerope_mj.foundation.state import State
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
-from wirerope_mj.studies.vary.failure import acts
+from wirerope_mj.studies.vary.quantity import acts
 
 NAN = math.nan
 
@@ -59,7 +59,12 @@ def measures(system: System, peaks: Peaks, rest: State | None, response: Respons
     """
     forces = None if rest is None else forces_at_rest(system, rest)[np.newaxis]
     found = {name: float(one[0]) for name, one in measures_together(system, Extremes.of_peaks(system, peaks), forces).items()}
-    return found if response is None else found | {"clearance": _sampled(response)}
+    if response is None:
+        return found
+    rows = rattle_verdicts(response)  # NaN where one is not known and none exceeded
+    worst = max((row.utilisation for row in rows if row.utilisation is not None), default=NAN)
+    unknown = any(row.limit is None and SAMPLED in row.note for row in rows)
+    return found | {"clearance": NAN if unknown and not worst > 1.0 else worst}
 
 
 def late(system: System, peaks: Peaks) -> float:
@@ -141,12 +146,12 @@ def measures_together(
     reached = travel_reached(extremes.lowest[:, deflections], extremes.highest[:, deflections])
     there = (act > 0.0) | np.isfinite(rated).any(axis=-1)  # an empty place travels nothing; what has failed keeps its ratings
     reached = {rating: np.where(there, values, NAN) for rating, values in reached.items()}
-    ways = np.stack(list(reached.values()), axis=-1)
-    used = largest_utilisation(ways, rated)
+    travels = np.stack(list(reached.values()), axis=-1)
+    used = largest_utilisation(travels, rated)
     combined = np.full_like(used, NAN)
     if system.combined_travel and judged:
         farthest, of_judged = np.moveaxis(extremes.travels[:, judged], -1, 0)
-        combined = combined_utilisation(farthest, of_judged, ways, rated)
+        combined = combined_utilisation(farthest, of_judged, travels, rated)
     used_loads = _static_loads(loads, None if forces is None else forces[:, judged] * act[..., np.newaxis])
     result = {
         "acceleration": _largest(np.array(bodies).reshape(-1, n).T), "travel": _largest(used),
@@ -158,10 +163,12 @@ def measures_together(
         result[f"acceleration/{name}"] = np.maximum(extremes.value[:, channel], result.get(f"acceleration/{name}", 0.0))
     result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
     result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
-    by_side = {c: _sides_of(extremes.lowest[:, c], extremes.highest[:, c]) for c in channels["displacement"].values()}
-    sides = {name: by_side[channel] for name, channel in channels["displacement"].items()}
-    result |= {f"displacement/{name}/{side}": values for name, of in sides.items() for side, values in of.items()}
-    result["clearance"] = _largest(np.array(_clearances_used(system, sides)).reshape(-1, n).T)
+    for name, c in channels["displacement"].items():  # how far it went along -x, +x and so on, >= 0
+        ways = {"-": np.maximum(-extremes.lowest[:, c], 0.0), "+": np.maximum(extremes.highest[:, c], 0.0)}
+        result |= {f"displacement/{name}/{side}": ways[side[0]][:, "xyz".index(side[1])] for side in SIDES}
+    clearances = [one for one in system.limits if one.kind == "clearance" and one.name in channels["displacement"]]
+    utilisations = [result[f"displacement/{one.name}/{side}"] / most for one in clearances for side, most in one.ways.items()]
+    result["clearance"] = _largest(np.array(utilisations).reshape(-1, n).T)
     for number, name in enumerate(names):
         result |= {f"deflection/{name}/{rating}": values[:, number] for rating, values in reached.items()}
         result |= {f"travel/{name}": used[:, number], f"static_load/{name}": used_loads[:, number]}
@@ -248,44 +255,18 @@ def _latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
     return np.asarray(np.max(instants, axis=(0, -1, -2), initial=0.0))
 
 
-def _sides_of(lowest: Array, highest: Array) -> dict[str, Array]:
-    """Return how far something went along -x, +x, -y, +y, -z, +z by these names, >= 0, from its extremes (..., 3) [m]."""
-    ways = {"-": np.maximum(-lowest, 0.0), "+": np.maximum(highest, 0.0)}
-    return {side: ways[side[0]][..., "xyz".index(side[1])] for side in SIDES}
-
-
-def _clearances_used(system: System, sides: Mapping[str, Mapping[str, Array]]) -> list[Array]:
-    """Return the utilisations of the clearances that a model states of points, by how far each point went each way."""
-    return [
-        sides[limit.name][side] / allowed
-        for limit in system.limits
-        if limit.kind == "clearance" and limit.name in sides
-        for side, allowed in limit.ways.items()
-    ]
-
-
 def needs_samples(system: System) -> bool:
     """Return whether peaks do not judge every limit of a model: it states clearances of corners or between two points."""
     alone = set(payload_points(system)) - set(payload_bodies(system))
     return any(one.kind == "clearance" and one.name not in alone for one in system.limits)
 
 
-def _sampled(response: Response) -> float:
-    """Return the largest utilisation of the clearances of a run; NaN where one is not known and none exceeded."""
-    rows = rattle_verdicts(response)
-    worst = max((row.utilisation for row in rows if row.utilisation is not None), default=NAN)
-    unknown = any(row.limit is None and SAMPLED in row.note for row in rows)
-    return NAN if unknown and not worst > 1.0 else worst
-
-
 def payload_bodies(system: System) -> list[str]:
-    """Return the observed bodies that are not fixed to the base."""
     bodies, on_base = system.assembly.subjects.body_names, system.assembly.tables.base_channels
     return [name for index, name in enumerate(bodies) if index not in on_base]
 
 
 def payload_points(system: System) -> list[str]:
-    """Return the points that are not fixed to the base."""
     subjects, on_base = system.assembly.subjects, system.assembly.tables.base_channels
     n = len(subjects.bodies)
     return [name for index, name in enumerate(subjects.point_names) if n + 2 * index not in on_base]

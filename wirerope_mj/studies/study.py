@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -107,9 +106,20 @@ class Study(StudyDefinition):
                 warn_of_aliasing(self.motions, self.sample_rate)
             if not (place / TABLE).is_file():
                 self.warn_of_given_step()
-                _compute_missing(self, place, keep, partial(run, workers=workers, address=address), progress)
-            parts = math.ceil(self.size / chunk_size(self, keep))
-            finish(place, parts, lambda: summary(read_result(place, type(self))))
+                size = chunk_size(self, keep)
+                missing = sorted(set(range(math.ceil(self.size / size))) - done(place))
+                already = self.size - sum(min(size, self.size - number * size) for number in missing)
+                with share_bar(
+                    "study", "variants/s", total=self.size, parts="variants", enabled=progress, begun=already / self.size
+                ) as update:
+                    began, ended = perf_counter(), 0
+                    parts = run(self.work, chunks(self, missing, keep), workers=workers, address=address)
+                    with closing(parts):  # no process goes on after this one
+                        for part in parts:
+                            write_part(place, part)
+                            ended += part.table.num_rows
+                            update((already + ended) / self.size, ended / (perf_counter() - began))
+            finish(place, math.ceil(self.size / chunk_size(self, keep)), lambda: summary(read_result(place, type(self))))
         return read_result(folder, type(self))
 
 
@@ -126,22 +136,6 @@ CHUNK, _LARGEST_CHUNK = 32, 512  # variants, at the least and at the most: enoug
 STEPS = 1_000_000  # mounts times steps of a chunk, about: half a second of a processor, which a kill may cost each worker
 _FEWEST_CHUNKS = 16  # Chunks that a small study has, so that all workers have something to do until the end
 _ENGINES = ("local", "dask")
-
-
-def _compute_missing(study: StudyDefinition, folder: Path, keep: str, run: Engine, progress: bool) -> None:
-    """Write the parts that are missing as they are ready."""
-    size = chunk_size(study, keep)
-    missing = sorted(set(range(math.ceil(study.size / size))) - done(folder))
-    already = study.size - sum(min(size, study.size - number * size) for number in missing)
-    with share_bar(
-        "study", "variants/s", total=study.size, parts="variants", enabled=progress, begun=already / study.size
-    ) as update:
-        began, ended = perf_counter(), 0
-        with closing(run(study.work, chunks(study, missing, keep))) as results:  # no process goes on after this one
-            for part in results:
-                write_part(folder, part)
-                ended += part.table.num_rows
-                update((already + ended) / study.size, ended / (perf_counter() - began))
 
 
 def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:

@@ -18,9 +18,9 @@ from wirerope_mj.motions.envelope import Envelope
 from wirerope_mj.motions.phrases import site_first
 from wirerope_mj.motions.psd_lines import Points, psd_rms
 from wirerope_mj.motions.random_vibration import RandomVibration
+from wirerope_mj.motions.spectra.psd import equivalent_psd
 from wirerope_mj.motions.spectra.ramp import check_samples, octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, ramp_steps
-from wirerope_mj.motions.spectra.vibration import equivalent_psd
 
 # Exponents of fatigue curves: with a larger one amplitudes of micrometres do a damage that is no number any more.
 FLATTEST, STEEPEST = 1.0, 50.0

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import VelocityStep, ranges
 from wirerope_mj.motions.pulses import Pulse
-from wirerope_mj.motions.spoken import motion_from_words
+from wirerope_mj.motions.registry import motion_from_words
 from wirerope_mj.mounts.vendor_parts.parts import MODES, VendorPart, vendor_parts
 
 # Acceleration of gravity of the vendors' sheets [m/s^2]: their printed digits need it, 0.03 % above the standard one.

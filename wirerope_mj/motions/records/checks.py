@@ -7,11 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array, Booleans
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions.records.levels import level_warnings, moved_level
 from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, peak_from, quiet_level
-from wirerope_mj.motions.records.resolution import resolution_warnings
+from wirerope_mj.motions.records.signals import level_warnings, moved_level, resolution_warnings
 
 _FEWEST = 16  # samples below which nothing is judged: a record so short was written by hand
 # fraction of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian vibration is
@@ -193,9 +192,14 @@ def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
         if abs(extreme - middle) <= 0.1 * (high - low):
             continue  # a record that never leaves its rest on this side
         there = a == extreme
-        first, length = _longest(there)
-        if length < _TOP or length > a.size // 2 or _is_rectangle(a, first, length, middle):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(np.int8)))
+        lengths = edges[1::2] - edges[::2]
+        first, length = int(edges[2 * lengths.argmax()]), int(lengths.max())  # of the longest run
+        if length < _TOP or length > a.size // 2:
             continue
+        beside = [abs(float(a[i] - a[first])) for i in (first - 1, first + length) if 0 <= i < a.size]
+        if len(beside) == 2 and min(beside) >= _JUMP * abs(float(a[first]) - middle):
+            continue  # a rectangle, reached and left in one sample each: it was written so, not measured
         flanks = [i for i in (first - length, first + 2 * length - 1) if 0 <= i < a.size]
         fall = min((abs(float(a[i]) - extreme) for i in flanks), default=0.0)
         near = max(_JUST * (high - low), 2.5 * _converter_step(a))
@@ -212,22 +216,6 @@ def clipped_text(where: str, extreme: str, length: int) -> str:
         f"{where} {length} samples in a row stand at exactly {extreme} with steep flanks beside: the "
         "sensor or its amplifier may have been saturated, and the true peak be higher."
     )
-
-
-def _is_rectangle(a: Array, first: int, length: int, rest: float) -> bool:
-    """Return whether a flat top is reached and left in one sample each: it was written so, not measured."""
-    if first == 0 or first + length == a.size:
-        return False
-    jumps = (abs(float(a[i]) - float(a[first])) for i in (first - 1, first + length))
-    return min(jumps) >= _JUMP * abs(float(a[first]) - rest)
-
-
-def _longest(inside: Booleans) -> tuple[int, int]:
-    """Return first index and length of the longest run."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
-    starts, lengths = edges[::2], edges[1::2] - edges[::2]
-    longest = int(lengths.argmax())
-    return int(starts[longest]), int(lengths[longest])
 
 
 def _converter_step(a: Array) -> float:

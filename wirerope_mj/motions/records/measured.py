@@ -1,10 +1,15 @@
-"""Measured responses: what sensors on base, bodies, points and mounts recorded, by channel, in SI on one clock."""
+"""Measured responses: what sensors on base, bodies, points and mounts recorded, by channel, in SI on one clock.
 
+A phrase says what a column of the file is: "point/rack_top z g" is an acceleration in g along z at the point rack_top.
+"""
+
+import shlex
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -13,16 +18,114 @@ from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.summary import Summarised, quantity
-from wirerope_mj.foundation.units import find_unit, range_of
-from wirerope_mj.motions.records.channel_map import SI, UNITS, Axis, ChannelPhrase, Quantity, parse_channel
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, VELOCITY_UNITS, find_unit, range_of
 from wirerope_mj.motions.records.checks import clipped_text, flat_tops
-from wirerope_mj.motions.records.levels import level_warnings
 from wirerope_mj.motions.records.reading import level_at_rest, offset_of
 from wirerope_mj.motions.records.record import Record, load_record
-from wirerope_mj.motions.records.resolution import resolution_warnings
 from wirerope_mj.motions.records.sampling import even
+from wirerope_mj.motions.records.signals import level_warnings, resolution_warnings
 from wirerope_mj.motions.records.table import read_columns, require_within_range
 from wirerope_mj.motions.records.uff import is_uff, read_uff_columns
+
+Quantity = Literal["acceleration", "velocity", "displacement", "deflection", "force"]
+Axis = Literal["x", "y", "z"]
+UNITS: Mapping[Quantity, Mapping[str, float]] = {
+    "acceleration": ACCELERATION_UNITS, "velocity": VELOCITY_UNITS, "displacement": LENGTH_UNITS, "deflection": LENGTH_UNITS,
+    "force": FORCE_UNITS,
+}  # fmt: skip
+"""Units of each quantity, and what one of each is in SI."""
+
+SI: Mapping[Quantity, str] = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "deflection": "m", "force": "N"}
+_OF_MOUNT: Mapping[str, Axis] = {"roll": "x", "shear": "y", "axial": "z"}
+_KINDS = ("body", "point", "mount")
+_EXAMPLES = '"base z g", "point/rack_top -x g", "body/floor displacement z mm" or "mount/m1 axial force kN"'
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelPhrase:
+    """What a column of a file is, as far as its phrase says."""
+
+    subject: str  # "base", "body/NAME", "point/NAME" or "mount/NAME"
+    quantity: Quantity | None  # None where only the unit in the file's header can say
+    axis: Axis  # of the world; of a mount x is roll, y shear, z axial
+    sign: float  # -1.0 for a sensor that points the other way
+    unit: str | None  # None where the file's header says it
+    # of a displacement of a body or a point: whether it is that in space and not that relative to the base
+    absolute: bool
+
+    def quantity_of(self, unit: str) -> Quantity | None:
+        """Return the quantity that the phrase states, or that of a unit; None if the unit is not one of it."""
+        if self.quantity is not None:
+            return self.quantity if find_unit(unit, UNITS[self.quantity]) else None
+        return quantity_of(unit, mount=self.subject.startswith("mount/"))
+
+
+def quantity_of(unit: str, *, mount: bool) -> Quantity | None:
+    """Return the quantity that a unit is of, None if it is not known: lengths are displacements, of a mount deflections."""
+    for known, units in UNITS.items():
+        if find_unit(unit, units) and mount == (known in ("deflection", "force")):
+            return known
+    return None
+
+
+def parse_channel(column: str, phrase: str) -> ChannelPhrase:
+    """Parse what a column is: a subject, then in any order an axis with its sign, a quantity, a unit, "absolute".
+
+    A name with spaces stands in quotation marks. ValueError says what is missing, said twice or unknown.
+    """
+    try:
+        subject, *words = shlex.split(phrase)
+    except ValueError:
+        raise _refused(column, phrase, "does not say what the column is") from None
+    kind, _, name = subject.partition("/")
+    if subject != "base" and not (kind in _KINDS and name):
+        raise _refused(column, phrase, f"begins with {subject!r}, which is neither base nor body/, point/ or mount/NAME")
+    is_mount = kind == "mount"
+    found: dict[str, str] = {}
+    for word in words:
+        bare = word.strip("[]()")
+        axis = bare.lstrip("+-")
+        if axis in ("x", "y", "z", *_OF_MOUNT):
+            if (axis in _OF_MOUNT) != is_mount:
+                axes = "roll, shear or axial" if is_mount else "x, y or z"
+                raise _refused(column, phrase, f"has the axis {axis}: the axis of {_called(subject)} is {axes}")
+            role = "axis"
+        elif bare in UNITS:
+            role = "quantity"
+        elif any(find_unit(bare, units) for units in UNITS.values()):
+            role = "unit"
+        elif bare in ("absolute", "relative"):
+            role = "reference"
+        else:
+            raise _refused(column, phrase, f"has the word {word!r}, which is no axis, quantity or unit")
+        if role in found:
+            raise _refused(column, phrase, f"states two of {role}: {found[role]} and {bare}")
+        found[role] = bare
+    if "axis" not in found:
+        raise _refused(column, phrase, "does not say the axis")
+    quantity, unit, word = found.get("quantity"), found.get("unit"), found["axis"]
+    axis = word.lstrip("+-")
+    parsed = ChannelPhrase(
+        subject=subject, quantity=next((one for one in UNITS if one == quantity), None),
+        axis=_OF_MOUNT.get(axis) or ("x" if axis == "x" else "y" if axis == "y" else "z"),
+        sign=-1.0 if word.startswith("-") else 1.0, unit=unit, absolute=found.get("reference") == "absolute",
+    )  # fmt: skip
+    if unit is not None and parsed.quantity_of(unit) is None:
+        stated = quantity or f"anything measured at {_called(subject)}"
+        raise _refused(column, phrase, f"has the unit {unit}, which is none of {stated}")
+    if is_mount != (quantity in ("deflection", "force")) and quantity is not None:
+        has = "deflection and force" if is_mount else "acceleration, velocity and displacement"
+        raise _refused(column, phrase, f"asks for the {quantity} of {_called(subject)}, which has {has}")
+    return parsed
+
+
+def _called(subject: str) -> str:
+    return "the base" if subject == "base" else f"a {subject.partition('/')[0]}"
+
+
+def _refused(column: str, phrase: str, fault: str) -> ValueError:
+    return ValueError(f"`channels` must say what column {column!r} is, such as {_EXAMPLES}; {phrase!r} {fault}.")
+
 
 BASELINES = ("none", "rest", "mean")
 _FEWEST = 16  # samples below which nothing can be said of a response
@@ -110,14 +213,12 @@ class Measured(Summarised):
             )
         directions: dict[str, Direction] = {}
         for column, one in parts.items():
-            x, y, z = (self._phrase(column).sign * (one.axis == axis) for axis in ("x", "y", "z"))
-            directions[column] = (x, y, z) if self._phrase(column).sign < 0.0 else one.axis
+            sign = parse_channel(column, self.phrases[column]).sign
+            x, y, z = (sign * (one.axis == axis) for axis in ("x", "y", "z"))
+            directions[column] = (x, y, z) if sign < 0.0 else one.axis
         return load_record(
             self.path, channels=directions, baseline=self.baseline, start=self.start, gaps=self.gaps, unit=units.pop()
         )
-
-    def _phrase(self, column: str) -> ChannelPhrase:
-        return parse_channel(column, self.phrases[column])
 
 
 def load_measured(
@@ -188,7 +289,9 @@ def load_measured(
                 absolute=phrase.absolute, column=column, unit=unit,
             )  # fmt: skip
         )  # fmt: skip
-    _require_distinct(found)
+    for one in found:
+        if len(alike := [other.column for other in found if other.key == one.key]) > 1:
+            raise ValueError(f"`channels` must be different measurements, got {one.key!r} for {' and '.join(alike)}.")
     for message in messages:
         warnings.warn(f"{file}: {message}", RecordWarning, stacklevel=2)
     return Measured(
@@ -233,11 +336,3 @@ def _warnings(
     yield from resolution_warnings(where, values / factor, offset_of(values) / factor, rate, unit=unit, played=False)
     if quantity == "acceleration":
         yield from level_warnings(where, np.arange(values.size) / rate, values, (unit, factor), played=False)
-
-
-def _require_distinct(channels: list[MeasuredChannel]) -> None:
-    keys = [one.key for one in channels]
-    for one in channels:
-        if keys.count(one.key) > 1:
-            columns = [other.column for other in channels if other.key == one.key]
-            raise ValueError(f"`channels` must be different measurements, got {one.key!r} for {' and '.join(columns)}.")

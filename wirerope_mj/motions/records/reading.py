@@ -41,7 +41,6 @@ class Reading:
         return f"{value / factor:.{digits}g} {unit}"
 
     def warned(self, *messages: str) -> "Reading":
-        """Return the same reading with more warnings."""
         return replace(self, warnings=(*self.warnings, *messages))
 
 

@@ -59,7 +59,7 @@ class Record(BaseMotion):
     duration: float = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "duration", float(self.time[-1] - self.time[0]))
+        self._set(duration=float(self.time[-1] - self.time[0]))
 
     @property
     def directions(self) -> Array:
@@ -91,12 +91,10 @@ class Record(BaseMotion):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The file that the record was read from."""
         return (self.path,)
 
     @classmethod
     def maker(cls) -> "Callable[..., Record]":
-        """The reader of its file."""
         return load_record
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
@@ -212,12 +210,10 @@ def load_record(
 
 
 def records_in(motion: BaseMotion) -> list[Record]:
-    """Return the measured records in a motion."""
     return [part for part in motion.parts if isinstance(part, Record)]
 
 
 def record_warnings(motion: BaseMotion) -> tuple[str, ...]:
-    """Return the warnings of the measured records in a motion, each once."""
     return tuple(dict.fromkeys(message for record in records_in(motion) for message in record.warnings))
 
 

@@ -56,20 +56,13 @@ def continued(a: Array, count: int) -> Array:
 
 
 def _predicted(a: Array, count: int) -> Array:
-    """Return the samples that come after a signal as far as its past tells."""
+    """Return the samples that come after a signal as far as its past tells, by Burg's method: its filter is always stable."""
     from scipy.signal import lfilter, lfiltic
 
-    weights = _burg(a, min(_LAGS, a.size // 3))
-    state = lfiltic([1.0], weights, a[::-1][: weights.size - 1])
-    return np.asarray(lfilter([1.0], weights, np.zeros(count), zi=state)[0])
-
-
-def _burg(a: Array, order: int) -> Array:
-    """Return 1 and the weights of the past in the error of prediction, which are always those of a stable filter."""
-    weights = np.ones(1)
+    weights = np.ones(1)  # 1 and those of the past in the error of prediction
     forward, backward = a[1:], a[:-1]
     enough = _EXACT * 2.0 * float(a @ a)
-    for _ in range(order):
+    for _ in range(min(_LAGS, a.size // 3)):
         power = float(forward @ forward + backward @ backward)
         if power <= enough:
             break  # more weights would hold nothing but rounding, and what they predict would grow
@@ -77,7 +70,8 @@ def _burg(a: Array, order: int) -> Array:
         weights = np.append(weights, 0.0)
         weights = weights + reflected * weights[::-1]
         forward, backward = (forward + reflected * backward)[1:], (backward + reflected * forward)[:-1]
-    return weights
+    state = lfiltic([1.0], weights, a[::-1][: weights.size - 1])
+    return np.asarray(lfilter([1.0], weights, np.zeros(count), zi=state)[0])
 
 
 def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
@@ -87,13 +81,21 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
     """
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
-    if _largest_miss(time, step) <= max(_ROUNDED * step, _printed(time, step)):
+    blocks = (np.arange(first, min(first + _BLOCK, time.size)) for first in range(0, time.size, _BLOCK))  # needs no memory
+    if max(float(np.abs(time[i] - (time[0] + step * i)).max()) for i in blocks) <= max(_ROUNDED * step, _printed(time, step)):
         even_time = step * np.arange(float(time.size))
         even_time += time[0]
         return replace(reading, time=even_time)
     intervals = np.diff(time)
     usual = float(np.quantile(intervals, 0.5, method="lower"))
-    _require_few(path, time, intervals, usual)
+    count = float(time[-1] - time[0]) / usual
+    if count > max(_MOST_MADE, _MOST_TIMES * time.size):
+        longest = int(intervals.argmax())
+        raise RecordError(
+            f"{path}: its time goes from {time[longest]:.9g} to {time[longest + 1]:.9g} s in one row, where most are "
+            f"{usual:.6g} s apart: at equal intervals, {time.size} samples would be {count:.3g}. Is a time stamp wrong? "
+            "Correct it, or use what lies before or behind."
+        )
     regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _printed(time, usual))
     if np.mean(regular) >= _REGULAR and np.all(intervals[~regular] >= _GAP * usual):
         return _without_gaps(path, reading, np.flatnonzero(~regular), usual, fill=gaps == "fill")
@@ -102,29 +104,6 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
         f"resampled at the usual interval, {usual:.6g} s, on curves through the samples: what has 0.15 periods an interval "
         "loses some 2 % of its height, at a quarter of a period some 10 %."
     )
-
-
-def _require_few(path: Path, time: Array, intervals: Array, usual: float) -> None:
-    """Raise RecordError if a record at its usual interval would be far longer than what was measured."""
-    count = float(time[-1] - time[0]) / usual
-    if count <= max(_MOST_MADE, _MOST_TIMES * time.size):
-        return
-    longest = int(intervals.argmax())
-    raise RecordError(
-        f"{path}: its time goes from {time[longest]:.9g} to {time[longest + 1]:.9g} s in one row, where most are {usual:.6g} s "
-        f"apart: at equal intervals, {time.size} samples would be {count:.3g}. Is a time stamp wrong? Correct it, or use what "
-        "lies before or behind."
-    )
-
-
-def _largest_miss(time: Array, step: float) -> float:
-    """Return how far the instants are from equal intervals [s], at most; block by block, to need no memory."""
-    largest = 0.0
-    for first in range(0, time.size, _BLOCK):
-        block = time[first : first + _BLOCK]
-        even_block = time[0] + step * np.arange(first, first + block.size)
-        largest = max(largest, float(np.abs(block - even_block).max()))
-    return largest
 
 
 def resampled(reading: Reading, rate: float) -> Reading:

@@ -62,7 +62,8 @@ def read_blocks(
         converters = dict.fromkeys(columns[1:], lambda cell: math.nan if is_missing(cell.strip()) else parse_number(cell))
     if clock is not None:
         converters[columns[0]] = clock
-    delimiter, rows = _full_rows(header)
+    plainly = header.content is None and header.delimiter != " " and header.decimal == "."
+    delimiter, rows = (header.delimiter, _plain_rows(header)) if plainly else ("\t", _parsed_rows(header))
     while True:
         try:
             with warnings.catch_warnings():
@@ -84,16 +85,8 @@ def read_blocks(
         yield block
 
 
-def _full_rows(header: Header) -> tuple[str, Iterator[str]]:
-    """Return the sign between cells, and the lines of numbers with decimal points.
-
-    They raise ValueError at one that has not as many cells as the header has columns.
-    """
-    plainly = header.content is None and header.delimiter != " " and header.decimal == "."
-    return (header.delimiter if plainly else "\t"), (_plain_rows(header) if plainly else _parsed_rows(header))
-
-
 def _plain_rows(header: Header) -> Iterator[str]:
+    """Yield the lines of numbers; ValueError at one that has not as many cells as the header has columns."""
     signs, delimiter = len(header.names) - 1, header.delimiter
     blank = f' \t\r\n"{delimiter}'
     with open_rows(header) as lines:
@@ -108,6 +101,7 @@ def _plain_rows(header: Header) -> Iterator[str]:
 
 
 def _parsed_rows(header: Header) -> Iterator[str]:
+    """Yield the rows as lines of numbers with decimal points between tabs; ValueError as of `_plain_rows`."""
     for number, cells in numbered_rows(header):
         if len(cells) != len(header.names):
             raise ValueError("a row has another number of cells than the header")
@@ -151,7 +145,6 @@ def name_bad_line(header: Header, columns: Sequence[int], clock: Clock | None = 
 
 
 def table_channels(path: Path) -> tuple[str, ...]:
-    """Return the names of all columns but the time."""
     header, time, _ = _opened(path)
     return tuple(name for column, name in enumerate(header.names) if column != time and column not in header.unnamed)
 

@@ -12,14 +12,7 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.table_files import LARGEST
-from wirerope_mj.foundation.units import (
-    ACCELERATION_UNITS,
-    FORCE_UNITS,
-    LENGTH_UNITS,
-    TIME_UNITS,
-    VELOCITY_UNITS,
-    find_unit,
-)
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, VELOCITY_UNITS, find_unit
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
 _ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
@@ -69,8 +62,13 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
     ordinate's label, then that of dataset 164.
     """
     histories, systems = _histories(path, unit)
-    chosen = _all_of_one_node(path, histories) if channels is None else _named(path, histories, channels)
     heads = dict(histories)
+    if channels is None:
+        chosen = _all_of_one_node(path, histories)
+    else:
+        names = _names(list(heads.values()))
+        places = {_place(path, list(heads.values()), names, name): direction for name, direction in channels.items()}
+        chosen = {histories[place][0]: direction for place, direction in places.items()}
     units, factors = zip(*(_unit(path, heads[number], unit, systems) for number in chosen), strict=True)
     time, samples = _on_one_clock(path, {number: _name(heads[number]) for number in chosen})
     reading = Reading(time, (samples * factors) @ axes_of(chosen.values()), tuple(dict.fromkeys(units)))
@@ -151,19 +149,6 @@ def _is_in_time(head: Entries) -> bool:
     return in_time and int(head.get("ord_data_type", 0)) in _REAL and not turns
 
 
-def _length(path: Path, systems: list[Entries]) -> float | None:
-    """Return the file's units of length in a metre; None if it does not say."""
-    if not systems:
-        return None
-    code, factor = int(systems[-1]["units_code"]), float(systems[-1]["length"])
-    if not 1.0 / LARGEST < factor < LARGEST or (code == _SI and abs(factor - 1.0) > 1e-6):
-        raise RecordError(
-            f"{path}: dataset 164 contradicts itself: units code {code}, but {factor:g} units of length in a metre. "
-            'Say the unit of the accelerations, for instance unit="m/s^2" (--unit).'
-        )
-    return factor
-
-
 def _unit(path: Path, head: Entries, unit: str | None, systems: list[Entries]) -> tuple[str, float]:
     """Return the unit of a history as text, and what it is in m/s^2."""
     label = unit if unit is not None else _label(head, "ordinate")
@@ -174,11 +159,16 @@ def _unit(path: Path, head: Entries, unit: str | None, systems: list[Entries]) -
             f'{path}: {_name(head)} has the unknown unit "{label}". Say which is meant, for instance unit="g" (--unit g); '
             f"known units: {', '.join(ACCELERATION_UNITS)}."
         )
-    length = _length(path, systems)
-    if length is None:
+    if not systems:
         raise RecordError(
             f"{path}: neither {_name(head)} nor a dataset 164 says the unit of the accelerations. Say it, for instance "
             f'unit="m/s^2" (--unit); known units: {", ".join(ACCELERATION_UNITS)}.'
+        )
+    code, length = int(systems[-1]["units_code"]), float(systems[-1]["length"])  # units of length in a metre
+    if not 1.0 / LARGEST < length < LARGEST or (code == _SI and abs(length - 1.0) > 1e-6):
+        raise RecordError(
+            f"{path}: dataset 164 contradicts itself: units code {code}, but {length:g} units of length in a metre. "
+            'Say the unit of the accelerations, for instance unit="m/s^2" (--unit).'
         )
     return ("m/s^2" if length == 1.0 else f"1/{length:g} m/s^2"), 1.0 / length
 
@@ -229,12 +219,6 @@ def _all_of_one_node(path: Path, histories: Histories) -> dict[int, Direction]:
             f'channels={{"{names[0]}": "{end}"}} (--channels {names[0]}={end}).'
         )
     return {n: _VECTORS.get(end, end) for (n, _), end in zip(histories, ends, strict=True)}
-
-
-def _named(path: Path, histories: Histories, channels: Mapping[str, Direction]) -> dict[int, Direction]:
-    heads = [head for _, head in histories]
-    names = _names(heads)
-    return {histories[_place(path, heads, names, name)][0]: direction for name, direction in channels.items()}
 
 
 def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:

@@ -64,7 +64,6 @@ class Extremes(Brief):
 
 
 def _of_acceleration(name: str, which: str) -> Any:
-    """Make a property that is that of the absolute acceleration."""
     doc = f"Largest absolute acceleration {which} [m/s^2]."
     return property(lambda self: getattr(self.acceleration, name), doc=doc)
 
@@ -158,7 +157,8 @@ def shock_response_spectrum(
     angles = 2.0 * math.pi * wanted * step
     steps = ramp_steps(angles, damping)
     for i, channel in enumerate(channels):
-        driven = np.ascontiguousarray(channel[: _end(channel)])
+        moving = np.flatnonzero(channel)  # up to the first of the zeros that end the record
+        driven = np.ascontiguousarray(channel[: int(moving[-1]) + 2 if moving.size else 1])
         for j, angle in enumerate(angles):
             ramp_extremes(driven, steps[j], angle, damping, primary[i, j], residual[i, j])
     # (n_f,) or (n_f, k), the extremes in front
@@ -227,12 +227,6 @@ def _exponentials(matrices: Array) -> Array:
     for _ in range(HALVINGS):
         total = np.einsum("nij,njk->nik", total, total)
     return total
-
-
-def _end(channel: Array) -> int:
-    """Return how many samples the base accelerates for: up to the first of the zeros that end the record."""
-    moving = np.flatnonzero(channel)
-    return min(int(moving[-1]) + 2, channel.size) if moving.size else 1
 
 
 _HELD = 0.01  # error of a line that samples hold

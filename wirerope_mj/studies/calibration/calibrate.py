@@ -12,11 +12,10 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions.spectra.srs import shock_response_spectrum
-from wirerope_mj.studies.calibration.fit import Fit, Forward, Prior, Problem, fit
+from wirerope_mj.studies.calibration.fit import GOOD, Fit, Forward, Posterior, Prior, Problem, fit, sample
 from wirerope_mj.studies.calibration.forward import SystemForward, Test
 from wirerope_mj.studies.calibration.noise import DOMAINS, Domain, Series
 from wirerope_mj.studies.calibration.open_law import open_laws
-from wirerope_mj.studies.calibration.posterior import GOOD, Posterior, sample
 from wirerope_mj.studies.vary.distributions import Distribution
 from wirerope_mj.studies.vary.vary_option import read_vary
 

@@ -4,7 +4,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import Protocol
 
 import numpy as np
 
@@ -14,13 +13,12 @@ from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.studies.calibration.fit import Prior
 from wirerope_mj.studies.calibration.measured_test import MeasuredTest, TransientRuns
-from wirerope_mj.studies.calibration.noise import Domain, Series
+from wirerope_mj.studies.calibration.noise import Domain
 from wirerope_mj.studies.calibration.rig_tests import FrequencyRuns, FrequencyTest, LoopRuns, LoopTest
 from wirerope_mj.studies.engines.compute import DONE, Chunk, compute
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.vary.distributions import Choice, Distribution, Isotropic, Normal, Uniform
 from wirerope_mj.studies.vary.quantities import quantities
-from wirerope_mj.studies.vary.quantity import InputColumn
 from wirerope_mj.studies.vary.sampling import values_at
 from wirerope_mj.studies.vary.variants import Maker, Work
 
@@ -31,18 +29,6 @@ FORM = "channel/NAME/gain, channel/NAME/delay, channel/NAME/offset"
 UNITS = {"gain": "", "delay": "s", "offset": "SI"}
 NEUTRAL = {"gain": 1.0, "delay": 0.0, "offset": 0.0}
 _NAME = re.compile(r"channel/(.*)/(gain|delay|offset)")
-
-
-class Runs(Protocol):
-    """Runs of one test with many values: raw channels, and the series that a measuring chain makes of each."""
-
-    series: list[Series]
-
-    def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
-        """Return the raw channels with the values of each row; None where one failed."""
-
-    def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
-        """Return the series of a raw channel as a chain with gain [-], delay [s] and offset [SI] shows it."""
 
 
 class SystemForward:
@@ -58,7 +44,13 @@ class SystemForward:
                 raise ValueError(f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {one!r}.")
         resolved = quantities(own, system, [test.motion for test in tests if isinstance(test, MeasuredTest)])
         self.columns = tuple(column for quantity in resolved for column in quantity.columns)
-        self._runs = [_runs_of(system, test, self.columns, domain) for test in tests]
+        self._runs: list[AnyRuns] = []
+        for test in tests:
+            if isinstance(test, MeasuredTest):
+                self._runs.append(TransientRuns(system, test, self.columns, domain))
+            else:
+                kind = FrequencyRuns if isinstance(test, FrequencyTest) else LoopRuns
+                self._runs.append(kind(system, test, self.columns))  # type: ignore[arg-type]
         self.series = [one for runs in self._runs for one in runs.series]
         self._nuisances = nuisances(vary, [one.name for one in self.series])
         counts = np.cumsum([len(quantity.columns) for quantity in resolved])
@@ -123,10 +115,8 @@ class SystemForward:
 
     def tested_travel(self, values: Array) -> dict[tuple[str, str], float]:
         """Return how far the tests deflected mounts, as the model at values (d,) has it, by mount and axis [m]."""
-        names, found = (
-            measure_names(self.system),
-            dict.fromkeys(((one, axis) for one in self.system.mounts for axis in AXES), 0.0),
-        )
+        names = measure_names(self.system)
+        found = dict.fromkeys(((one, axis) for one in self.system.mounts for axis in AXES), 0.0)
         for runs in self._runs:
             if isinstance(runs, LoopRuns):
                 key = runs.test.mount, runs.test.axis
@@ -139,7 +129,6 @@ class SystemForward:
         return found
 
     def system_at(self, values: Array) -> System:
-        """Return the system with values of the unknowns, (d,)."""
         return self._maker.system(self._row(values))
 
     def isolators_at(self, values: Array) -> Mapping[str, Isolator]:
@@ -147,17 +136,10 @@ class SystemForward:
         return self._maker.changes(self._row(values)).isolators
 
     def moves_at(self, values: Array) -> Changes:
-        """Return the changes of masses, centres and positions at values of the unknowns, (d,)."""
         return self._maker.moves(self._maker.draft(self._row(values)), {})
 
     def _row(self, values: Array) -> Entries:
         return {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
-
-
-def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...], domain: Domain) -> AnyRuns:
-    if isinstance(test, FrequencyTest):
-        return FrequencyRuns(system, test, columns)
-    return LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns, domain)
 
 
 def travel_of(names: Sequence[str], measures: Array) -> dict[tuple[str, str], float]:

@@ -38,7 +38,13 @@ def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict
                 fitted_to=f"{', '.join(what)}; {calibration.message}",
                 assumed=(*before.assumed, *calibration.not_identified),
             )
-            spread = _spread(isolator, [one[mount] for one in draws])
+            values: Array = np.array([[value for _, value in _parameters(one[mount])] for one in draws])
+            moved = np.std(values, axis=0) > _MOVED * np.abs(values).max(axis=0)
+            spread = None
+            if moved.any():
+                names = tuple(name for (name, _), one in zip(_parameters(isolator), moved, strict=True) if one)
+                covariance = np.atleast_2d(np.cov(values[:, moved].T)).tolist()
+                spread = Spread(parameters=names, covariance=tuple(map(tuple, covariance)), calibrated=True)
             same[key] = replace(isolator, provenance=provenance, spread=spread)
         found[mount] = same[key]
     return found
@@ -79,14 +85,3 @@ def _parameters(isolator: Isolator) -> Iterator[tuple[str, float]]:
                     yield from ((f"{before}{key}[{k}]", float(one)) for k, one in enumerate(value))
                 else:
                     yield f"{before}{key}", float(value)
-
-
-def _spread(middle: Isolator, draws: Sequence[Isolator]) -> Spread | None:
-    names = [name for name, _ in _parameters(middle)]
-    values: Array = np.array([[value for _, value in _parameters(one)] for one in draws])
-    moved = np.std(values, axis=0) > _MOVED * np.abs(values).max(axis=0)
-    if not moved.any():
-        return None
-    covariance = np.atleast_2d(np.cov(values[:, moved].T))
-    kept = tuple(name for name, one in zip(names, moved, strict=True) if one)
-    return Spread(parameters=kept, covariance=tuple(map(tuple, covariance.tolist())), calibrated=True)

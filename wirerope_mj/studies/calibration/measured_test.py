@@ -13,8 +13,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.motions.records.channel_map import SI
-from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
+from wirerope_mj.motions.records.measured import SI, Measured, MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.studies.calibration.noise import Domain, Series, Spectral
 from wirerope_mj.studies.engines.together import histories

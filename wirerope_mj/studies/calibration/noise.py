@@ -41,7 +41,6 @@ class Series:
 
     @cached_property
     def rms(self) -> float:
-        """Root mean square of the values."""
         return float(np.sqrt(np.mean(self.size**2)))
 
     @cached_property
@@ -59,7 +58,6 @@ class Series:
 
     @cached_property
     def largest(self) -> float:
-        """Largest local size."""
         return float(self.size.max())
 
     @cached_property
@@ -94,7 +92,6 @@ class Noise:
 
 
 def first_noise(series: Series) -> Noise:
-    """Return the noise of the first fit."""
     low, high = series.lengths
     return Noise(white=WHITE * series.rms, discrepancy=DISCREPANT, length=float(np.sqrt(low * high)))
 
@@ -208,7 +205,6 @@ class Spectral:
         return cls(domain=domain, at=history.at, frequencies=frequencies, series=series)
 
     def of_samples(self, values: Array) -> Array:
-        """Return the series of smoothed samples at the same instants."""
         return _spectrum(self.domain, self.at, values, self.frequencies)
 
 

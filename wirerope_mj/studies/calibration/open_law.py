@@ -63,7 +63,9 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
                     f"{place}/{key}": Normal(value, HARDENING * sizes[key]) for key, value in own.items() if value is not None
                 }
                 continue
-            added[axis] = _terms(stiffness, reached)
+            faint = {"alpha": FAINT * stiffness, "beta": 1.0 / reached, "gamma": 0.0, "n": 1.0, "k2": 0.0, "k3": 0.0}
+            odd = SymmetricBoucWen(k1=-stiffness, **faint)
+            added[axis] = odd, AsymmetricBoucWen(k1=stiffness, b=math.e, c=0.0, **faint)  # which are 0 in all
             if not law.factors:
                 alone.add(axis)
             for key, size in (sizes | ({"c": 1.0 / reached} if axis == "axial" else {})).items():
@@ -75,16 +77,12 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
             for mount in mounts
             if added and system.mounts[mount].written != isolator
         }
-    loaded = with_changes(load_system(system.path or system.mjcf, isolators=files), _moves(system, changed))
+    moves = [*(replace(one, isolators={}) for one in system.changes), Changes(isolators=changed)]
+    loaded = load_system(system.path or system.mjcf, isolators=files)
+    loaded = with_changes(loaded, [one for one in moves if one != Changes()])
     renamed = {_renamed(name, alone): one for name, one in vary.items() if not name.startswith("channel/")}
     chain = {name: one for name, one in vary.items() if name.startswith("channel/")}
     return OpenLaws(system=loaded, vary=renamed | terms | chain, added=tuple(terms))
-
-
-def _moves(system: System, isolators: Mapping[str, Isolator]) -> list[Changes]:
-    """Return the changes that were made to a system, with other isolators."""
-    moves = [replace(one, isolators={}) for one in system.changes]
-    return [one for one in (*moves, Changes(isolators=isolators)) if one != Changes()]
 
 
 def secant_stiffness(law: Law, reached: float) -> float:
@@ -103,13 +101,6 @@ def _loaded(law: Law, reached: float) -> tuple[Array, Array]:
     """Return a slow path to a deflection, on to its mirror image [m], and the force along it [N]."""
     path = reached * np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, -1.0, 100)[1:]])
     return path, law.trace(path, time=np.linspace(0.0, 1.0, path.size)).force
-
-
-def _terms(stiffness: float, reached: float) -> tuple[Law, Law]:
-    """Return the added terms where they are 0, of a law with a stiffness [N/m] at a deflection [m]."""
-    faint = {"alpha": FAINT * stiffness, "beta": 1.0 / reached, "gamma": 0.0, "n": 1.0, "k2": 0.0, "k3": 0.0}
-    odd = SymmetricBoucWen(k1=-stiffness, **faint)
-    return odd, AsymmetricBoucWen(k1=stiffness, b=math.e, c=0.0, **faint)
 
 
 def _with_terms(isolator: Isolator, added: Mapping[str, tuple[Law, Law]]) -> Isolator:

@@ -147,7 +147,10 @@ def predict(
             break
     chosen, samples, count = chosen[kept], samples[kept], int(kept.sum())
     reached, tested = travel_of(measures, np.median(np.nan_to_num(samples), axis=0)), calibration.tested_travel
-    farthest = _farthest(reached, tested)
+    # of those that are not small beside the largest
+    counts = [key for key, value in reached.items() if value >= LOOKED_AT * max(reached.values()) > 0.0]
+    every = [Travel(mount=mount, axis=axis, reached=reached[mount, axis], tested=tested[mount, axis]) for mount, axis in counts]
+    farthest = max(every, key=lambda one: one.ratio, default=Travel(mount="", axis="", reached=0.0, tested=0.0))
     most, before = max(reached.values(), default=0.0), max(tested.values(), default=0.0)
     farther, (peak_error, peaks) = max(most / before, 1.0) if before > 0.0 else 1.0, used.peak_error
     channels = {
@@ -166,7 +169,11 @@ def predict(
     samples[:, scaled] *= np.maximum(1.0 + sizes[scaled] * error[:, np.newaxis], 0.0)
     if stopped:  # a mount's force is off by the error of its law at any deflection
         levels = [own if step == 0.0 else _at_level(forward, work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS]
-        between = _between(np.array(levels), error.reshape(count, ERRORS)).reshape(-1, len(measures))
+        # straight between `STEPS`, and beyond
+        errors = error.reshape(count, ERRORS)
+        left, rows = np.clip(np.searchsorted(STEPS, errors) - 1, 0, STEPS.size - 2), np.arange(count)[:, np.newaxis]
+        low, high = np.array(levels)[left, rows], np.array(levels)[left + 1, rows]
+        between = np.maximum(low + (high - low) * (errors - STEPS[left])[..., np.newaxis], 0.0).reshape(-1, len(measures))
         followed = [k for k in scaled if not measures[k].startswith("force/")]
         failed = np.isnan(between[:, followed])  # those draws stay multiplied
         samples[:, followed] = np.where(failed, samples[:, followed], between[:, followed])
@@ -194,24 +201,9 @@ def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tup
     return True
 
 
-def _farthest(reached: Mapping[tuple[str, str], float], tested: Mapping[tuple[str, str], float]) -> Travel:
-    """Return the deflection that is farthest beyond the tests', of those that are not small beside the largest."""
-    counts = [key for key, value in reached.items() if value >= LOOKED_AT * max(reached.values()) > 0.0]
-    every = [Travel(mount=mount, axis=axis, reached=reached[mount, axis], tested=tested[mount, axis]) for mount, axis in counts]
-    return max(every, key=lambda one: one.ratio, default=Travel(mount="", axis="", reached=0.0, tested=0.0))
-
-
 def _at_level(forward: SystemForward, work: Work, values: Array, factor: float) -> Array:
     """Return measures as `_measures` does, of the motion times a factor; NaN if no draw can be simulated."""
     try:
         return forward.measures(replace(work, motions=(Scaled(work.motions[0], factor),)), values)
     except ConvergenceError:
         return np.full((len(values), len(measure_names(work.system))), np.nan)
-
-
-def _between(levels: Array, errors: Array) -> Array:
-    """Return measures of draws (n_steps, n, n_measures) at multiples of the error (n, n_errors) between `STEPS`, and beyond."""
-    left = np.clip(np.searchsorted(STEPS, errors) - 1, 0, STEPS.size - 2)
-    draws = np.arange(len(errors))[:, np.newaxis]
-    low, high = levels[left, draws], levels[left + 1, draws]
-    return np.maximum(low + (high - low) * (errors - STEPS[left])[..., np.newaxis], 0.0)

@@ -13,7 +13,7 @@ from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.table_files import number_in, read_header, rows_below
 from wirerope_mj.foundation.units import ACCELERATION_UNITS
 from wirerope_mj.motions import Sine
-from wirerope_mj.motions.records.channel_map import parse_channel
+from wirerope_mj.motions.records.measured import parse_channel
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.studies.calibration.measured_test import work_of
@@ -84,20 +84,15 @@ class FrequencyRuns:
         for k, (work, frequency) in enumerate(zip(self.works, self.test.frequency, strict=True)):
             time, done = histories(work, rows, [column])
             last = time >= SETTLED / frequency
+            window, turning = np.hanning(np.count_nonzero(last)), np.exp(-2j * np.pi * frequency * time[last])
             for i, one in enumerate(done):
-                if one is not None:
-                    found[i, k] = _tracked(time[last], one[last, 0], frequency) / self.test.acceleration
+                if one is not None:  # its amplitude as a tracking filter shows it
+                    amplitude = 2.0 * abs(np.sum(window * one[last, 0] * turning)) / window.sum()
+                    found[i, k] = amplitude / self.test.acceleration
         return [[row] if np.isfinite(row).all() else None for row in found]
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
-        """Return the series of raw transmissibilities as a chain with a gain shows them."""
         return np.log(gain * raw)
-
-
-def _tracked(time: Array, values: Array, frequency: float) -> float:
-    """Return the amplitude of a history at a frequency [Hz], as a tracking filter shows it."""
-    window = np.hanning(time.size)
-    return float(2.0 * abs(np.sum(window * values * np.exp(-2j * np.pi * frequency * time))) / window.sum())
 
 
 def read_frequency_tests(path: Path, phrase: str) -> list[FrequencyTest]:
@@ -191,5 +186,4 @@ class LoopRuns:
         return found
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
-        """Return the series of a raw force as a load cell with a gain shows it."""
         return gain * raw

@@ -64,19 +64,13 @@ def schema(work: Work) -> pa.Schema:
 def compute(work: Work, chunk: Chunk) -> Part:
     """Return what comes of a chunk, the same in any process; variants that fail have rows, too."""
     responses: dict[int, bytes] = {}
-    done = _together(work, chunk)
+    alone = chunk.responses or needs_samples(work.system)  # responses are those of single systems
+    done = NONE if alone else _side_by_side(partial(together, work, chunk.rows))
     rest = np.setdiff1d(np.arange(len(chunk.rows)), done.indices).tolist()
     outcomes = _outcomes(work, [chunk.rows[i] for i in rest], responses if chunk.responses else None) if rest else []
     accident = any(isinstance(outcome, Accident) for outcome in outcomes)
     table = _table(work, chunk, dict(zip(rest, outcomes, strict=True)), done)
     return Part(number=chunk.number, table=table, responses=responses, died=accident)
-
-
-def _together(work: Work, chunk: Chunk) -> Together:
-    """Return what could be computed side by side; responses are those of single systems."""
-    if chunk.responses or needs_samples(work.system):
-        return NONE
-    return _side_by_side(partial(together, work, chunk.rows))
 
 
 def _side_by_side(go: Callable[[], Together]) -> Together:

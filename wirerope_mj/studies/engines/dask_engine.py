@@ -154,8 +154,8 @@ def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
         else:
             scheduler_at, processes = address, None
         client = open_things.enter_context(Client(scheduler_at, timeout=PATIENCE, set_as_default=False))
-        if processes is not None:
-            _wait(client, processes)
+        if processes is not None and not _has_worker(client, STARTING, processes):
+            raise SimulationError("Dask's workers do not start on this machine; use engine 'local'.")
         yield client
 
 
@@ -179,23 +179,20 @@ def _workers(scheduler_at: str, number: int) -> Iterator["subprocess.Popen[bytes
                 process.kill()
 
 
-def _wait(client: "Client", processes: "subprocess.Popen[bytes]") -> None:
-    """Wait for the first worker of this machine's own cluster."""
+def _has_worker(client: "Client", patience: float, processes: "subprocess.Popen[bytes] | None" = None) -> bool:
+    """Wait for the first worker of a cluster, for some time [s] and while its processes live; returns whether there is one."""
     began = time.monotonic()
     while not client.nthreads():
-        if processes.poll() is not None or time.monotonic() - began > STARTING:
-            raise SimulationError("Dask's workers do not start on this machine; use engine 'local'.")
+        if time.monotonic() - began > patience or (processes is not None and processes.poll() is not None):
+            return False
         time.sleep(0.05)
+    return True
 
 
 def _warn_if_idle(client: "Client", address: str) -> None:
     """Warn if a cluster that exists has no worker: those of a batch system may come much later."""
-    began = time.monotonic()
-    while not client.nthreads():
-        if time.monotonic() - began > PATIENCE:
-            warnings.warn(f"the cluster at {address} has no workers yet; the study waits for them.", ClusterWarning, 2)
-            return
-        time.sleep(0.05)
+    if not _has_worker(client, PATIENCE):
+        warnings.warn(f"the cluster at {address} has no workers yet; the study waits for them.", ClusterWarning, 2)
 
 
 def check_answers(address: str) -> None:

@@ -126,7 +126,11 @@ def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
     if not variants.indices:
         return None
     states, forces, good = _starts(work, variants)
-    good &= _steps_hold(work, variants, rows)
+    holds = variant_rates(system).certainly_stable(work.timestep, variants.numbers, variants.rates, variants.shifts)
+    make = Maker(system, work.motions, work.columns)
+    for number in np.flatnonzero(~holds):
+        holds[number] = work.timestep <= stable_step(make.system(rows[variants.indices[number]]))
+    good &= holds
     chosen = np.flatnonzero(good)
     if not chosen.size:
         return None
@@ -183,18 +187,8 @@ def _starts(work: Work, variants: Variants) -> tuple[Array, Array | None, Boolea
 
 @once_per_system
 def _unloaded(system: System) -> State:
-    """Return the state of the modelled geometry at rest."""
     with system.assembly.scratch.data(system.model) as data:
         return state_of(system.model, data)
-
-
-def _steps_hold(work: Work, variants: Variants, rows: Sequence[Entries]) -> Booleans:
-    """Return for which variants the step is stable."""
-    holds = variant_rates(work.system).certainly_stable(work.timestep, variants.numbers, variants.rates, variants.shifts)
-    make = Maker(work.system, work.motions, work.columns)
-    for number in np.flatnonzero(~holds):
-        holds[number] = work.timestep <= stable_step(make.system(rows[variants.indices[number]]))
-    return holds
 
 
 @once_per_system

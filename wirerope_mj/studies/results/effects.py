@@ -132,7 +132,13 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
         name = max(left, key=lambda one: sizes[one][0])
         explained, probability = sizes[name]
         certain = probability < SIGNIFICANCE / len(classes) and explained >= SMALLEST * whole
-        results.append(Effect(name=name, index=explained / whole, rank=_rank(columns[name], values), certain=certain))
+        rank = math.nan  # Spearman's correlation, Pearson's of the ranks; of what has no order there is none
+        if columns[name].dtype.kind in "fiub":
+            a, b = scipy.stats.rankdata(columns[name].astype(np.float64)), scipy.stats.rankdata(values)
+            a, b = a - a.mean(), b - b.mean()
+            size = math.sqrt(float(a @ a) * float(b @ b))
+            rank = float(a @ b) / size if size > 0.0 else math.nan
+        results.append(Effect(name=name, index=explained / whole, rank=rank, certain=certain))
         own = left.pop(name)
         if certain:
             rest = rest - _class_means(own, rest)[own]
@@ -169,16 +175,6 @@ def _classes(column: AnyArray) -> Integers:
     return np.asarray(classes, dtype=np.int64)
 
 
-def _rank(column: AnyArray, values: Array) -> float:
-    """Return Spearman's correlation: Pearson's of the ranks."""
-    if column.dtype.kind not in "fiub":
-        return math.nan
-    a, b = scipy.stats.rankdata(column.astype(np.float64)), scipy.stats.rankdata(values)
-    a, b = a - a.mean(), b - b.mean()
-    size = math.sqrt(float(a @ a) * float(b @ b))
-    return float(a @ b) / size if size > 0.0 else math.nan
-
-
 # Half the width of a total index's interval, and how far an index lies outside 0 to 1, from which on the rows are too few.
 _WIDE, _BEYOND = 0.25, 0.1
 # Of the base rows with replacement: the ends of the intervals are then known to a tenth of their length.
@@ -201,7 +197,6 @@ class SobolIndex:
 
     @property
     def reach(self) -> float:
-        """Half the width of the total index's interval."""
         return (self.total_interval[1] - self.total_interval[0]) / 2.0
 
 
@@ -256,7 +251,14 @@ def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndi
         return SobolIndices(measure=measure, factors=(), rows=len(kept), dropped=dropped)
     kept = kept / scale
     first, total = _estimates(kept[None])
-    low, high = _intervals(kept)
+    generator, at_once = np.random.default_rng(_SEED), max(_BLOCK // kept.size, 1)
+    parts: list[tuple[Array, Array]] = []
+    for begin in range(0, RESAMPLES, at_once):
+        rows = generator.integers(len(kept), size=(min(at_once, RESAMPLES - begin), len(kept)))
+        parts.append(_estimates(kept[rows]))
+    samples = np.stack([np.concatenate(both) for both in zip(*parts, strict=True)])
+    tail = (1.0 - CONFIDENCE) / 2.0
+    low, high = np.quantile(samples, [tail, 1.0 - tail], axis=1)  # of first-order and total indices, (2, n_factors) each
     indices = [
         SobolIndex(
             name=name, first=float(first[0, k]), total=float(total[0, k]),
@@ -276,17 +278,3 @@ def _estimates(values: Array) -> tuple[Array, Array]:
     variance = np.mean(centred[:, :, :2] ** 2, axis=(1, 2))[:, None]
     variance = np.where(variance > 0.0, variance, np.inf)  # of resampled rows that happen to be all alike
     return np.mean(b * (mixed - a), axis=1) / variance, 0.5 * np.mean((a - mixed) ** 2, axis=1) / variance
-
-
-def _intervals(values: Array) -> tuple[Array, Array]:
-    """Return lower and upper bounds of first-order and total indices, each (2, n_factors)."""
-    generator = np.random.default_rng(_SEED)
-    at_once = max(_BLOCK // values.size, 1)
-    parts: list[tuple[Array, Array]] = []
-    for first in range(0, RESAMPLES, at_once):
-        rows = generator.integers(len(values), size=(min(at_once, RESAMPLES - first), len(values)))
-        parts.append(_estimates(values[rows]))
-    samples = np.stack([np.concatenate(both) for both in zip(*parts, strict=True)])
-    tail = (1.0 - CONFIDENCE) / 2.0
-    low, high = np.quantile(samples, [tail, 1.0 - tail], axis=1)
-    return low, high

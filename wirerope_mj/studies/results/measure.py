@@ -55,7 +55,6 @@ class Measure:
 
     @property
     def label(self) -> str:
-        """Text and unit, as an axis says it."""
         return f"{self.text} [{self.unit}]"
 
     @property
@@ -66,7 +65,6 @@ class Measure:
 
     @property
     def column(self) -> Column:
-        """Column of its values in a table."""
         return Column(self.heading, form=".4g") if self.unit == "-" else Column(self.heading, self.unit)
 
 
@@ -87,13 +85,11 @@ def unit_of(name: str) -> str:
 
 
 def input_names(table: pa.Table) -> list[str]:
-    """Return the names of the columns that were sampled."""
     names = table.column_names
     return names[1 : names.index("acceleration")]
 
 
 def measures_of(table: pa.Table) -> list[str]:
-    """Return the names of the measures of a table."""
     first = table.column_names.index("acceleration")
     return [name for name in table.column_names[first:] if name not in _OTHER]
 
@@ -109,12 +105,10 @@ def checked_measure(table: pa.Table, name: str) -> str:
 
 
 def headlines(table: pa.Table) -> list[str]:
-    """Return the measures of `HEADLINES` that have values."""
     return known_measures(table, HEADLINES)
 
 
 def drawn_measures(table: pa.Table) -> list[str]:
-    """Return the measures of `DRAWN` that have values."""
     names = [name for name in headlines(table) if name in DRAWN]
     if "travel" not in names or COMBINED not in names:
         return names
@@ -135,13 +129,10 @@ def most_critical(table: pa.Table, limits: Mapping[str, float] = MappingProxyTyp
 
 def known_measures(table: pa.Table, names: Sequence[str]) -> list[str]:
     """Return those of some measures that have values: older tables know less; `ALL` only where a point is beyond all bodies."""
-    there = [name for name in names if name in table.column_names or (name == ALL and _points_matter(table))]
+    points_matter = ALL in names and any(name.startswith(ALL[:-1]) for name in table.column_names)
+    points_matter = points_matter and bool((values_of(table, ALL) > values_of(table, ALL[:-2])).any())
+    there = [name for name in names if name in table.column_names or (name == ALL and points_matter)]
     return [name for name in there if np.isfinite(values_of(table, name)).any()]
-
-
-def _points_matter(table: pa.Table) -> bool:
-    beside = any(name.startswith(ALL[:-1]) for name in table.column_names)
-    return beside and bool((values_of(table, ALL) > values_of(table, ALL[:-2])).any())
 
 
 def values_of(table: pa.Table, name: str) -> Array:
@@ -163,15 +154,11 @@ def unknown_measure(name: str, known: Sequence[str]) -> str:
 
 def kinds_of(known: Sequence[str]) -> str:
     """Return measures as a list with NAME in place of mounts, bodies and points."""
-    return ", ".join(dict.fromkeys(map(_kind, known)))
-
-
-def _kind(name: str) -> str:
-    """Return a measure with NAME in place of a mount, a body or a point: "deflection/NAME/roll"."""
-    first, *rest = name.split("/")
-    if not rest:
-        return name
-    return "/".join([first, "NAME", *(rest[-1:] if first == "deflection" else [])])
+    kinds = dict[str, None]()
+    for name in known:
+        first, *rest = name.split("/")
+        kinds["/".join([first, *(["NAME"] if rest else []), *(rest[-1:] if first == "deflection" else [])])] = None
+    return ", ".join(kinds)
 
 
 CONFIDENCE = 0.95
@@ -207,7 +194,6 @@ class Exceedance:
 
     @property
     def judged(self) -> int:
-        """How many variants are judged."""
         return self.n - self.early
 
 
@@ -258,7 +244,6 @@ def worst(table: pa.Table, measure: str, count: int) -> list[int]:
 
 
 def row_of(table: pa.Table, number: int) -> Entries:
-    """Return the row of a variant."""
     row = int(np.flatnonzero(np.asarray(table["variant"]) == number)[0])
     return table.slice(row, 1).to_pylist()[0]
 

@@ -1,20 +1,18 @@
 """Limits that are stated after the fact, on one measure of a study or on all that a pattern matches, kept in `summary.json`."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.atomic_files import write_json
-from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.quantities import values_with_unit
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.toml_file import read_json
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.studies.folder import SUMMARY
 from wirerope_mj.studies.result import StudyResult
@@ -26,6 +24,7 @@ _UNITS = {
     "clearance": {"%": 0.01},
 }  # fmt: skip
 KEY = "stated_limits"  # Of the list in `summary.json`; it is not there unless somebody has stated a limit
+_KIND = "the summary of a study"
 _REMEDY = "Remove the file, and go on with --resume (`resume=True`): it is written anew."
 _EXAMPLE = '"deflection/*/roll = 35 mm"'
 
@@ -39,7 +38,6 @@ class StatedLimit:
     limit: float  # SI
 
     def exceedance(self, table: pa.Table) -> Exceedance:
-        """Return how often any of the measures is beyond the limit."""
         return exceedance_in(table, self.measures[0], self.largest(table), self.limit)
 
     def largest(self, table: pa.Table) -> Array:
@@ -79,8 +77,18 @@ def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
 
     RecordError if the summary is damaged.
     """
-    whole = _content(result.folder) | {KEY: [_exceeded(result, one) for one in limits]}
-    write_json(result.folder / SUMMARY, whole)
+    entries = []
+    for one in limits:
+        beyond = one.exceedance(result.independent)
+        content: Entries = {
+            "text": one.text, "measures": list(one.measures), "limit": one.limit,
+            "beyond": beyond.count, "of": beyond.n, "failed": beyond.failed,
+        }  # fmt: skip
+        content |= {"ended_early": beyond.early} if beyond.early else {}
+        if result.is_sampled and beyond.n:  # else it is no probability
+            content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
+        entries.append(content)
+    write_json(result.folder / SUMMARY, read_json(result.folder / SUMMARY, _KIND, _REMEDY) | {KEY: entries})
 
 
 def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
@@ -91,33 +99,8 @@ def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
     path = result.folder / SUMMARY
     if not path.is_file():
         return ()
-    stated = _content(result.folder).get(KEY, [])
+    stated = read_json(path, _KIND, _REMEDY).get(KEY, [])
     try:
         return tuple(limit_of_text(one["text"], measures_of(result.table)) for one in stated)
     except (KeyError, TypeError, ValueError) as error:
         raise RecordError(f"{path}: `{KEY}` is not what was written: {error} {_REMEDY}") from None
-
-
-def _content(folder: Path) -> Entries:
-    path = folder / SUMMARY
-    try:
-        content = json.loads(regular(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        why = why_unread(error) if isinstance(error, OSError) else "it is not JSON."
-        raise RecordError(f"{path}: {why} {_REMEDY}") from None
-    if not isinstance(content, dict):
-        raise RecordError(f"{path}: this is not the summary of a study. {_REMEDY}")
-    return content
-
-
-def _exceeded(result: StudyResult, stated: StatedLimit) -> Entries:
-    """Return a limit in SI with its exceedance; a probability only of variants that were sampled."""
-    beyond = stated.exceedance(result.independent)
-    content = {
-        "text": stated.text, "measures": list(stated.measures), "limit": stated.limit,
-        "beyond": beyond.count, "of": beyond.n, "failed": beyond.failed,
-    }  # fmt: skip
-    content |= {"ended_early": beyond.early} if beyond.early else {}
-    if result.is_sampled and beyond.n:
-        content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
-    return content

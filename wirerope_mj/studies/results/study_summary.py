@@ -113,7 +113,6 @@ class StudySummary:
 
     @cached_property
     def statistics(self) -> tuple[Statistics, ...]:
-        """Statistics of each measure."""
         return tuple(self._statistics(measure) for measure in self.measures)
 
     @property
@@ -194,7 +193,6 @@ def any_exceeded(summaries: Sequence[StudySummary]) -> Exceedance:
 
 
 def _of_one_mount(name: str) -> bool:
-    """Return whether an input is that of a single mount, as each has one of its own."""
     return name.startswith("mount/") and not set(name) & set("*?,")
 
 

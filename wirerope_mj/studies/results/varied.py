@@ -1,8 +1,6 @@
 """What varied, and the summary of a study as a file."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -25,7 +23,7 @@ from wirerope_mj.studies.results.measure import (
     worst,
 )
 from wirerope_mj.studies.vary.distributions import Choice, Distribution, Isotropic, Normal, Specimens, Uniform
-from wirerope_mj.studies.vary.quantity import Quantity, nominal_text
+from wirerope_mj.studies.vary.quantity import nominal_text
 from wirerope_mj.studies.vary.sampling import LISTED, OF_INDICES
 
 _CHOICES = 8  # numbers of a choice that are listed one by one
@@ -46,7 +44,6 @@ class Varied:
 
     @property
     def distribution_text(self) -> str:
-        """Distribution as text: "normal, mean 0.35, standard deviation 0.03"."""
         return distribution_text(self.distribution)
 
     def to_dict(self) -> Entries:
@@ -63,26 +60,25 @@ class Varied:
 
 def varied_of(study: StudyDefinition) -> list[Varied]:
     """Return what varies in a study, in the order of `vary`."""
-    return [_varied(quantity, study) for quantity in study.quantities]
-
-
-def _varied(quantity: Quantity, study: StudyDefinition) -> Varied:
-    column = quantity.columns[0]
-    # Of specimens many parameters vary, each about its own value.
-    many = isinstance(quantity.distribution, Specimens)
-    every = [] if many else [one for own in quantity.columns for one in own.nominal(study.base, study.motions)]
-    numbers = np.concatenate([np.ravel(one) for one in every]) if every else np.empty(0)
-    ends = () if numbers.size == 0 or numbers.dtype == np.bool_ else (float(numbers.min()), float(numbers.max()))
-    kind, text = column.nature, nominal_text(every, column.model_unit)
-    return Varied(
-        name=quantity.name, kind=kind, unit=column.unit,
-        model="the isolator's" if many else f"shifted from {text}" if kind == "shift" else text, nominal=ends,
-        nominal_unit=column.model_unit, distribution=quantity.distribution,
-    )  # fmt: skip
+    found = []
+    for quantity in study.quantities:
+        column = quantity.columns[0]
+        many = isinstance(quantity.distribution, Specimens)  # of which many parameters vary, each about its own value
+        every = [] if many else [one for own in quantity.columns for one in own.nominal(study.base, study.motions)]
+        numbers = np.concatenate([np.ravel(one) for one in every]) if every else np.empty(0)
+        ends = () if numbers.size == 0 or numbers.dtype == np.bool_ else (float(numbers.min()), float(numbers.max()))
+        kind, text = column.nature, nominal_text(every, column.model_unit)
+        model = "the isolator's" if many else f"shifted from {text}" if kind == "shift" else text
+        found.append(
+            Varied(
+                name=quantity.name, kind=kind, unit=column.unit, model=model, nominal=ends, nominal_unit=column.model_unit,
+                distribution=quantity.distribution,
+            )
+        )  # fmt: skip
+    return found
 
 
 def distribution_text(distribution: Distribution) -> str:
-    """Return a distribution as text: "normal, mean 0.35, standard deviation 0.03"."""
     if isinstance(distribution, Normal):
         ends = [f"{bound} {end:g}" for bound, end in (("from", distribution.low), ("to", distribution.high)) if end is not None]
         bounds = f", {' '.join(ends)}" if ends else ""
@@ -94,16 +90,11 @@ def distribution_text(distribution: Distribution) -> str:
         between = f"from {distribution.low:g} to {distribution.high:g}"
         return f"directions equally likely over the sphere, {between} above the horizon"
     if isinstance(distribution, Choice):
-        return _choices(distribution.choices)
+        distinct = list(dict.fromkeys(distribution.choices))
+        if len(distinct) <= _CHOICES or not all(isinstance(value, int | float) for value in distinct):
+            return f"one of {', '.join(map(value_text, distinct))}"
+        return f"one of {len(distinct)} values from {value_text(min(distinct))} to {value_text(max(distinct))}"
     return "scatter that the isolator's file states"
-
-
-def _choices(values: Sequence[Any]) -> str:
-    """Return the values of a choice; of many numbers how many, and from where to where."""
-    distinct = list(dict.fromkeys(values))
-    if len(distinct) <= _CHOICES or not all(isinstance(value, int | float) for value in distinct):
-        return f"one of {', '.join(map(value_text, distinct))}"
-    return f"one of {len(distinct)} values from {value_text(min(distinct))} to {value_text(max(distinct))}"
 
 
 def value_text(value: object) -> str:
@@ -127,12 +118,21 @@ def summary(result: StudyResult) -> Entries:
     result = result.narrowed(("variant", "status", "message", STRUCK, *SUMMARISED))
     method = result.inputs["sampling"]["method"]
     table = result.independent if method == OF_INDICES else result.table
-    measures = {}
+    measures: Entries = {}
     for name in known_measures(table, SUMMARISED):
         measures[name] = {"nominal": nominal[name]} if name in nominal else {}
         measures[name] |= _of_measure(table, name, sampled=method not in LISTED)
         if method == OF_INDICES:
-            measures[name] |= _indices(result, name)
+            sobol = sobol_indices(result, name)
+            indices = {
+                one.name: {
+                    "first": one.first, "first_interval": list(one.first_interval),
+                    "total": one.total, "total_interval": list(one.total_interval),
+                }
+                for one in sobol.factors
+            }  # fmt: skip
+            counts = {"base_rows": sobol.rows, "dropped_rows": sobol.dropped}
+            measures[name] |= counts | {"indices": indices} if indices else {}
     struck = struck_variants(result.table)
     return {**head(result), **({} if struck is None else {"struck": struck}), "measures": measures}
 
@@ -160,15 +160,3 @@ def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> Entries:
         if sampled:
             content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
     return content
-
-
-def _indices(result: StudyResult, name: str) -> Entries:
-    sobol = sobol_indices(result, name)
-    indices = {
-        one.name: {
-            "first": one.first, "first_interval": list(one.first_interval),
-            "total": one.total, "total_interval": list(one.total_interval),
-        }
-        for one in sobol.factors
-    }  # fmt: skip
-    return {"base_rows": sobol.rows, "dropped_rows": sobol.dropped, "indices": indices} if indices else {}

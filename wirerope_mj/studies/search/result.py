@@ -18,7 +18,7 @@ from wirerope_mj.studies.inputs_file import read_inputs
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
 from wirerope_mj.studies.search.evolution import feasible, front, nearest, nearest_first
-from wirerope_mj.studies.vary.failure import acts
+from wirerope_mj.studies.vary.quantity import acts
 
 GENERATION = "generation"  # Column of the table: in which generation a design was first made
 _LINE = 1e-9  # Distance from the line between the front's ends that is rounding

@@ -30,8 +30,15 @@ from wirerope_mj.studies.vary.distributions import Choice, Uniform
 FEWEST = 4  # Designs of a generation below which nothing can be crossed
 
 
-class SearchDefinition:
-    """The designs among which a search chooses, and what makes one better; `Search` evolves them."""
+class Search:
+    """Designs with the least of some measures within limits, found by an evolution of many generations.
+
+    What a designer may choose varies as in a `Study`, as Uniform or Choice; the variants of this study, sampled as it says,
+    are the first generation, after designs that are given. Each later one is made by the optimiser (pymoo's NSGA-II)
+    from the best so far, and computed as variants are: by the same engines, with the same bits.
+
+    All arguments are attributes, and further `first`, the designs of the first generation by column, those of `start` first.
+    """
 
     def __init__(
         self,
@@ -62,7 +69,17 @@ class SearchDefinition:
         self.study, self.generations = study, integer("generations", generations, least=1)
         self.minimise = tuple([minimise] if isinstance(minimise, str) else minimise)
         self.limits = dict(limits or {})
-        self._check_measures()
+        known = measure_names(study.base)
+        if not self.minimise:
+            raise ValueError(f"`minimise` must name at least one measure, {kinds_of(known)}.")
+        for argument, given in (("minimise", self.minimise), ("limits", tuple(self.limits))):
+            for name in given:
+                if name not in known:
+                    raise ValueError(f"`{argument}`: {unknown_measure(name, known)}")
+        if len(set(self.minimise)) < len(self.minimise):
+            raise ValueError(f"`minimise` names a measure twice: {', '.join(self.minimise)}.")
+        for name, value in self.limits.items():
+            self.limits[name] = finite(f"limits[{name!r}]", value)
         self.variables = _variables(study)
         self.start = tuple(self._design(index, design) for index, design in enumerate(start))
         names = list(self.variables)
@@ -124,19 +141,6 @@ class SearchDefinition:
             "start": [dict(design) for design in self.start],
         }
 
-    def _check_measures(self) -> None:
-        names = measure_names(self.study.base)
-        if not self.minimise:
-            raise ValueError(f"`minimise` must name at least one measure, {kinds_of(names)}.")
-        for argument, given in (("minimise", self.minimise), ("limits", tuple(self.limits))):
-            for name in given:
-                if name not in names:
-                    raise ValueError(f"`{argument}`: {unknown_measure(name, names)}")
-        if len(set(self.minimise)) < len(self.minimise):
-            raise ValueError(f"`minimise` names a measure twice: {', '.join(self.minimise)}.")
-        for name, value in self.limits.items():
-            self.limits[name] = finite(f"limits[{name!r}]", value)
-
     def _design(self, index: int, given: Mapping[str, object]) -> Design:
         """Return a given design by column."""
         design: Design = {}
@@ -151,6 +155,51 @@ class SearchDefinition:
                 value = given.get(column.name, given.get(quantity.name))
                 design[column.name] = _checked(index, column.name, value, self.variables[column.name])
         return design
+
+    def run(
+        self, folder: str | Path, *, keep: str = "peaks", engine: str = "local", workers: int | None = None,
+        address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
+        when_done: Callable[[SearchResult], object] = lambda result: None,
+    ) -> SearchResult:  # fmt: skip
+        """Evolve all generations and return the result, which stands in `folder`; arguments are those of `Study.run`.
+
+        The folder is that of a study whose variants are the designs, no design twice. A search that was killed goes on: the
+        optimiser begins again, and is given what the finished parts hold.
+
+        Raises:
+            ValueError: an argument is out of range, or the optimiser is not installed.
+            ModelError: a design of the first generation cannot be.
+            RecordError: the folder is not that of this search.
+            SimulationError: the cluster cannot be reached, or what would replace another search is not whole.
+        """
+        folder, study = Path(folder), self.study
+        run = checked_engine(engine, workers=workers, address=address)
+        one_of("keep", keep, KEPT)
+        added = {"optimiser": check_installed(), **self.to_dict()}
+
+        def call(place: Path) -> None:
+            when_done(_loaded(place, study))
+
+        def summary() -> Entries:
+            """Return the front, SI, and its knee; percentiles of designs that an evolution has chosen mean nothing."""
+            result = _loaded(place, study)
+            names = ["variant", GENERATION, *result.shown]
+            return {
+                **head(result), "minimised": list(result.minimise), "limits": result.limits,
+                "within_limits": int(result.feasible.sum()), "front": result.front.select(names).to_pylist(),
+                "knee": result.knee,
+            }  # fmt: skip
+
+        with study_folder(study, folder, keep=keep, resume=resume, force=force, when_done=call, search=added) as place:
+            parts = 0
+            if not (place / TABLE).is_file():
+                with share_bar("search", "designs/s", total=self.generations, parts="generations", enabled=progress) as update:
+                    evolving = Evolving(self, place, keep, run, {"workers": workers, "address": address}, update)
+                    with closing(evolving):  # so that no process goes on if this one is interrupted
+                        evolving.evolve()
+                parts = evolving.parts
+            finish(place, parts, summary)
+        return _loaded(folder, study)
 
 
 def _variables(study: StudyDefinition) -> dict[str, Uniform | Choice]:
@@ -181,9 +230,7 @@ def _checked(index: int, name: str, value: object, variable: Uniform | Choice) -
 class Evolving:
     """A search that runs: `parts` counts those of the table so far, and their numbers go on through the generations."""
 
-    def __init__(
-        self, search: SearchDefinition, folder: Path, keep: str, engine: Engine, options: Entries, update: Update
-    ) -> None:
+    def __init__(self, search: Search, folder: Path, keep: str, engine: Engine, options: Entries, update: Update) -> None:
         self._search, self._folder, self._keep = search, folder, keep
         self._engine, self._options, self._update = engine, options, update
         self._known: dict[tuple[object, ...], tuple[Array, Array]] = {}
@@ -222,7 +269,12 @@ class Evolving:
         """Return the rows of new designs: of the parts that are done already, and of those that are computed now."""
         rows, size = self._search.rows(designs, len(self._known)), chunk_size(self._search.study, self._keep)
         blocks = {self.parts + n: rows.slice(first, size) for n, first in enumerate(range(0, len(designs), size))}
-        tables = {number: table for number, block in blocks.items() if (table := self._done(number, block)) is not None}
+        tables = {}
+        for number, block in blocks.items():  # parts that are done, if their designs are these
+            path = part_path(self._folder, number)
+            table = read_part(path) if path.is_file() else None
+            if table is not None and table.select(block.column_names).equals(block):
+                tables[number] = table
         missing = [
             Chunk(number=one, rows=block.to_pylist(), responses=self._keep == RESPONSES)
             for one, block in blocks.items()
@@ -258,74 +310,12 @@ class Evolving:
             self._chunks.put(None)  # a thread that waits for a chunk sees that there are no more
             self._results.close()
 
-    def _done(self, number: int, rows: pa.Table) -> pa.Table | None:
-        """Return a part that is done, if its designs are these: those after a process's death may be others."""
-        path = part_path(self._folder, number)
-        table = read_part(path) if path.is_file() else None
-        return table if table is not None and table.select(rows.column_names).equals(rows) else None
-
     def _report(self, generations: float) -> None:
         rate = self._computed / (perf_counter() - self._began)
         self._update(generations / self._search.generations, rate)
-
-
-class Search(SearchDefinition):
-    """Designs with the least of some measures within limits, found by an evolution of many generations.
-
-    What a designer may choose varies as in a `Study`, as Uniform or Choice; the variants of this study, sampled as it says,
-    are the first generation, after designs that are given. Each later one is made by the optimiser (pymoo's NSGA-II)
-    from the best so far, and computed as variants are: by the same engines, with the same bits.
-
-    All arguments are attributes, and further `first`, the designs of the first generation by column, those of `start` first.
-    """
-
-    def run(
-        self, folder: str | Path, *, keep: str = "peaks", engine: str = "local", workers: int | None = None,
-        address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
-        when_done: Callable[[SearchResult], object] = lambda result: None,
-    ) -> SearchResult:  # fmt: skip
-        """Evolve all generations and return the result, which stands in `folder`; arguments are those of `Study.run`.
-
-        The folder is that of a study whose variants are the designs, no design twice. A search that was killed goes on: the
-        optimiser begins again, and is given what the finished parts hold.
-
-        Raises:
-            ValueError: an argument is out of range, or the optimiser is not installed.
-            ModelError: a design of the first generation cannot be.
-            RecordError: the folder is not that of this search.
-            SimulationError: the cluster cannot be reached, or what would replace another search is not whole.
-        """
-        folder, study = Path(folder), self.study
-        run = checked_engine(engine, workers=workers, address=address)
-        one_of("keep", keep, KEPT)
-        added = {"optimiser": check_installed(), **self.to_dict()}
-
-        def call(place: Path) -> None:
-            when_done(_loaded(place, study))
-
-        with study_folder(study, folder, keep=keep, resume=resume, force=force, when_done=call, search=added) as place:
-            parts = 0
-            if not (place / TABLE).is_file():
-                with share_bar("search", "designs/s", total=self.generations, parts="generations", enabled=progress) as update:
-                    evolving = Evolving(self, place, keep, run, {"workers": workers, "address": address}, update)
-                    with closing(evolving):  # so that no process goes on if this one is interrupted
-                        evolving.evolve()
-                parts = evolving.parts
-            finish(place, parts, lambda: _summary(_loaded(place, study)))
-        return _loaded(folder, study)
 
 
 def _loaded(folder: Path, study: StudyDefinition) -> SearchResult:
     result = read_result(folder, type(study))
     assert isinstance(result, SearchResult)
     return result
-
-
-def _summary(result: SearchResult) -> Entries:
-    """Return the front of a search, SI, and its knee; percentiles of designs that an evolution has chosen mean nothing."""
-    names = ["variant", GENERATION, *result.shown]
-    return {
-        **head(result), "minimised": list(result.minimise), "limits": result.limits,
-        "within_limits": int(result.feasible.sum()), "front": result.front.select(names).to_pylist(),
-        "knee": result.knee,
-    }  # fmt: skip

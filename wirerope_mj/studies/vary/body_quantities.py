@@ -1,6 +1,5 @@
 """Masses, centres of mass, and natural frequencies of joints with springs that vary."""
 
-import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -42,7 +41,6 @@ class Mass(BodyColumn, Positive):
     """Mass [kg] of bodies, with their moments of inertia."""
 
     form = "body/NAME/mass"
-    pattern = re.compile(r"body/(.*)/mass")
     model_unit = "kg"
     into = "masses"
 
@@ -54,7 +52,6 @@ class CentreShift(BodyColumn, Shift):
     """Shift [m] of the centre of mass along an axis of the world."""
 
     form = "body/NAME/centre_shift/x"
-    pattern = re.compile(r"body/(.*)/centre_shift/([^/]*)")
     into = "centre_shifts"
 
     def nominal_of(self, system: System, target: str) -> float:
@@ -68,7 +65,6 @@ class Centre(BodyColumn):
     """Position [m] of the centre of mass along an axis of the body, from the body's origin; its key is the axis."""
 
     form = "body/NAME/centre/x"
-    pattern = re.compile(r"body/(.*)/centre/([^/]*)")
     model_unit = "m"
     bounds = "finite"
 
@@ -150,7 +146,6 @@ class Tuning(Positive):
     """Natural frequency [Hz] that a joint's spring gives what stands on it alone; its damping ratio stays."""
 
     form = "joint/NAME/frequency"
-    pattern = re.compile(r"joint/(.*)/frequency")
     model_unit = "Hz"
     noun = "joint with a spring"
     into = "tunings"

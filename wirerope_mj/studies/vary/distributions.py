@@ -58,7 +58,6 @@ class Normal:
 
     @property
     def _ends(self) -> tuple[float, float]:
-        """The bounds in standard deviations from the mean."""
         low = -math.inf if self.low is None else (self.low - self.mean) / self.deviation
         return low, math.inf if self.high is None else (self.high - self.mean) / self.deviation
 
@@ -188,7 +187,6 @@ Distribution = Normal | Uniform | Isotropic | Choice | Specimens
 
 
 def distribution_to_dict(distribution: Distribution) -> Entries:
-    """Return a distribution as plain TOML values."""
     values = {key: list(value) if isinstance(value, tuple) else value for key, value in vars(distribution).items()}
     return {"kind": type(distribution).__name__, **{key: v for key, v in values.items() if v is not None}}
 

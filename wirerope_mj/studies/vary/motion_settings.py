@@ -1,7 +1,6 @@
 """The base motion's level, direction and record that vary."""
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -26,12 +25,10 @@ class MotionSettings:
 
     @classmethod
     def of(cls, columns: Sequence[InputColumn], row: Entries) -> "MotionSettings":
-        """Return the settings of a row of inputs, or of columns of them."""
         return cls(**{column.into: row[column.name] for column in columns if isinstance(column, MotionColumn)})
 
     @property
     def turns(self) -> bool:
-        """True if the direction varies."""
         return self.azimuth is not None or self.elevation is not None
 
     def motion(self, motions: Sequence[BaseMotion]) -> BaseMotion:
@@ -69,7 +66,6 @@ class MotionColumn(InputColumn):
 
     @classmethod
     def suits(cls, entry: Entry) -> bool:
-        """Return whether the distribution is of numbers that the setting takes."""
         return not isinstance(entry.distribution, Choice) or entry.chooses_among(int, float)
 
 
@@ -77,7 +73,6 @@ class Level(MotionColumn):
     """Factor on the motion."""
 
     form = "motion/level"
-    pattern = re.compile(form)
     into = "level"
     acts = "factor"
 
@@ -92,7 +87,6 @@ class Azimuth(MotionColumn):
     """Direction [deg] of the motion from x towards y."""
 
     form = "motion/azimuth"
-    pattern = re.compile(form)
     into = "azimuth"
     model_unit = "°"
 
@@ -109,7 +103,6 @@ class Elevation(Azimuth):
     """Direction [deg] of the motion above the plane of x and y."""
 
     form = "motion/elevation"
-    pattern = re.compile(form)
     into = "elevation"
 
     def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
@@ -121,7 +114,6 @@ class Record(MotionColumn):
     """Index of the motion among several."""
 
     form = "motion/record"
-    pattern = re.compile(form)
     into = "record"
     acts = "index"
     type = pa.int64()

@@ -15,8 +15,7 @@ from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws.parallel import part_of
 from wirerope_mj.mounts.vendor_parts import catalogue, load_isolator
 from wirerope_mj.studies.vary.distributions import Choice, Distribution, Specimens
-from wirerope_mj.studies.vary.failure import without_force
-from wirerope_mj.studies.vary.quantity import WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor
+from wirerope_mj.studies.vary.quantity import WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor, without_force
 
 
 class MountColumn(InputColumn):
@@ -149,7 +148,6 @@ class Spread(LawParameter):
     """Parameters that scatter together from specimen to specimen; each is a column of `LawParameter`."""
 
     form = "mount/NAME/spread"
-    pattern = re.compile(r"mount/(.*)/spread")
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
@@ -181,7 +179,6 @@ class OtherIsolator(MountColumn):
     """Isolators in place of the model's, by the names of their files."""
 
     form = "mount/NAME/isolator"
-    pattern = re.compile(r"mount/(.*)/isolator")
     acts = "choice"
     type = pa.string()
 
@@ -219,7 +216,6 @@ class PositionShift(MountColumn, Shift):
     """Shift [m] of a mount along an axis of the world."""
 
     form = "mount/NAME/position_shift/x"
-    pattern = re.compile(r"mount/(.*)/position_shift/([^/]*)")
     places_mounts = True
     into = "position_shifts"
 
@@ -231,7 +227,6 @@ class Turn(MountColumn, Shift):
     """Angle [°] by which a mount's axes turn about an axis of the world; the model's, which are turned, have no one angle."""
 
     form = "mount/NAME/turn/x"
-    pattern = re.compile(r"mount/(.*)/turn/([^/]*)")
     model_unit = "°"
     places_mounts = True
     into = "turns"
@@ -241,7 +236,6 @@ class Fitted(MountColumn):
     """Presence of mounts."""
 
     form = "mount/NAME/fitted"
-    pattern = re.compile(r"mount/(.*)/fitted")
     acts = "choice"
     type = pa.bool_()
     places_mounts = True
@@ -272,7 +266,6 @@ class Failed(Fitted):
     """Failure of mounts: each may fail, or one of several does."""
 
     form = "mount/NAME/failed"
-    pattern = re.compile(r"mount/(.*)/failed")
     places_mounts = False
 
     @classmethod

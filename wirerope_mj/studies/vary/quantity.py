@@ -44,7 +44,6 @@ class Draft:
 
     @property
     def gone(self) -> list[str]:
-        """The mounts that failed or are absent."""
         return sorted(self.failed | self.absent)
 
 
@@ -79,7 +78,8 @@ class InputColumn:
     """One sampled number, its column in the table, and what it acts on."""
 
     form: ClassVar[str]  # the name as it is written, with NAME for mounts or bodies
-    pattern: ClassVar[re.Pattern[str]]  # of such names; its first group is NAME, the others are the key
+    #: of such names, that of the form unless a class says otherwise; its first group is NAME, the others are the key
+    pattern: ClassVar[re.Pattern[str]]
     acts: ClassVar[Literal["value", "shift", "factor", "index", "choice"]] = "value"  # how the numbers do
     model_unit: ClassVar[str] = ""  # of what the model says: "SI" as the law states
     type: ClassVar[pa.DataType] = pa.float64()  # of the numbers in the table
@@ -92,6 +92,10 @@ class InputColumn:
     targets: tuple[str, ...] = ()  # mounts or bodies
     key: tuple[str, ...] = ()  # axis and parameter, for instance
     relative: bool = False  # whether the numbers are factors on what the model says
+
+    def __init_subclass__(cls) -> None:
+        if "form" in vars(cls) and "pattern" not in vars(cls):
+            cls.pattern = re.compile(re.sub("/x$", "/([^/]*)", cls.form).replace("NAME", "(.*)"))
 
     @property
     def parts(self) -> "tuple[InputColumn, ...]":
@@ -268,8 +272,19 @@ class Shift(InputColumn):
         ]
 
     def remedy(self, system: System) -> str:
-        """Return how positions are given."""
         return "take the model's position off them"
+
+
+def acts(isolator: Isolator) -> bool:
+    return any(law is not None and law != law.faint() for law in isolator.axes.values())
+
+
+def without_force(isolator: Isolator) -> Isolator:
+    """Return the isolator after its failure; its equations keep their structure where its laws keep their kinds."""
+    acting = isolator.conditioned
+    laws = {axis: law.faint() for axis, law in acting.axes.items() if law is not None}
+    loop = None if acting.loop is None else acting.loop.scaled(0.0)
+    return replace(isolator, loop=loop, rotation=None, stiffening=None, bracket=None, **laws)  # type: ignore[arg-type]
 
 
 def parts_of(pattern: str, existing: Collection[str]) -> list[str]:

@@ -1,7 +1,11 @@
-"""The inputs of all variants: numbers between 0 and 1, made into values by the quantities' distributions."""
+"""The inputs of all variants: numbers between 0 and 1, made into values by the quantities' distributions.
+
+And how well the scatter of a few specimens is known.
+"""
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +15,7 @@ import scipy
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import AnyArray, Array
 from wirerope_mj.foundation.budget import require_memory
-from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator import Isolator, Spread
 from wirerope_mj.studies.vary.distributions import LARGEST, SMALLEST, Choice, Specimens, Uniform
 from wirerope_mj.studies.vary.quantity import Quantity
 
@@ -41,8 +45,18 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
         _require_memory(variants, len(columns))
         if sampling == OF_INDICES:
             points = saltelli_points(list(factors(quantities).values()), variants, seed)
-        else:
-            points = _points(sampling, variants, len(columns), seed)
+        elif sampling == "random":
+            points = np.random.default_rng(seed).random((variants, len(columns)))
+        elif sampling == "latin-hypercube":
+            points = scipy.stats.qmc.LatinHypercube(len(columns), rng=np.random.default_rng(seed)).random(variants)
+        elif len(columns) > (most := scipy.stats.qmc.Sobol.MAXDIM):
+            raise ValueError(
+                f"Sobol's sequence has {most} dimensions, and {len(columns)} numbers vary; use `sampling` "
+                '"latin-hypercube" or "random".'
+            )
+        else:  # balanced in powers of two; every shorter series is the beginning of them
+            sequence = scipy.stats.qmc.Sobol(len(columns), scramble=True, rng=np.random.default_rng(seed))
+            points = sequence.random_base2(max(variants - 1, 0).bit_length())[:variants]
         ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
         blocks = zip(quantities, np.split(points, ends, axis=1), strict=True)
         values = [column for quantity, own in blocks for column in values_at(quantity, own)]
@@ -58,23 +72,6 @@ def _require_memory(variants: int, columns: int) -> None:
         float(min(variants, 10**300)) * (columns + 1) * _OF_A_NUMBER,
         "Compute fewer `variants`: a probability of exceedance p is known to sqrt(p / variants).",
     )
-
-
-def _points(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
-    """Return numbers from 0 to 1, (variants, dimensions)."""
-    generator = np.random.default_rng(seed)
-    if sampling == "random":
-        return generator.random((variants, dimensions))
-    if sampling == "latin-hypercube":
-        return np.asarray(scipy.stats.qmc.LatinHypercube(dimensions, rng=generator).random(variants))
-    if dimensions > scipy.stats.qmc.Sobol.MAXDIM:
-        raise ValueError(
-            f"Sobol's sequence has {scipy.stats.qmc.Sobol.MAXDIM} dimensions, and {dimensions} numbers vary; use `sampling` "
-            '"latin-hypercube" or "random".'
-        )
-    # Sobol points are balanced in powers of two, and every shorter series is the beginning of them.
-    points = scipy.stats.qmc.Sobol(dimensions, scramble=True, rng=generator).random_base2(max(variants - 1, 0).bit_length())
-    return np.asarray(points[:variants])
 
 
 def values_at(quantity: Quantity, points: Array) -> list[AnyArray]:
@@ -201,3 +198,95 @@ def saltelli_points(groups: Sequence[Sequence[int]], variants: int, seed: int) -
     for number, group in enumerate(groups, start=2):
         rows_of[:, number, group] = b[:, group]
     return rows_of.reshape(variants, columns)
+
+
+_UNTESTED = ("catalogue", "estimated")  # kinds of isolators whose scatter is no specimens'
+
+
+def rank(spread: Spread) -> int:
+    """Return in how many independent directions the parameters scatter; of n specimens that is n - 1 at most."""
+    covariance = np.array(spread.covariance)
+    sizes = np.sqrt(np.diag(covariance))
+    kept = sizes > 0.0
+    values = np.linalg.eigvalsh(covariance[np.ix_(kept, kept)] / np.outer(sizes[kept], sizes[kept]))
+    return int((values > RANK * values.max(initial=0.0)).sum())
+
+
+def known_specimens(spread: Spread) -> int | None:
+    """Return of how many specimens the covariance is; None if of full rank, so of any number above that, or calibrated."""
+    directions = rank(spread)
+    return directions + 1 if directions < len(spread.parameters) and not spread.calibrated else None
+
+
+def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float, float]:
+    """Return by which factors the true standard deviation may differ from that of some specimens, lower and upper bound.
+
+    (n - 1) s^2 / sigma^2 of n normal specimens is chi-squared with n - 1 degrees of freedom.
+    """
+    specimens = integer("specimens", specimens, least=2)
+    tail = (1.0 - confidence) / 2.0
+    low, high = scipy.stats.chi2.ppf([tail, 1.0 - tail], specimens - 1)
+    return math.sqrt((specimens - 1) / high), math.sqrt((specimens - 1) / low)
+
+
+def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
+    """Return for every isolator whose specimens vary how well their scatter is known at all."""
+    isolators = {
+        one.name: one for quantity in quantities if isinstance(quantity.distribution, Specimens) for one in quantity.isolators
+    }
+    texts = []
+    for name, isolator in isolators.items():
+        spread, kind = isolator.spread, isolator.provenance.kind
+        if spread is None:
+            continue
+        if spread.calibrated:
+            texts.append(
+                f"Specimens of {name}: drawn from what its calibration leaves open; specimens of one make scatter besides."
+            )
+        elif kind in _UNTESTED:
+            texts.append(
+                f"Specimens of {name} ({kind}): none were tested; they are drawn from the scatter that its file assumes."
+            )
+        elif (specimens := known_specimens(spread) or 0) >= 2:
+            low, high = deviation_bounds(specimens)
+            texts.append(
+                f"Specimens of {name}: {len(spread.parameters)} parameters scatter along {specimens - 1} directions, so they "
+                f"come from {specimens} specimens: the true standard deviations are {low:.2g} to {high:.2g} times those (95 % "
+                "confidence), and percentiles are no better known; `redrawn` shows what as many others might have given."
+            )
+    return texts
+
+
+def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> Isolator:
+    """Return the isolator that as many other specimens of the same make might have given.
+
+    They are sampled from the isolator's own spread; their mean and covariance replace parameters and spread. Studies with
+    several seeds show how far a result hangs on the specimens that happened to be tested (a parametric bootstrap).
+
+    Args:
+        isolator: with a [spread].
+        seed: of the sample.
+        specimens: how many were tested, >= 2; None if fewer than there are parameters, which the covariance then shows.
+
+    Raises:
+        ValueError: the isolator has no spread, or an argument is out of range, or a parameter leaves its law's range.
+    """
+    if isolator.spread is None:
+        raise ValueError(f"isolator {isolator.name!r} has no [spread].")
+    if specimens is None:
+        specimens = known_specimens(isolator.spread)
+        if specimens is None:
+            raise ValueError(f"`specimens` must be given: the [spread] of {isolator.name!r} does not say how many there were.")
+    specimens = integer("specimens", specimens, least=2)
+    normals = np.random.default_rng(seed).standard_normal((specimens, len(isolator.spread.parameters)))
+    values = sampled(isolator, normals)
+    laws: dict[str, dict[str, float]] = {}
+    for name, value in zip(isolator.spread.parameters, values.mean(axis=0), strict=True):
+        axis, _, key = name.partition(".")
+        laws.setdefault(axis, {})[key] = float(value)
+    covariance = np.atleast_2d(np.cov(values, rowvar=False))
+    return replace(
+        isolator,
+        spread=replace(isolator.spread, covariance=tuple(tuple(float(one) for one in row) for row in covariance)),
+        **{axis: replace(law, **law.completed(laws[axis])) for axis, law in isolator.axes.items() if law and axis in laws},  # type: ignore[arg-type]
+    )

@@ -15,10 +15,9 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Limits
-from wirerope_mj.studies.vary.failure import without_force
 from wirerope_mj.studies.vary.motion_settings import MotionSettings
 from wirerope_mj.studies.vary.mount_quantities import MOUNT_FACTORS
-from wirerope_mj.studies.vary.quantity import WHOLE, Draft, InputColumn
+from wirerope_mj.studies.vary.quantity import WHOLE, Draft, InputColumn, without_force
 
 Row = Entries
 
@@ -62,23 +61,19 @@ class Maker:
         return self._made[key]
 
     def motion(self, row: Row) -> BaseMotion:
-        """Return the base motion of a variant."""
         settings = MotionSettings.of(self._of_motion, row)
         if settings not in self._made:
             self._made[settings] = settings.motion(self._motions)
         return self._made[settings]
 
     def changes(self, row: Row) -> Changes:
-        """Return the changes that make a variant's system of the base system."""
         draft = self.draft(row)
         return self.moves(draft, self.isolators(draft, [*draft.isolators, *draft.parameters, *draft.gone]))
 
     def isolators(self, draft: Draft, mounts: Iterable[str]) -> dict[str, Isolator]:
-        """Return the isolators of some mounts of a variant."""
         return {mount: self._isolator(mount, draft) for mount in mounts}
 
     def draft(self, row: Row) -> Draft:
-        """Return what the columns say of a variant's system."""
         draft = Draft(system=self._system)
         for column in self._of_system:
             column.apply(draft, row[column.name])
@@ -93,7 +88,11 @@ class Maker:
         for mount, other in draft.isolators.items():
             if any(rise := self._system.mounts[mount].shift_for(other) or ()):
                 positions[mount] = np.add(rise, positions.get(mount, 0.0)).tolist()
-        moved = draft.centre_shifts | {body: self._shift_to(body, centre) for body, centre in draft.centres.items()}
+        moved = dict(draft.centre_shifts)
+        for body, centre in draft.centres.items():
+            if body not in self._axes:
+                self._axes[body] = body_axes(self._system, body)
+            moved[body] = (self._axes[body] @ (centre - centre_of_mass(self._system, body))).tolist()
         return Changes(
             isolators=isolators, masses=draft.masses, centres=moved, positions=positions,  # type: ignore[arg-type]
             turns={mount: np.radians(turn) for mount, turn in draft.turns.items()},  # type: ignore[misc]
@@ -101,15 +100,8 @@ class Maker:
         )  # fmt: skip
 
     def forget(self) -> None:
-        """Forget the variants that were made, so that memory is bounded."""
         self._made.clear()
         self._isolators.clear()
-
-    def _shift_to(self, body: str, centre: Array) -> list[float]:
-        """Return the shift along the world's axes that brings a centre of mass to `centre` in the body's [m]."""
-        if body not in self._axes:
-            self._axes[body] = body_axes(self._system, body)
-        return [float(one) for one in self._axes[body] @ (centre - centre_of_mass(self._system, body))]
 
     def _isolator(self, mount: str, draft: Draft) -> Isolator:
         base = draft.isolators.get(mount) or self._system.mounts[mount].written
@@ -191,14 +183,10 @@ def check_variants(
         maker.system(inputs.slice(index, 1).to_pylist()[0])
 
 
-def _certainly_valid(draft: Draft, columns: Sequence[InputColumn], block: pa.Table) -> bool:
-    return all(column.certainly_valid(draft, block[column.name].to_numpy()) for column in columns)
-
-
 def systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Table) -> bool:
     """Return whether all systems are certainly valid; False says nothing."""
     draft = Draft(system=system)
-    if not _certainly_valid(draft, [column for column in columns if column.targets], block):
+    if not all(column.certainly_valid(draft, block[column.name].to_numpy()) for column in columns if column.targets):
         return False
     laws: dict[tuple[str, str], Entries] = {}
     for mount, parameters in draft.parameters.items():
@@ -219,9 +207,9 @@ def _law_valid(system: System, mount: str, axis: str, parameters: Entries) -> bo
 
 def _motions_valid(system: System, columns: Sequence[InputColumn], block: pa.Table, check: Check) -> bool:
     """Return whether all base motions are certainly valid, one of each record among them checked; False says nothing."""
-    if not _certainly_valid(Draft(system=system), [column for column in columns if not column.targets], block):
+    values, draft = {column.name: block[column.name].to_numpy() for column in columns}, Draft(system=system)
+    if not all(column.certainly_valid(draft, values[column.name]) for column in columns if not column.targets):
         return False
-    values = {column.name: block[column.name].to_numpy() for column in columns}
     records = np.broadcast_to(MotionSettings.of(columns, values).record, block.num_rows)
     _, firsts = np.unique(records, return_index=True)
     try:

@@ -50,9 +50,21 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines.append(f"  mount/NAME/position_shift/AXIS  shift [m] along the world's {_AXES}")
         lines.append(f"  mount/NAME/turn/AXIS  angle [°] by which it leans about the world's {_AXES}")
         lines.append("  several: mount/m01,m05,-m04/position_shift/x, those behind a minus moving the other way")
-    lines += [*_bodies(system), *_springs(system)]
+    if bodies := bodies_of(system):
+        lines.append("bodies, with the model's mass and centre of mass from the body's origin:")
+        for body in bodies:
+            centre = ", ".join(f"{0.0 if abs(value) < 1e-9 else value:.4g}" for value in centre_of_mass(system, body))
+            lines.append(f"  {body}: {float(system.model.body(body).mass[0]):.4g} kg, centre ({centre}) m")
+        lines += ["  body/NAME/mass  value [kg] or factor", f"  body/NAME/centre/AXIS  value [m] along the body's {_AXES}"]
+        lines.append(f"  body/NAME/centre_shift/AXIS  shift [m] along the world's {_AXES}")
+    if joints := sprung_joints(system.model):
+        lines.append("joints with springs, with the natural frequency of each alone:")
+        lines += [f"  {name}: {frequency:.4g} Hz" for name, frequency in joints.items()]
+        lines.append("  joint/NAME/frequency  value [Hz] or factor")
     lines += [f"motion {motion.description}:", "  motion/level  factor"]
-    lines += ["  motion/azimuth, motion/elevation  values [deg]"] if _can_turn(system, motion) else []
+    one_line = np.linalg.matrix_rank(motion.directions, tol=1e-9) == 1  # 1e-9: rounding of unit vectors
+    if one_line and np.linalg.matrix_rank(system.assembly.tables.drive) == len(WORLD):  # the base is driven along all axes
+        lines.append("  motion/azimuth, motion/elevation  values [deg]")
     return lines
 
 
@@ -63,31 +75,6 @@ def _law_line(name: str, law: Law) -> str:
     return f"  mount/NAME/{name}  value [SI] or factor; {law.name}: {values}"
 
 
-def _bodies(system: System) -> list[str]:
-    """Return the lines of the bodies that can vary, with the model's masses and centres of mass."""
-    bodies = bodies_of(system)
-    if not bodies:
-        return []
-    lines = ["bodies, with the model's mass and centre of mass from the body's origin:"]
-    for body in bodies:
-        centre = ", ".join(f"{0.0 if abs(value) < 1e-9 else value:.4g}" for value in centre_of_mass(system, body))
-        lines.append(f"  {body}: {float(system.model.body(body).mass[0]):.4g} kg, centre ({centre}) m")
-    return [
-        *lines, "  body/NAME/mass  value [kg] or factor", f"  body/NAME/centre/AXIS  value [m] along the body's {_AXES}",
-        f"  body/NAME/centre_shift/AXIS  shift [m] along the world's {_AXES}",
-    ]  # fmt: skip
-
-
-def _springs(system: System) -> list[str]:
-    """Return the lines of the joints with springs, and the natural frequency that each gives alone."""
-    joints = sprung_joints(system.model)
-    if not joints:
-        return []
-    lines = [f"  {name}: {frequency:.4g} Hz" for name, frequency in joints.items()]
-    heading = "joints with springs, with the natural frequency of each alone:"
-    return [heading, *lines, "  joint/NAME/frequency  value [Hz] or factor"]
-
-
 def _identical(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:
     """Yield the mounts that have the same laws, and these."""
     groups: dict[tuple[Law | None, ...], list[str]] = {}
@@ -96,12 +83,6 @@ def _identical(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:
     for names in groups.values():
         axes = system.mounts[names[0]].written.axes
         yield names, {axis: law for axis, law in axes.items() if law is not None}
-
-
-def _can_turn(system: System, motion: BaseMotion) -> bool:
-    """Return whether the motion is along one line, and the base can be driven along all axes."""
-    one_line = np.linalg.matrix_rank(motion.directions, tol=1e-9) == 1  # 1e-9: rounding of unit vectors
-    return bool(one_line and np.linalg.matrix_rank(system.assembly.tables.drive) == len(WORLD))
 
 
 def _text(value: object) -> str:
@@ -134,7 +115,6 @@ def read_vary(texts: Sequence[str]) -> dict[str, Distribution]:
 
 
 def signatures() -> list[str]:
-    """Return how each distribution is written."""
     return [_signature(kind) for kind in _KINDS]
 
 
@@ -158,11 +138,9 @@ def _distribution(name: str, text: str) -> Distribution:
                 named[_flag(name, kind, one.id)] = True
             else:
                 positional.append(_value(name, one))
-        named |= {one.arg or "**": _keyword(name, one) for one in call.keywords}
-    return _made(name, kind, positional, named)
-
-
-def _made(name: str, kind: str, positional: Sequence[object], named: Entries) -> Distribution:
+        for keyword in call.keywords:  # a group may stand without quotes, since it is always a string
+            bare = keyword.arg == _GROUP and isinstance(keyword.value, ast.Name)
+            named[keyword.arg or "**"] = ast.unparse(keyword.value) if bare else _value(name, keyword.value)
     for flag in _flags(kind):
         if not isinstance(named.get(flag, False), bool):
             raise ValueError(f"{name!r}: `{flag}` must be True or False, got {quoted(named[flag])}.")
@@ -187,16 +165,8 @@ def _flag(name: str, kind: str, flag: str) -> str:
 
 
 def _flags(kind: str) -> list[str]:
-    """Return the arguments that are true or false."""
     parameters = inspect.signature(_KINDS[kind]).parameters
     return [name for name, parameter in parameters.items() if isinstance(parameter.default, bool)]
-
-
-def _keyword(name: str, keyword: ast.keyword) -> object:
-    """Return the value of a keyword argument; a group may stand without quotes, since it is always a string."""
-    if keyword.arg == _GROUP and isinstance(keyword.value, ast.Name):
-        return keyword.value.id
-    return _value(name, keyword.value)
 
 
 def _value(name: str, node: ast.expr) -> object:
