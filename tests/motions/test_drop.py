@@ -9,7 +9,7 @@ from house import sdof
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.motions.spoken import motion_from_phrase
+from wirerope_mj.motions.registry import motion_from_phrase
 from wirerope_mj.runs.job_file import load_job
 
 G = wr.STANDARD_GRAVITY

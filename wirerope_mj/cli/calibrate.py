@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Flag, Repeated, RepeatedPaths, Texts
+from wirerope_mj.cli.options import Force, Repeated, RepeatedPaths, Texts
 from wirerope_mj.cli.tables import say_where
 from wirerope_mj.content.calibration import calibration_content
 from wirerope_mj.engine.simulation.simulate import duration_of
@@ -51,7 +51,7 @@ def calibrate(
     residuals: Literal["time", "srs", "spectrum"] = "time",
     draws: int = 1000,
     seed: int = 1,
-    force: Flag = False,
+    force: Force = False,
 ) -> int:
     """Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model.
 
@@ -83,7 +83,6 @@ def calibrate(
             spectra.
         draws: of the posterior.
         seed: of design and sampler.
-        force: replace a calibration that is there.
     """
     kept = tests_of(Path(model)) if is_run(model) and not (test or frequency_response or loops) else ()
     if not (test or frequency_response or loops or kept):

@@ -6,10 +6,10 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.options import Flag, Repeated
+from wirerope_mj.cli.options import Flag, Force, Model, Repeated
 
 
-def share(folder: Path, out: Path, *, force: Flag = False) -> int:
+def share(folder: Path, out: Path, *, force: Force = False) -> int:
     """Write report, recording and viewer of a run as one folder that any web server shows.
 
     Instants of events and verdicts in the report open the timeline where they are. Nothing needs the network at view time.
@@ -17,7 +17,6 @@ def share(folder: Path, out: Path, *, force: Flag = False) -> int:
     Args:
         folder: folder of a run.
         out: folder to write.
-        force: replace a shared folder that is there.
     """
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.runs.report import share_run
@@ -32,7 +31,7 @@ def share(folder: Path, out: Path, *, force: Flag = False) -> int:
 def export(
     folder: Path, out: Path, *, channels: Repeated = None,
     at: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None, spectrum: str | None = None, q: float = 10.0,
-    force: Flag = False,
+    force: Force = False,
 ) -> int:  # fmt: skip
     """Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture.
 
@@ -51,7 +50,6 @@ def export(
             reach a tenth of the run's sample rate, those of a base that moves by a formula 1 kHz, as in the report; up to where
             the samples hold them within 1 % is printed.
         q: amplification of the spectra's oscillators at resonance.
-        force: replace a file that is there.
     """
     from wirerope_mj.content.run_spectra import fine_base, held_text
     from wirerope_mj.engine.response import load_response
@@ -96,8 +94,8 @@ def export(
 
 
 def fmu(
-    model: str, out: Path, *, timestep: float | None = None, initial: Literal["settled", "relaxed", "unloaded"] = "settled",
-    every: Flag = False, force: Flag = False,
+    model: Model, out: Path, *, timestep: float | None = None, initial: Literal["settled", "relaxed", "unloaded"] = "settled",
+    every: Flag = False, force: Force = False,
 ) -> int:  # fmt: skip
     """Write a model as a co-simulation unit of FMI 3, which other programs run as a part of theirs.
 
@@ -105,12 +103,10 @@ def fmu(
     are positions, accelerations, deflections and forces. The unit runs in a Python that has this package.
 
     Args:
-        model: path of an MJCF file with mounts, or the name of one that ships with the package.
         out: file to write, ending in .fmu.
         timestep: largest step between two instants [s]; without it a tenth of the largest stable one.
         initial: how it begins.
         every: give out velocities, orientations and internal states, too.
-        force: replace a file that is there.
     """
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.plain_text import plain

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from wirerope_mj.cli.options import Flag
+from wirerope_mj.cli.options import Flag, Force
 
 
 def flexible(
     files: list[Path], *, units: str, out: Path, points: Path | None = None, mass_kg: float | None = None, damping: float = 2.0,
     highest_hz: float | None = None, residual: Flag = False,
-    force: Flag = False,
+    force: Force = False,
 ) -> int:  # fmt: skip
     """Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.
 
@@ -34,7 +34,6 @@ def flexible(
         damping: damping ratio of modes without one [%].
         highest_hz: leave out modes above this frequency, which ask for small steps.
         residual: keep the static compliance of the modes that are left out, as a few residual vectors.
-        force: replace a part that is there.
     """
     from wirerope_mj.content.flexible import flexible_content
     from wirerope_mj.engine.flexible import import_part, save_flexible

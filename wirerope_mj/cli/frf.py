@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Flag, Numbers, dated
+from wirerope_mj.cli.options import Deck, Force, Model, Numbers, dated
 from wirerope_mj.cli.tables import say_where
 from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
@@ -24,7 +24,7 @@ DEFAULT = 1.0  # Level where none is said [m/s^2]: a tenth of a g, as a resonanc
 
 
 def frf(
-    model: str,
+    model: Model,
     *,
     acceleration: Numbers = None,
     acceleration_g: Numbers = None,
@@ -44,7 +44,7 @@ def frf(
     deck: Deck = None,
     keep: Path | None = None,
     out: Path | None = None,
-    force: Flag = False,
+    force: Force = False,
 ) -> int:
     """Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.
 
@@ -53,7 +53,6 @@ def frf(
     resonance. A branch that ends before the end of the range exits 1.
 
     Args:
-        model: path of an MJCF model with mounts, or the name of one that ships with the package.
         acceleration: levels of the base's acceleration [m/s^2], one or several; 1 by default.
         acceleration_g: the same in g.
         method: follow periodic motions, sweep up and down, or both beside each other.
@@ -71,7 +70,6 @@ def frf(
         speed_rpm: its speed [1/min], or the lowest and the highest.
         keep: folder that keeps the points as they are found: the same command resumes there after it was interrupted.
         out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
-        force: replace a frequency response that is there.
     """
     if (orders is None) != (speed_rpm is None):
         raise ValueError("`--orders` and `--speed-rpm` belong together: give both.")

@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Flag, Numbers, dated
+from wirerope_mj.cli.options import Deck, Force, Model, Numbers, dated
 
 
 def modes(
-    model: str, *, history: Literal["virgin", "relaxed"] = "virgin", amplitude_mm: Numbers = None,
+    model: Model, *, history: Literal["virgin", "relaxed"] = "virgin", amplitude_mm: Numbers = None,
     ddam: Literal["hull", "deck", "shell"] | None = None, ship: Literal["surface", "submarine"] = "surface", deck: Deck = None,
-    out: Path | None = None, force: Flag = False,
+    out: Path | None = None, force: Force = False,
 ) -> int:  # fmt: skip
     """Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.
 
@@ -18,14 +18,12 @@ def modes(
     which the model moves in one mode shape after the other.
 
     Args:
-        model: path of an MJCF file with mounts, or the name of one that ships with the package.
         history: virgin, after the weight was laid on slowly, or relaxed, after long vibration.
         amplitude_mm: amplitudes of the mount that moves most [mm], one or several.
         ddam: print the design accelerations of DDAM for equipment on a ship's hull, deck or shell, too: x fore and aft, y
             athwartship, z vertical.
         ship: for which ship.
         out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
-        force: replace what is there.
     """
     from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.modes import modes_content

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 from typing import Any, Literal
 
-from wirerope_mj.cli.options import Deck, Flag
+from wirerope_mj.cli.options import Deck, Flag, Force
 
 
 def new(
@@ -22,7 +22,7 @@ def new(
     deck: Deck = None,
     products: Literal["tensor", "positive"] | None = None,
     pdf: Flag = False,
-    force: Flag = False,
+    force: Force = False,
 ) -> int:
     """Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.
 
@@ -48,7 +48,6 @@ def new(
         products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm); by default as a text
             of SolidWorks says it, of a table tensor.
         pdf: write the plan as PDF, too.
-        force: replace the model's folder that is there.
     """
     from wirerope_mj.cli.statics import MISSING, statics
     from wirerope_mj.engine.flexible import deck_of
@@ -85,7 +84,7 @@ def new(
 
 def levels(
     name: str | None = None, *, sds: float | None = None, z_h: float | None = None, ag: float | None = None,
-    ground: Literal["A", "B", "C", "D", "E"] | None = None, out: Path | None = None, force: Flag = False,
+    ground: Literal["A", "B", "C", "D", "E"] | None = None, out: Path | None = None, force: Force = False,
 ) -> int:  # fmt: skip
     """List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.
 
@@ -101,7 +100,6 @@ def levels(
         ag: of en1998: design ground acceleration on rock times the importance factor [g].
         ground: of en1998: type of the ground, whose soil factor and corner periods of type 1 are taken.
         out: where it is written; NAME.toml in the current folder by default.
-        force: replace a file that is there.
     """
     from wirerope_mj.cli.tables import print_questions
     from wirerope_mj.foundation.atomic_files import atomic_file
@@ -137,14 +135,13 @@ def levels(
     return 0
 
 
-def schemas(folder: Path, *, force: Flag = False) -> int:
+def schemas(folder: Path, *, force: Force = False) -> int:
     """Write JSON Schemas of all TOML files, by which editors complete and check their keys.
 
     A file names its own in its first line, `#:schema schemas/isolator.json`, as Taplo and the editors that use it read it.
 
     Args:
         folder: folder to write them to, such as schemas.
-        force: replace files that are there.
     """
     from wirerope_mj.runs.schemas import write_schemas
 

@@ -35,6 +35,8 @@ Texts = Annotated[list[str] | None, Parameter(consume_multiple=True, negative=()
 Repeated = Annotated[list[str] | None, Parameter(negative=())]  # Text, once each time that the option is written
 RepeatedPaths = Annotated[list[Path] | None, Parameter(negative=())]
 Flag = Annotated[bool, Parameter(negative=())]  # Option that is there or not
+Force = Annotated[bool, Parameter(negative=(), help="replace what is there.")]
+Model = Annotated[str, Parameter(help="path of an MJCF file with mounts, or the name of one that ships with the package.")]
 Deck = Annotated[str | None, Parameter(help=(
     '"10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that '
     "damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part."

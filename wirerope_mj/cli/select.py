@@ -1,14 +1,13 @@
 """`wirerope select`: every part of the catalogue simulated in the places of the mounts; and the vendors' worksheet."""
 
 import sys
-from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
 from cyclopts import App
 
-from wirerope_mj.cli.options import Flag, Integer, Integers, Repeated, RepeatedPaths
+from wirerope_mj.cli.options import Flag, Force, Integer, Integers, Repeated, RepeatedPaths
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.plain_text import plain
 
@@ -37,7 +36,7 @@ def select(
     all: Flag = False,  # noqa: A002  # the option's name
     take: str | None = None,
     out: Path | None = None,
-    force: Flag = False,
+    force: Force = False,
 ) -> int:
     """Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.
 
@@ -65,7 +64,6 @@ def select(
         all: show every part.
         take: part that is written, instead of the first.
         out: folder into which the model on the chosen part is written, with the limits in it.
-        force: replace a model's folder that is there.
     """
     from wirerope_mj.content.part_selection import catalogue_selection_content
     from wirerope_mj.foundation.atomic_files import check_folder
@@ -167,13 +165,18 @@ def worksheet(
     from wirerope_mj.content.part_selection import selection_content
     from wirerope_mj.views.terminal import show_answer
 
-    _require(
-        {
-            "mass": mass, "velocity": velocity, "drop": drop, "travel": travel, "fragility": fragility,
-            "disturbance-rpm": disturbance_rpm, "disturbance-hz": disturbance_hz, "isolation-ratio": isolation_ratio,
-        },
-        mounts=mounts, shocks=sum(given is not None for given in (shock, velocity, drop)),
-    )  # fmt: skip
+    integer("--mounts", mounts, least=1)
+    given = {
+        "mass": mass, "velocity": velocity, "drop": drop, "travel": travel, "fragility": fragility,
+        "disturbance-rpm": disturbance_rpm, "disturbance-hz": disturbance_hz, "isolation-ratio": isolation_ratio,
+    }  # fmt: skip
+    for option, value in given.items():
+        if value is not None:
+            positive(f"--{option}", value)
+    if disturbance_rpm is not None and disturbance_hz is not None:
+        raise ValueError("give the disturbance as `--disturbance-rpm` or as `--disturbance-hz`, not both.")
+    if (shock, velocity, drop).count(None) != 2:
+        raise ValueError('give one shock: `--shock "15 g 11 ms half-sine"`, `--velocity` [m/s] or `--drop` [m].')
     if disturbance_rpm is not None:
         disturbance_hz = disturbance_rpm / 60.0
     selection = select_isolators(
@@ -187,15 +190,3 @@ def worksheet(
     if selection.candidates and selection.rejected and not all:
         print("  --all shows every part and says why.")
     return 0 if selection.candidates else NOTHING_FOUND
-
-
-def _require(values: Mapping[str, float | None], *, mounts: int, shocks: int) -> None:
-    """Raise ValueError unless the options are in range and go together."""
-    integer("--mounts", mounts, least=1)
-    for option, value in values.items():
-        if value is not None:
-            positive(f"--{option}", value)
-    if values["disturbance-rpm"] is not None and values["disturbance-hz"] is not None:
-        raise ValueError("give the disturbance as `--disturbance-rpm` or as `--disturbance-hz`, not both.")
-    if shocks != 1:
-        raise ValueError('give one shock: `--shock "15 g 11 ms half-sine"`, `--velocity` [m/s] or `--drop` [m].')

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Decks, Flag, Repeated, RepeatedPaths, Texts, dated, own_option, with_numerics
+from wirerope_mj.cli.options import Deck, Decks, Force, Repeated, RepeatedPaths, Texts, dated, own_option, with_numerics
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
@@ -52,7 +52,7 @@ def shock(
     limit: Repeated = None,
     combined_travel: bool = True,
     out: Path | None = None,
-    force: Flag = False,
+    force: Force = False,
     **motions: list[str] | None,
 ) -> int:
     """Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.
@@ -91,7 +91,6 @@ def shock(
             model's.
         combined_travel: judge mounts on all axes at once, by this program's own rule.
         out: folder of the run; runs/shock-MODEL-MOTION-DATE-TIME by default.
-        force: replace a run that is there.
     """
     from wirerope_mj.cli.tables import run_and_print
     from wirerope_mj.engine.flexible import deck_of

@@ -2,20 +2,19 @@
 
 from pathlib import Path
 
-from wirerope_mj.cli.options import Deck
+from wirerope_mj.cli.options import Deck, Model
 from wirerope_mj.foundation.plain_text import plain
 
 MISSING = 1  # Exit code if there is no virgin or no relaxed position; what there is has been printed
 
 
-def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
+def statics(model: Model, *, deck: Deck = None, json: Path | None = None) -> int:
     """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on loads and travels.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
     part of the load has leaked away; both stand below each other. Exits 1 if only one of them exists, and says why.
 
     Args:
-        model: path of an MJCF file with mounts, or the name of one that ships with the package.
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import rest_travel_verdicts, rested_verdicts, static_load_verdicts

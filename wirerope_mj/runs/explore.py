@@ -61,7 +61,10 @@ class Slider:
 def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     """Return the sliders that act on a system under a motion: none that could do nothing."""
     found = [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
-    if _can_turn(system, motion):
+    drive = system.assembly.tables.drive
+    reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
+    # The base follows any horizontal motion, and there is one; 1e-9: rounding of unit vectors, as where simulations check it.
+    if np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9 < np.abs(motion.directions[:, :2]).max(initial=0.0):
         found.append(Slider(
             key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0, nominal=0.0,
             note="Turns the motion about the vertical, from x towards y.",
@@ -154,15 +157,6 @@ def frequency_ratio(values: Values) -> float:
 
 def _factor(key: str, label: str, ends: tuple[float, float], note: str) -> Slider:
     return Slider(key=key, label=label, unit="×", minimum=ends[0], maximum=ends[1], nominal=1.0, note=note)
-
-
-def _can_turn(system: System, motion: BaseMotion) -> bool:
-    """Return whether the motion has a horizontal component, and the base follows any such motion."""
-    drive = system.assembly.tables.drive
-    reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
-    # 1e-9: rounding of unit vectors, as where the simulation checks its direction.
-    follows = np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9
-    return bool(follows and np.abs(motion.directions[:, :2]).max(initial=0.0) > 1e-9)
 
 
 _START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest before it

@@ -103,7 +103,11 @@ def run_job(
         else:
             check_folder(folder, force=False, kind="job", marks=(JOB,))
         _write_job(job, folder)
-        model, computed, questions = _model_digest(job), {}, []
+        with tempfile.TemporaryDirectory() as temporary:  # model and isolators as runs hold them
+            write_model(load_system(job.cases[0].scenario.model_source()), Path(temporary))
+            files = sorted(path for path in Path(temporary).rglob("*") if path.is_file())
+            model = _digest([[file.relative_to(temporary).as_posix(), digest_of(file)] for file in files])
+        computed, questions = {}, []
         for case in job.cases:
             made, run = _with_digests(case.scenario, model), folder / CASES / case.folder
             if why := _why(run, made, force=force):
@@ -182,14 +186,6 @@ def _write_job(job: Job, folder: Path) -> None:
     }  # fmt: skip
     with atomic_file(folder / JOB) as beside:
         beside.write_text(tomli_w.dumps(content, multiline_strings=True), encoding="utf-8")
-
-
-def _model_digest(job: Job) -> str:
-    """Return the digest of model and isolators of a job, as its runs hold them."""
-    with tempfile.TemporaryDirectory() as temporary:
-        write_model(load_system(job.cases[0].scenario.model_source()), Path(temporary))
-        files = sorted(path for path in Path(temporary).rglob("*") if path.is_file())
-        return _digest([[file.relative_to(temporary).as_posix(), digest_of(file)] for file in files])
 
 
 def _with_digests(scenario: Scenario, model: str) -> Scenario:

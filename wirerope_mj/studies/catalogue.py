@@ -110,7 +110,10 @@ class Race:
 
     def run(self, level: int) -> None:
         """Simulate what is left with the step of a level, and leave what is not known well enough yet."""
-        groups = list(self._groups())
+        alike: dict[tuple[str, bytes], list[str]] = {}  # load case and layout; as many as share lanes are of like periods
+        for case, name in self._left:
+            alike.setdefault((case, self._systems[name].assembly.tables.layout.tobytes()), []).append(name)
+        groups = [(case, names[k : k + WIDTH]) for (case, _), names in alike.items() for k in range(0, len(names), WIDTH)]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             outcomes = list(pool.map(lambda group: self._batch(group[0], group[1], _LONGEST / 2**level), groups))
         left, beyond = [], set()
@@ -139,14 +142,6 @@ class Race:
         for name in beyond:  # whatever failed of it at such steps
             self.reasons.pop(name, None)
         self._left = [(case, name) for case, name in left if name not in beyond]
-
-    def _groups(self) -> Iterator[tuple[str, list[str]]]:
-        """Yield load cases and parts of one layout and of like periods, as many as share lanes."""
-        alike: dict[tuple[str, bytes], list[str]] = {}
-        for case, name in self._left:
-            alike.setdefault((case, self._systems[name].assembly.tables.layout.tobytes()), []).append(name)
-        for (case, _), names in alike.items():
-            yield from ((case, names[first : first + WIDTH]) for first in range(0, len(names), WIDTH))
 
     def _batch(self, case: str, names: Sequence[str], step: float) -> Sequence[BatchResult | BatchFailure]:
         systems, motion = [self._systems[name] for name in names], self._cases[case]

@@ -30,15 +30,9 @@ ROW_GROUP = 2048  # Rows, at least, that are joined in one row group of the tabl
 
 @contextmanager
 def study_folder(
-    study: StudyDefinition,
-    folder: Path,
-    *,
-    keep: str,
-    resume: bool,
-    force: bool,
-    when_done: Callable[[Path], object],
+    study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, when_done: Callable[[Path], object],
     search: Entries | None = None,
-) -> Iterator[Path]:
+) -> Iterator[Path]:  # fmt: skip
     """Lend the folder in which `study` is computed while the block does: `folder`, where what is done is kept whatever happens.
 
     A study that `force` replaces stays as it is until the block ends well and the new one is whole, which stands in a hidden

@@ -61,22 +61,18 @@ def quiet_level(a: Array) -> float | None:
     off = np.abs(a - middle)
     spread = float(np.median(off[:: max(1, off.size // _ENOUGH)]))
     few = max(_FEW, a.size // 50)
-    if not any(_stands_at(part, middle, _BAND * float(np.ptp(a))) for part in (a[:few], a[-few:])):
+    for part in (a[:few], a[-few:]):  # is its median the level, but for what its own noise does to it or for what is near?
+        level = float(np.median(part))
+        noise = _ERRORS * float(np.median(np.abs(part - level))) / np.sqrt(part.size)
+        if abs(level - middle) <= max(_BAND * float(np.ptp(a)), noise):
+            break
+    else:
         return None
-    return float(a[off <= (_NOISE * spread if spread > 0.0 else _converter_step(off))].mean())
-
-
-def _stands_at(part: Array, level: float, near: float) -> bool:
-    """Return whether the median of samples is a level, but for what their own noise does to it or for what is near."""
-    middle = float(np.median(part))
-    spread = float(np.median(np.abs(part - middle)))
-    return abs(middle - level) <= max(near, _ERRORS * spread / np.sqrt(part.size))
-
-
-def _converter_step(off: Array) -> float:
-    """Return how far samples may be off a level that most of them are equal to: a step of the converter if it is dithered."""
-    step = 1.5 * float(off[off > 0.0].min(initial=np.inf))
-    return step if np.count_nonzero((off > 0.0) & (off <= step)) > _DITHERED * off.size else 0.0
+    quiet = _NOISE * spread
+    if spread == 0.0:  # most samples are equal to the level, and others a step of the converter off it if that is dithered
+        step = 1.5 * float(off[off > 0.0].min(initial=np.inf))
+        quiet = step if np.count_nonzero((off > 0.0) & (off <= step)) > _DITHERED * off.size else 0.0
+    return float(a[off <= quiet].mean())
 
 
 def offset_of(a: Array) -> float:

@@ -99,7 +99,13 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
     regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _printed(time, usual))
     if np.mean(regular) >= _REGULAR and np.all(intervals[~regular] >= _GAP * usual):
         return _without_gaps(path, reading, np.flatnonzero(~regular), usual, fill=gaps == "fill")
-    return _evened(reading, usual, float(intervals.min())).warned(
+    # curves, finer where samples are dense, then the filter
+    fine = int(np.clip(np.ceil(usual / float(intervals.min())), 1, _FINEST))
+    count = max(int(np.floor(float(time[-1] - time[0]) / usual * (1.0 + 1e-9))) + 1, 2)
+    made = _curved(reading, time[0] + usual / fine * np.arange((count - 1) * fine + 1), usual)
+    if fine > 1:
+        made = replace(reading, time=made.time[::fine], samples=filtered(made.samples, 1, fine))
+    return made.warned(
         f"the sampling is not uniform, its intervals lie between {intervals.min():.4g} and {intervals.max():.4g} s; "
         f"resampled at the usual interval, {usual:.6g} s, on curves through the samples: what has 0.15 periods an interval "
         "loses some 2 % of its height, at a quarter of a period some 10 %."
@@ -175,17 +181,6 @@ def _without_gaps(path: Path, reading: Reading, gaps: NDArray[np.intp], usual: f
     count = round(float(time[-1] - time[0]) / usual) + 1
     even_time = np.linspace(time[0], time[-1], count)
     return _at(reading, even_time).warned(f"{text} filled with straight lines.")
-
-
-def _evened(reading: Reading, usual: float, shortest: float) -> Reading:
-    """Return an uneven record at its usual interval: curves, finer where samples are dense, then the filter."""
-    time = reading.time
-    fine = int(np.clip(np.ceil(usual / shortest), 1, _FINEST))
-    count = max(int(np.floor(float(time[-1] - time[0]) / usual * (1.0 + 1e-9))) + 1, 2)
-    finely = _curved(reading, time[0] + usual / fine * np.arange((count - 1) * fine + 1), usual)
-    if fine == 1:
-        return finely
-    return replace(reading, time=finely.time[::fine], samples=filtered(finely.samples, 1, fine))
 
 
 def _at(reading: Reading, time: Array) -> Reading:

@@ -152,9 +152,16 @@ def resolution_warnings(where: str, a: Array, rest: float, rate: float, *, unit:
 
     `where` is how a sentence about it begins, "along x"; a base is driven in straight lines between the samples.
     """
-    alone = _lone_samples(a)
-    if alone:
-        yield _spike(where, a, alone, rate, unit)
+    if alone := _lone_samples(a):
+        first, others = alone[0], np.delete(a, alone)
+        more = f", and {len(alone) - 1} more like it" if len(alone) > 1 else ""
+        yield (
+            f"{where} one sample of {a[first]:.4g} {unit}, {first / rate:.6g} s after the first, stands alone{more}: its "
+            f"neighbours are {a[first - 1]:.4g} and {a[first + 1]:.4g} {unit}, and nothing else is beyond "
+            f"{max(float(others.max()), -float(others.min())):.4g}. That is a spike of the measuring chain, or a pulse that "
+            f"{rate:.4g} samples a second cannot hold, and its peak is not known. Take a spike out of the file; measure a "
+            "pulse at a higher rate."
+        )
     elif is_pulse(a, rest):
         yield from _coarse(where, a, rest, rate, unit)
     else:
@@ -179,22 +186,13 @@ def _lone_samples(a: Array) -> list[int]:
     return found
 
 
-def _spike(where: str, a: Array, alone: list[int], rate: float, unit: str) -> str:
-    first = alone[0]
-    rest = np.delete(a, alone)
-    others = max(float(rest.max()), -float(rest.min()))
-    more = f", and {len(alone) - 1} more like it" if len(alone) > 1 else ""
-    return (
-        f"{where} one sample of {a[first]:.4g} {unit}, {first / rate:.6g} s after the first, stands alone{more}: its "
-        f"neighbours are {a[first - 1]:.4g} and {a[first + 1]:.4g} {unit}, and nothing else is beyond {others:.4g}. That is a "
-        f"spike of the measuring chain, or a pulse that {rate:.4g} samples a second cannot hold, and its peak is not known. "
-        "Take a spike out of the file; measure a pulse at a higher rate."
-    )
-
-
 def _coarse(where: str, a: Array, rest: float, rate: float, unit: str) -> Iterator[str]:
     """Yield a warning about a pulse of so few samples that its peak may lie between them."""
-    first, last = _shortest(a - rest, peak_from(a, rest))
+    sign = np.where(np.abs(a - rest) > _FOOT * peak_from(a, rest), np.sign(a - rest), 0.0)
+    starts = np.flatnonzero(np.diff(np.concatenate([[0.0], sign, [0.0]]))).tolist()
+    above = [pair for pair in zip(starts[:-1], starts[1:], strict=True) if sign[pair[0]]]
+    waves = [pair for pair in above if float(np.abs(a[slice(*pair)] - rest).max()) >= _HIGH * peak_from(a, rest)]
+    first, last = min(waves, key=lambda wave: wave[1] - wave[0])  # of the shortest half wave of at least half the peak
     samples = last - first
     if samples > _FEW:
         return
@@ -212,15 +210,6 @@ def _coarse(where: str, a: Array, rest: float, rate: float, unit: str) -> Iterat
         f"{where} its shortest pulse, of {values.max():.4g} {unit}, has {count} at {rate:.4g} samples a second: {off}. "
         "Measure at a higher rate, ten samples across the shortest pulse or more."
     )
-
-
-def _shortest(a: Array, peak: float) -> tuple[int, int]:
-    """Return where the shortest half wave of at least half the peak begins and ends; a rests at zero."""
-    sign = np.where(np.abs(a) > _FOOT * peak, np.sign(a), 0.0)
-    starts = np.flatnonzero(np.diff(np.concatenate([[0.0], sign, [0.0]]))).tolist()
-    above = [pair for pair in zip(starts[:-1], starts[1:], strict=True) if sign[pair[0]]]
-    waves = [pair for pair in above if float(np.abs(a[slice(*pair)]).max()) >= _HIGH * peak]
-    return min(waves, key=lambda wave: wave[1] - wave[0])
 
 
 def _fast(where: str, a: Array, rate: float, played: bool) -> Iterator[str]:

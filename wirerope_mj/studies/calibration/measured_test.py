@@ -90,7 +90,11 @@ class Comparable:
                 f"needs {FEWEST}. Measure longer, or leave the channel out."
             )
         smooth = weights @ np.where(bad, 0.0, values)
-        frequency = _dominant(at, smooth)
+        even = np.linspace(at[0], at[-1], at.size)
+        swing = np.interp(even, at, smooth)
+        lines = np.abs(np.fft.rfft((swing - swing.mean()) * np.hanning(at.size))) ** 2
+        frequencies = np.fft.rfftfreq(at.size, float(np.mean(np.diff(even))))
+        frequency = max(float(frequencies[np.argmax(lines)]), 1.0 / float(np.ptp(at)))  # about which it swings
         power = _smoothing(at, at, 0.5 / frequency) @ (smooth - np.median(values)) ** 2  # over about a period
         size = np.sqrt(2.0 * np.maximum(power, math.ulp(1.0)))
         series = Series(
@@ -218,12 +222,3 @@ def _smoothing(time: Array, at: Array, width: float) -> Array:
     alone = total <= 1e-12 * width  # outside the samples: the nearest one
     weights[alone, np.abs(at[alone, np.newaxis] - time).argmin(axis=1)] = 1.0
     return np.asarray(weights / np.where(alone, 1.0, total)[:, np.newaxis])
-
-
-def _dominant(at: Array, values: Array) -> float:
-    """Return the frequency about which a series swings [1 / unit of `at`]: the root mean square of its spectrum's."""
-    even = np.linspace(at[0], at[-1], at.size)
-    moved = np.interp(even, at, values)
-    power = np.abs(np.fft.rfft((moved - moved.mean()) * np.hanning(at.size))) ** 2
-    frequencies = np.fft.rfftfreq(at.size, float(np.mean(np.diff(even))))
-    return max(float(frequencies[np.argmax(power)]), 1.0 / float(np.ptp(at)))

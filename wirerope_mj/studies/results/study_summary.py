@@ -113,7 +113,20 @@ class StudySummary:
 
     @cached_property
     def statistics(self) -> tuple[Statistics, ...]:
-        return tuple(self._statistics(measure) for measure in self.measures)
+        table, found = self.result.independent, []
+        for measure in self.measures:
+            values, limit = values_of(table, measure.name), measure.limit
+            found.append(
+                Statistics(
+                    measure=measure, nominal=self.result.nominal.get(measure.name, np.nan),
+                    quantiles=tuple(quantiles(values, QUANTILES)), smallest=float(np.nanmin(values)),
+                    median=float(np.nanmedian(values)), largest=float(np.nanmax(values)),
+                    variant=worst(table, measure.name, 1)[0],
+                    beyond=None if limit is None else exceedance_of(table, measure.name, limit),
+                    ratio=None if limit is None else self._ratio(values, limit),
+                )
+            )  # fmt: skip
+        return tuple(found)
 
     @property
     def of_directions(self) -> str:
@@ -159,19 +172,6 @@ class StudySummary:
         columns = factors(self.result.study.quantities)
         order = [one.name for one in sobol_indices(self.result, self.by).factors]
         return {name: columns[name] for name in dict.fromkeys([*order, *columns])}
-
-    def _statistics(self, measure: Measure) -> Statistics:
-        table, limit = self.result.independent, measure.limit
-        values = values_of(table, measure.name)
-        beyond = ratio = None
-        if limit is not None:
-            beyond, ratio = exceedance_of(table, measure.name, limit), self._ratio(values, limit)
-        return Statistics(
-            measure=measure, nominal=self.result.nominal.get(measure.name, np.nan),
-            quantiles=tuple(quantiles(values, QUANTILES)), smallest=float(np.nanmin(values)),
-            median=float(np.nanmedian(values)), largest=float(np.nanmax(values)), variant=worst(table, measure.name, 1)[0],
-            beyond=beyond, ratio=ratio,
-        )  # fmt: skip
 
     def _ratio(self, values: Array, limit: float) -> float | None:
         """Return the fraction of the variants beyond a limit if they were sampled, or of all directions if these vary."""

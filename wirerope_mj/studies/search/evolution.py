@@ -37,14 +37,9 @@ class Evolution:
     """
 
     def __init__(
-        self,
-        variables: Mapping[str, distributions.Uniform | distributions.Choice],
-        first: Sequence[Design],
-        *,
-        n_objectives: int,
-        n_limits: int,
-        seed: int,
-    ) -> None:
+        self, variables: Mapping[str, distributions.Uniform | distributions.Choice], first: Sequence[Design], *,
+        n_objectives: int, n_limits: int, seed: int,
+    ) -> None:  # fmt: skip
         """Begin with the designs of the first generation; later ones have as many, or fewer where no others are found."""
         from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
         from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating

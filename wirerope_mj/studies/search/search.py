@@ -1,5 +1,6 @@
 """A search for designs: what it chooses among and what makes one better, asked, run, and resumed where it was interrupted."""
 
+import math
 import queue
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
@@ -41,14 +42,9 @@ class Search:
     """
 
     def __init__(
-        self,
-        study: StudyDefinition,
-        *,
-        minimise: Sequence[str],
-        limits: Mapping[str, float] | None = None,
-        generations: int = 20,
-        start: Sequence[Mapping[str, object]] = (),
-    ) -> None:
+        self, study: StudyDefinition, *, minimise: Sequence[str], limits: Mapping[str, float] | None = None,
+        generations: int = 20, start: Sequence[Mapping[str, object]] = (),
+    ) -> None:  # fmt: skip
         """Prepare a search; nothing is simulated, and names are checked.
 
         Args:
@@ -153,7 +149,16 @@ class Search:
                 if column.name not in given and quantity.name not in given:
                     raise ValueError(f"`start[{index}]` must say {column.name!r}, too.")
                 value = given.get(column.name, given.get(quantity.name))
-                design[column.name] = _checked(index, column.name, value, self.variables[column.name])
+                variable, wanted = self.variables[column.name], f"`start[{index}]`: {column.name!r} must be"
+                if isinstance(variable, Choice):
+                    if not any(type(one) is type(value) and one == value for one in variable.choices):
+                        raise ValueError(f"{wanted} one of {list(variable.choices)}, got {value!r}.")
+                    design[column.name] = value
+                    continue
+                number = value if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+                if not variable.low <= number <= variable.high:
+                    raise ValueError(f"{wanted} from {variable.low:g} to {variable.high:g}, got {value!r}.")
+                design[column.name] = float(number)
         return design
 
     def run(
@@ -213,18 +218,6 @@ def _variables(study: StudyDefinition) -> dict[str, Uniform | Choice]:
             )
         variables |= dict.fromkeys((column.name for column in quantity.columns), quantity.distribution)
     return variables
-
-
-def _checked(index: int, name: str, value: object, variable: Uniform | Choice) -> object:
-    """Return a value of a given design; ValueError unless it is one that may be chosen."""
-    if isinstance(variable, Choice):
-        chosen = next((one for one in variable.choices if type(one) is type(value) and one == value), None)
-        if chosen is None:
-            raise ValueError(f"`start[{index}]`: {name!r} must be one of {list(variable.choices)}, got {value!r}.")
-        return chosen
-    if isinstance(value, bool) or not isinstance(value, int | float) or not variable.low <= value <= variable.high:
-        raise ValueError(f"`start[{index}]`: {name!r} must be from {variable.low:g} to {variable.high:g}, got {value!r}.")
-    return float(value)
 
 
 class Evolving:

@@ -190,19 +190,17 @@ def systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Tabl
         return False
     laws: dict[tuple[str, str], Entries] = {}
     for mount, parameters in draft.parameters.items():
-        for (axis, parameter), values in parameters.items():
-            laws.setdefault((mount, axis), {})[parameter] = values
-    return all(_law_valid(system, mount, axis, parameters) for (mount, axis), parameters in laws.items())
-
-
-def _law_valid(system: System, mount: str, axis: str, parameters: Entries) -> bool:
-    isolator = system.mounts[mount].written
-    law = isolator.axes[axis]
-    coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
-    if coupled and (isolator.coupling != "loop" or {name.rpartition(".")[2] for name in parameters} & _SHARED_IN_A_LOOP):
-        return False
-    # several laws complete what each of them has
-    return law is not None and law.certainly_valid(parameters if law.factors else law.completed(parameters))
+        for (axis, parameter), numbers in parameters.items():
+            laws.setdefault((mount, axis), {})[parameter] = numbers
+    for (mount, axis), values in laws.items():
+        isolator = system.mounts[mount].written
+        law, shared = isolator.axes[axis], {name.rpartition(".")[2] for name in values} & _SHARED_IN_A_LOOP
+        if AXES.index(axis) in isolator.coupled_axes and (isolator.coupling != "loop" or shared):
+            return False  # the two must then suit each other, too
+        # several laws complete what each of them has
+        if law is None or not law.certainly_valid(values if law.factors else law.completed(values)):
+            return False
+    return True
 
 
 def _motions_valid(system: System, columns: Sequence[InputColumn], block: pa.Table, check: Check) -> bool:

@@ -135,7 +135,10 @@ def _distribution(name: str, text: str) -> Distribution:
             if any(isinstance(part, ast.Name) and part.id in ("nan", "inf") for part in ast.walk(one)):
                 raise ValueError(f"{name!r}: numbers must be finite, got {short(ast.unparse(one))}.")
             if isinstance(one, ast.Name):
-                named[_flag(name, kind, one.id)] = True
+                if one.id not in (flags := _flags(kind)):
+                    there = f"{kind} has no flag {quoted(one.id)}; it has {' and '.join(flags) or 'none'}"
+                    raise ValueError(f"{name!r}: {there}. A string as a value stands in quotes.")
+                named[one.id] = True
             else:
                 positional.append(_value(name, one))
         for keyword in call.keywords:  # a group may stand without quotes, since it is always a string
@@ -154,14 +157,6 @@ def _distribution(name: str, text: str) -> Distribution:
     except ValueError as error:
         raise ValueError(f"{name!r}: {error}") from None
     return distribution
-
-
-def _flag(name: str, kind: str, flag: str) -> str:
-    flags = _flags(kind)
-    if flag not in flags:
-        there = " and ".join(flags) or "none"
-        raise ValueError(f"{name!r}: {kind} has no flag {quoted(flag)}; it has {there}. A string as a value stands in quotes.")
-    return flag
 
 
 def _flags(kind: str) -> list[str]:
