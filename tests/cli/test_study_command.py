@@ -11,7 +11,7 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.runs.from_scenario import load_study_file, shipped_studies
 from wirerope_mj.runs.study import write_study_report, write_worst
 from wirerope_mj.studies.results.measure import row_of, worst
-from wirerope_mj.studies.vary.motion_settings import direction
+from wirerope_mj.studies.vary.quantities import direction
 
 ANGLES = ("motion/azimuth", "motion/elevation")
 

@@ -30,8 +30,7 @@ from wirerope_mj.runs.explore import Exploration
 from wirerope_mj.runs.folder import CHECKSUMS, write_checksums
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import Scenario, load_scenario, shipped_scenarios
-from wirerope_mj.runs.scenario_file import judged_by
-from wirerope_mj.runs.sources import run_inputs
+from wirerope_mj.runs.scenario_file import judged_by, run_inputs
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.explore.server import ExploreServer
 

@@ -11,7 +11,7 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions import motion_from_dict
 from wirerope_mj.motions.records.record import records_in
-from wirerope_mj.runs.sources import system_and_motion
+from wirerope_mj.runs.scenario_file import system_and_motion
 
 pytestmark = pytest.mark.quick
 

@@ -125,7 +125,7 @@ def test_a_model_that_names_a_file_outside_the_folder_is_not_loaded(what, use, r
     old, new = OUTSIDE[what]
     edited(copy / "model" / "shock_table.xml", old, new.format(secret=tmp_path / "secret"))
     loaded = []
-    monkeypatch.setattr("wirerope_mj.runs.sources.load_system", loaded.append)
+    monkeypatch.setattr("wirerope_mj.runs.scenario_file.load_system", loaded.append)
     with pytest.raises(RecordError, match=r"shock_table\.xml names '.*secret.*', which lies outside this folder") as raised:
         use(copy)
     assert str(copy) in str(raised.value)

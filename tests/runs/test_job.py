@@ -18,7 +18,7 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.half_written import hidden_file
 from wirerope_mj.runs import job as job_module
 from wirerope_mj.runs.folder import alterations
-from wirerope_mj.runs.sources import run_verdicts
+from wirerope_mj.runs.scenario_file import run_verdicts
 
 CASES = """
 name = "Table on one mount"

@@ -21,7 +21,7 @@ from wirerope_mj.studies.calibration.forward import SystemForward
 from wirerope_mj.studies.calibration.isolators import calibrated_isolators, calibrated_system
 from wirerope_mj.studies.calibration.noise import Noise
 from wirerope_mj.studies.calibration.open_law import open_laws, rises
-from wirerope_mj.studies.results.stated_limits import limit_of_text
+from wirerope_mj.studies.results.varied import limit_of_text
 
 LAW = wr.BoucWen.from_normalised(z_max=250.0, x_y=2e-3, sigma=0.6, n=1.0, k=8e4)
 SHOCK = wr.HalfSine(peak=80.0, duration=0.011, direction="z", start=0.01)

@@ -18,8 +18,8 @@ from wirerope_mj.cli import main
 from wirerope_mj.content.study_statements import limit_statement, statements
 from wirerope_mj.mounts.isolator import Limits, Travel
 from wirerope_mj.studies.ended import ended_early
-from wirerope_mj.studies.results.stated_limits import limit_of_text
 from wirerope_mj.studies.results.study_summary import any_exceeded, summary_of
+from wirerope_mj.studies.results.varied import limit_of_text
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 

@@ -16,7 +16,7 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.studies.engines.compute import Chunk, compute
 from wirerope_mj.studies.search import search as search_search
-from wirerope_mj.studies.search.evolution import Evolution, feasible, front, nearest, violations
+from wirerope_mj.studies.search.result import Evolution, feasible, front, nearest, violations
 
 FITTED = [f"mount/{name}/fitted" for name in PLACES]
 

@@ -10,8 +10,8 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.content.study import measures_table, study_content
 from wirerope_mj.content.study_statements import limit_statement, percent
-from wirerope_mj.studies.results.stated_limits import StatedLimit, limit_of_text
 from wirerope_mj.studies.results.study_summary import summary_of
+from wirerope_mj.studies.results.varied import StatedLimit, limit_of_text
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 

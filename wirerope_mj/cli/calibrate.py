@@ -19,15 +19,14 @@ from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.test_rig import read_cyclic_test
 from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
 from wirerope_mj.runs.measured import read_map, tests_of
-from wirerope_mj.runs.scenario_file import scenario_content
-from wirerope_mj.runs.sources import is_run, system_and_motion
+from wirerope_mj.runs.scenario_file import is_run, scenario_content, system_and_motion
 from wirerope_mj.studies.calibration import LoopTest, MeasuredTest
 from wirerope_mj.studies.calibration import calibrate as calibrated
 from wirerope_mj.studies.calibration.forward import Test
 from wirerope_mj.studies.calibration.predict import predict as predicted
 from wirerope_mj.studies.calibration.rig_tests import read_frequency_tests
 from wirerope_mj.studies.measures import measure_names
-from wirerope_mj.studies.results.stated_limits import limit_of_text
+from wirerope_mj.studies.results.varied import limit_of_text
 from wirerope_mj.studies.vary.vary_option import EXAMPLE
 from wirerope_mj.views.terminal import print_title, show_answer
 

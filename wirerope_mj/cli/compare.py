@@ -55,7 +55,7 @@ def compare(
     from wirerope_mj.motions.records.record import is_measurement, record_channels
     from wirerope_mj.runs.folder import warn_of_alterations
     from wirerope_mj.runs.job import is_job
-    from wirerope_mj.runs.sources import is_run, judged_folder, run_inputs, run_verdicts
+    from wirerope_mj.runs.scenario_file import is_run, judged_folder, run_inputs, run_verdicts
     from wirerope_mj.views.terminal import print_title, show_answer
 
     for path in runs:
@@ -128,7 +128,7 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) 
     """Print what two jobs use of their limits, case by case, and what differs between their inputs."""
     from wirerope_mj.content.job_comparison import job_comparison_content
     from wirerope_mj.runs.job import CASES, is_job, judged_job
-    from wirerope_mj.runs.sources import run_inputs
+    from wirerope_mj.runs.scenario_file import run_inputs
     from wirerope_mj.views.terminal import print_headline, show
 
     if len(jobs) != 2 or not all(map(is_job, jobs)):

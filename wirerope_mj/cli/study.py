@@ -22,13 +22,13 @@ from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.from_scenario import VARIANTS, limits_of, load_study_file, shipped_studies, study_of, what_can_vary
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, defines, load_scenario, shipped_scenarios
-from wirerope_mj.runs.sources import is_run, stored_scenario
+from wirerope_mj.runs.scenario_file import is_run, stored_scenario
 from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
 from wirerope_mj.studies.results.measure import unknown_measure
-from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
+from wirerope_mj.studies.results.varied import limit_of_text, write_stated
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
 from wirerope_mj.studies.vary.distributions import Distribution

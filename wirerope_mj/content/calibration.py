@@ -15,7 +15,7 @@ from wirerope_mj.foundation.units import duration_text, in_unit, shown_in
 from wirerope_mj.mounts.laws import LAWS
 from wirerope_mj.studies.calibration.calibrate import DISCREPANT, LEVEL, LITTLE, Calibration
 from wirerope_mj.studies.calibration.predict import Prediction
-from wirerope_mj.studies.results.stated_limits import StatedLimit
+from wirerope_mj.studies.results.varied import StatedLimit
 
 _ACROSS = {"time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": ""}
 

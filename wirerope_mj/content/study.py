@@ -38,9 +38,8 @@ from wirerope_mj.studies.results.measure import (
     values_of,
     worst,
 )
-from wirerope_mj.studies.results.stated_limits import limits_of
 from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary, any_exceeded
-from wirerope_mj.studies.results.varied import varied_of
+from wirerope_mj.studies.results.varied import limits_of, varied_of
 
 _FAILED = 20  # messages that are read
 _METHODS = {

@@ -28,8 +28,7 @@ from wirerope_mj.studies.results.measure import (
     values_of,
     worst,
 )
-from wirerope_mj.studies.results.stated_limits import StatedLimit
-from wirerope_mj.studies.results.varied import value_text
+from wirerope_mj.studies.results.varied import StatedLimit, value_text
 from wirerope_mj.studies.vary.sampling import OF_INDICES, specimen_messages
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")

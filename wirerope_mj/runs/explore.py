@@ -29,8 +29,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY, significant
 from wirerope_mj.motions import BaseMotion, HalfSine, Measured, Scaled, Turned
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
-from wirerope_mj.runs.scenario_file import judged_by
-from wirerope_mj.runs.sources import is_run, stored_scenario
+from wirerope_mj.runs.scenario_file import is_run, judged_by, stored_scenario
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.explore.answer import answer
 from wirerope_mj.views.explore.recorder import Recorder, ShownRun

@@ -18,13 +18,12 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.job_file import Job
 from wirerope_mj.runs.page import write_page
 from wirerope_mj.runs.scenario import OptionFile, Scenario, load_scenario
-from wirerope_mj.runs.scenario_file import subjects_of
-from wirerope_mj.runs.sources import is_run, stored_scenario
+from wirerope_mj.runs.scenario_file import is_run, stored_scenario, subjects_of
 from wirerope_mj.runs.study import CONTENT
 from wirerope_mj.studies.folder import check_whole
 from wirerope_mj.studies.measures import measure_names, payload_points
-from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
 from wirerope_mj.studies.results.study_summary import summary_of
+from wirerope_mj.studies.results.varied import limit_of_text, write_stated
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study, load_study
 from wirerope_mj.studies.vary.distributions import Distribution

@@ -37,8 +37,7 @@ from wirerope_mj.runs.folder import SUMMARY, alterations, digest_of, warn_of_alt
 from wirerope_mj.runs.job_file import Job, document_table, load_job, logo_ending, read_document
 from wirerope_mj.runs.page import page_files, write_page
 from wirerope_mj.runs.scenario import Scenario
-from wirerope_mj.runs.scenario_file import judge_table, scenario_content
-from wirerope_mj.runs.sources import is_run, judged_folder
+from wirerope_mj.runs.scenario_file import is_run, judge_table, judged_folder, scenario_content
 from wirerope_mj.runs.write import rejudge_run, write_run
 
 JOB, CASES = "job.toml", "cases"

@@ -20,7 +20,7 @@ from wirerope_mj.foundation.structure import Place, Positive, structure
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions import Measured, load_measured
 from wirerope_mj.runs.folder import digest_of, update_checksums, warn_of_alterations
-from wirerope_mj.runs.sources import is_run, run_verdicts
+from wirerope_mj.runs.scenario_file import is_run, run_verdicts
 from wirerope_mj.views.report import report_html
 
 FOLDER = "measured"

@@ -20,8 +20,7 @@ from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import flat_entries
 from wirerope_mj.runs.folder import SUMMARY, Alterations, alterations
-from wirerope_mj.runs.scenario_file import scenario_content
-from wirerope_mj.runs.sources import check_one_run, system_and_motion
+from wirerope_mj.runs.scenario_file import check_one_run, scenario_content, system_and_motion
 from wirerope_mj.runs.summary import read_summary, summary_content
 from wirerope_mj.runs.write import is_streamed
 

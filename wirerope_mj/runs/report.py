@@ -21,7 +21,7 @@ from wirerope_mj.runs.folder import alterations, update_checksums, warn_of_alter
 from wirerope_mj.runs.job import is_job, judged_job
 from wirerope_mj.runs.measured import tests_of
 from wirerope_mj.runs.page import REPORT, page_files, write_page
-from wirerope_mj.runs.sources import judged_folder
+from wirerope_mj.runs.scenario_file import judged_folder
 from wirerope_mj.runs.study import result_content, write_study_report
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.study import load_study

@@ -1,19 +1,33 @@
-"""The scenario as it stands in a run's folder, checked where it is read, and how it is judged."""
+"""The scenario as it stands in a run's folder, how it is judged, system and motion of it, and the check of its response."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
+
+from wirerope_mj.assessment.criteria import Verdict, judge
+from wirerope_mj.content.judged_run import JudgedRun, judged_run
+from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.response.checked import check_motion
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.response.histories import same_columns
+from wirerope_mj.engine.response.response import FILE
+from wirerope_mj.engine.simulation.recorder import column_plan
+from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.declared import is_subject, limit_subjects
+from wirerope_mj.engine.system.model_files import missing_isolators, read_changes
+from wirerope_mj.engine.system.named_files import check_inside
+from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.structure import Place, Positive, bounds, keys_of, structure
-from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.runs.folder import FORMAT, SCENARIO
+from wirerope_mj.foundation.toml_file import flat_entries, read_toml
+from wirerope_mj.motions.motion import BaseMotion
+from wirerope_mj.motions.registry import check_records, motion_from_dict
+from wirerope_mj.runs.folder import FORMAT, SCENARIO, digest_of
+from wirerope_mj.runs.scenario import Scenario, ScenarioFile
 
 
 def judged_by(system: System, *, combined_travel: bool, limits: Sequence[PayloadLimit]) -> System:
@@ -139,3 +153,138 @@ def scenario_content(folder: Path) -> Entries:
     known = {key: value for key, value in content.items() if key in keys_of(StoredScenario)}
     structure(StoredScenario, known, Place(path, error=RecordError, remedy=_REMEDY))
     return content
+
+
+_TABLES = ("options", "simulate", "versions")
+_CHARACTERS = 8  # of a file's digest: enough to see that two files differ
+
+
+def run_inputs(folder: str | Path) -> dict[str, str]:
+    """Return scenario, options, motion, simulation, versions and the digests of the model's files; {} without a scenario.
+
+    RecordError if the scenario or a file of the model cannot be read; names it.
+    """
+    path = Path(folder) / SCENARIO
+    if not path.is_file():  # a response that was saved alone
+        return {}
+    content = scenario_content(path.parent)
+    inputs = {"scenario": content["name"], "motion": content["motion"]["description"]}
+    for table in _TABLES:
+        prefix = "version of " if table == "versions" else ""
+        for key, value in content[table].items():
+            inputs[f"{prefix}{key}"] = f"{value:.6g}" if isinstance(value, float) else str(value)
+    for file in sorted(path.parent.glob("model/**/*")):
+        if file.is_file():
+            inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest_of(file)[:_CHARACTERS]}"
+    return inputs
+
+
+def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
+    """Judge the response in a folder as `wirerope run` does; one that was saved alone by what its scene states.
+
+    RecordError if scenario, motion or model cannot be read, or are not those of the response; names which.
+    """
+    folder = Path(folder)
+    return judged_folder(folder, response).verdicts if is_run(folder) else tuple(judge(response))
+
+
+def judged_folder(folder: Path, response: Response | None = None) -> JudgedRun:
+    """Judge the run in a folder, whose response may have been read already; nothing outside the folder is read.
+
+    RecordError if the folder is not a run, or its files are damaged or not of one run; ModelError if the model or an
+    isolator in it is not what it must be.
+    """
+    content = scenario_content(folder)
+    system, motion = system_and_motion(folder, content)
+    response = response or load_response(folder)
+    check_one_run(folder, content, system, response)
+    return judged_run(system, motion, response, content)
+
+
+_OF_TWO_RUNS = "One of the two was changed or belongs to another run: take them from one copy of the folder."
+
+
+def system_and_motion(folder: Path, content: Entries) -> tuple[System, BaseMotion]:
+    """Return system and motion of a run, whose `content` is what `scenario_content` returned.
+
+    RecordError if one of their files is not in the folder, or the motion's parameters are not what they must be; ModelError
+    if the model or an isolator is not.
+    """
+    model = check_inside(folder, content["model"])
+    motion = {key: value for key, value in content["motion"].items() if key != "description"}
+    check_records(motion, folder)
+    system = load_system(model)
+    missing = missing_isolators(system, model.parent)
+    if missing:  # the catalogue stepped in, which may have changed since
+        where = f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/"
+        raise RecordError(f"{where}. Take it from another copy of the folder.")
+    changes = content["model"].get("changes")  # by which the variant that was simulated differs from the model
+    system = with_changes(system, read_changes(folder / changes) if changes else ())
+    system = judged_by(system, **read_judge_table(content.get("judge", {})))
+    try:
+        return system, motion_from_dict(motion, folder=folder)
+    except (ModelError, ValueError) as error:
+        remedy = "Put it right, or take the file from another copy of the folder."
+        raise RecordError(f"{folder / SCENARIO}: `motion`: {error} {remedy}") from None
+
+
+def check_one_run(folder: Path, content: Entries, system: System, response: Response) -> None:
+    """Raise RecordError unless the response in a run's folder is that of the scenario and the model beside it.
+
+    Compared is what both hold: the motion, the sampling, the step, and the names of bodies, points and mounts.
+    """
+    simulate, numerics = content["simulate"], response.numerics
+    samples = np.floor((simulate["duration"] + 1e-10) * simulate["sample_rate"]) + 1.0  # as simulations sample
+    if response.time.size != samples:
+        raise RecordError(
+            f"{folder / SCENARIO}: `simulate.duration` and `simulate.sample_rate` make {samples:.0f} samples, and {FILE} holds "
+            f"{response.time.size}. {_OF_TWO_RUNS}"
+        )
+    here, there = flat_entries(content["motion"]), flat_entries(response.motion)
+    named = [
+        name for name in sorted({*here, *there}) if not {*name.split(".")} & {"path", "description"}
+    ]  # records lie elsewhere
+    pairs = [
+        *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("timestep", "callback")),
+        *((f"motion.{name}", here.get(name), there.get(name)) for name in named),
+        *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("engine", "accuracy") if key in simulate),
+    ]  # fmt: skip
+    for name, stated, computed in pairs:
+        if stated != computed:
+            raise RecordError(
+                f"{folder / SCENARIO}: `{name}` is {stated}, and {FILE} was computed with {computed}. {_OF_TWO_RUNS}"
+            )
+    if not same_columns(response.samples.names, column_plan(system).names):
+        what = f"the bodies, points and mounts of {content['model']['file']}"
+        raise RecordError(f"{folder}: {what} are not those of {FILE}. {_OF_TWO_RUNS}")
+
+
+_RESOLVED = ("engine",)  # What a run's folder says of its simulation that nobody asked for: the engine that was chosen
+
+
+def is_run(path: str | Path) -> bool:
+    return (Path(path) / SCENARIO).is_file()
+
+
+def stored_scenario(folder: str | Path) -> ScenarioFile:
+    """Return the scenario of a run, which has no options; nothing outside the folder is read.
+
+    Its step is chosen again for the accuracy of the run, if that was how it was chosen. It is called as the folder is.
+    RecordError if the folder is not a run, or its files are damaged; ModelError if the model or an isolator in it is not
+    what it must be.
+    """
+    folder = Path(folder)
+    content = scenario_content(folder)
+    system, motion = system_and_motion(folder, content)
+    left_out = (*_RESOLVED, *(["timestep"] if "accuracy" in content["simulate"] else []))
+    simulate = {key: value for key, value in content["simulate"].items() if key not in left_out}
+    model = check_inside(folder, content["model"]).resolve()
+
+    def scenario() -> Scenario:
+        return Scenario(
+            question=content["question"], model=model, motion=motion, simulate=simulate, changes=system.changes,
+            **read_judge_table(content.get("judge", {})),
+        )  # fmt: skip
+
+    scenario.__doc__ = content["question"]
+    return ScenarioFile(name=folder.resolve().name, path=(folder / SCENARIO).resolve(), function=scenario)

@@ -36,8 +36,7 @@ from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.registry import copy_records
 from wirerope_mj.runs.folder import CHECKSUMS, FORMAT, KIND, MARKS, SCENARIO, SUMMARY, write_checksums
 from wirerope_mj.runs.scenario import Scenario
-from wirerope_mj.runs.scenario_file import judge_table, judged_by, scenario_content
-from wirerope_mj.runs.sources import system_and_motion
+from wirerope_mj.runs.scenario_file import judge_table, judged_by, scenario_content, system_and_motion
 from wirerope_mj.runs.summary import read_summary, summary_content
 
 _REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing that can be measured

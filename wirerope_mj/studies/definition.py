@@ -27,9 +27,8 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.registry import check_records, motion_from_dict
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.vary.distributions import Distribution, distribution_from_dict
-from wirerope_mj.studies.vary.motion_settings import MotionSettings
 from wirerope_mj.studies.vary.mount_quantities import OtherIsolator
-from wirerope_mj.studies.vary.quantities import quantities
+from wirerope_mj.studies.vary.quantities import MotionSettings, quantities
 from wirerope_mj.studies.vary.quantity import InputColumn
 from wirerope_mj.studies.vary.sampling import inputs
 from wirerope_mj.studies.vary.variants import Maker, Row, Work, check_variants

@@ -10,7 +10,7 @@ import pyarrow.compute as pc
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, ends_early, quiet_from
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.foundation.arrays import Booleans, Entries
-from wirerope_mj.studies.vary.motion_settings import MotionSettings
+from wirerope_mj.studies.vary.quantities import MotionSettings
 from wirerope_mj.studies.vary.variants import Maker, Work
 
 # How much slower than the nominal system's a variant's slowest mode may be without being looked for, if all mounts act.

@@ -35,7 +35,7 @@ from wirerope_mj.studies.results.measure import (
     values_of,
     worst,
 )
-from wirerope_mj.studies.results.stated_limits import StatedLimit, limits_of, read_stated
+from wirerope_mj.studies.results.varied import StatedLimit, limits_of, read_stated
 from wirerope_mj.studies.vary.sampling import OF_INDICES, factors
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)

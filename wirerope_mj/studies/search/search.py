@@ -23,8 +23,16 @@ from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.responses import KEPT, RESPONSES
 from wirerope_mj.studies.results.measure import kinds_of, unknown_measure
 from wirerope_mj.studies.results.varied import head
-from wirerope_mj.studies.search.evolution import Design, Evolution, check_installed, objectives, violations
-from wirerope_mj.studies.search.result import GENERATION, SearchResult, read_result
+from wirerope_mj.studies.search.result import (
+    GENERATION,
+    Design,
+    Evolution,
+    SearchResult,
+    check_installed,
+    objectives,
+    read_result,
+    violations,
+)
 from wirerope_mj.studies.study import checked_engine, chunk_size
 from wirerope_mj.studies.vary.distributions import Choice, Uniform
 

@@ -15,8 +15,8 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Limits
-from wirerope_mj.studies.vary.motion_settings import MotionSettings
 from wirerope_mj.studies.vary.mount_quantities import MOUNT_FACTORS
+from wirerope_mj.studies.vary.quantities import MotionSettings
 from wirerope_mj.studies.vary.quantity import WHOLE, Draft, InputColumn, without_force
 
 Row = Entries
