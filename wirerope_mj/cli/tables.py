@@ -30,7 +30,11 @@ def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool 
 
     def show(judged: JudgedRun) -> None:
         nonlocal printed
-        print_verdict(scenario, judged, seconds=perf_counter() - began)
+        out, content, seconds = console(), run_content(judged), perf_counter() - began
+        out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
+        show_answer(content, "warnings", *content.sections_of("summary"))
+        how = numerics_statement(judged.response.numerics).text
+        out.print(f"\n  {escape(how)}; verdict after {seconds:.1f} s")
         sys.stdout.flush()  # into a file or a pipe it would come with the last line
         printed = True
 
@@ -42,14 +46,6 @@ def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool 
             error.add_note(f"the peaks and verdicts above hold, but the run was not written to {folder}.")
         raise
     print_written(folder, seconds=perf_counter() - began)
-
-
-def print_verdict(scenario: Scenario, judged: JudgedRun, *, seconds: float) -> None:
-    """Print peaks against limits, the answer, how it was computed, and how long that took [s]."""
-    out, content = console(), run_content(judged)
-    out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
-    show_answer(content, "warnings", *content.sections_of("summary"))
-    out.print(f"\n  {escape(numerics_statement(judged.response.numerics).text)}; verdict after {seconds:.1f} s")
 
 
 def print_written(folder: Path, *, seconds: float) -> None:

@@ -77,13 +77,9 @@ def variants_of(work: Work, rows: Sequence[Entries]) -> Variants:
         rates.append(own[1])
         shifts.append([changes.positions.get(mount, (0.0, 0.0, 0.0)) for mount in system.mounts])
     return Variants(
-        indices=indices,
-        motions=motions,
-        isolators=isolators,
-        numbers=np.array(numbers),
-        rates=np.array(rates),
+        indices=indices, motions=motions, isolators=isolators, numbers=np.array(numbers), rates=np.array(rates),
         shifts=np.array(shifts),
-    )
+    )  # fmt: skip
 
 
 # By mount and identity of an isolator, which `Maker` keeps: its numbers and where they stand, the rates of its laws and
