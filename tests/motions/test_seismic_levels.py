@@ -5,7 +5,7 @@ import pytest
 import scipy.signal
 
 from wirerope_mj.cli import main
-from wirerope_mj.motions.restore import motion_of_levels
+from wirerope_mj.motions.registry import motion_of_levels
 from wirerope_mj.motions.seismic_levels import ac156_levels, en1998_levels
 
 G = 9.80665
