@@ -8,7 +8,7 @@ from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, Poin
 from wirerope_mj.engine.response.response import response_of
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.state import State
-from wirerope_mj.views.recording.poses import rotate
+from wirerope_mj.views.recording.shapes import rotate
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 TRAVEL = {"compression": 0.04, "tension": 0.02, "shear": 0.045, "roll": 0.045}

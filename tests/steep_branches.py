@@ -12,8 +12,8 @@ import numpy as np
 from house import sdof
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.motion import Drive
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.units import STANDARD_GRAVITY

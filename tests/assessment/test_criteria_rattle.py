@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import rattle_verdicts
 from wirerope_mj.assessment.criteria.ended import utilisation_over_time
-from wirerope_mj.assessment.criteria.rattle import between_points, body_corners, corner_displacements
+from wirerope_mj.assessment.criteria.payload import between_points, body_corners, corner_displacements
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
 from wirerope_mj.runs.scenario_file import judged_by

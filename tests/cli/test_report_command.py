@@ -14,7 +14,7 @@ from wirerope_mj.foundation.errors import ConvergenceError, RecordError, WireRop
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import load_scenario
-from wirerope_mj.views.report import pdf as pdf_module
+from wirerope_mj.views.report import page as pdf_module
 from wirerope_mj.views.report import report_html
 
 

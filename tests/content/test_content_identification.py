@@ -6,8 +6,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from wirerope_mj.content.blocks import WIDTH, Chart, Curve, Panel
 from wirerope_mj.content.identification import DRAWN_LOOPS, fit_chart, measures_chart, residual_chart
-from wirerope_mj.content.panels import WIDTH, Chart, Curve, Panel
 from wirerope_mj.mounts.identification.result import FittedLoop
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.views.plots.svg_chart import chart_svg

@@ -6,10 +6,9 @@ from made_up_floor import floor_response
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge
-from wirerope_mj.content.blocks import Statement
+from wirerope_mj.content.blocks import Chart, Statement
 from wirerope_mj.content.correlation import GHOST, correlation_content, with_ghosts
 from wirerope_mj.content.histories import run_histories
-from wirerope_mj.content.panels import Chart
 from wirerope_mj.content.selection import select
 
 pytestmark = pytest.mark.quick

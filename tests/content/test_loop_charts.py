@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from wirerope_mj.content.blocks import LIMIT
 from wirerope_mj.content.cyclic_tests import isolator_chart, loops_chart
-from wirerope_mj.content.panels import LIMIT
 from wirerope_mj.mounts.laws import BoucWen
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator

@@ -11,9 +11,8 @@ from rerun.chunk import RrdReader
 from shown import cells_of, cells_to_show, missing_rows, printed_by
 
 from wirerope_mj.assessment.criteria.verdict import by_use
-from wirerope_mj.content.blocks import Statement
+from wirerope_mj.content.blocks import Statement, short
 from wirerope_mj.content.numbers import number
-from wirerope_mj.content.panels import short
 from wirerope_mj.content.run import panel_over_frequency, run_content
 from wirerope_mj.content.selection import main_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY

@@ -4,7 +4,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from wirerope_mj.content.panels import OTHERS
+from wirerope_mj.content.blocks import OTHERS
 from wirerope_mj.content.study_charts import (
     choices_chart,
     directions_chart,

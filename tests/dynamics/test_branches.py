@@ -11,8 +11,8 @@ import wirerope_mj as wr
 from wirerope_mj.dynamics.arclength import corrected
 from wirerope_mj.dynamics.periodic import backbone, harmonic_content, resonances
 from wirerope_mj.dynamics.periodic.continuation import Continuation
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.growing import GrowingBranch
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of
 

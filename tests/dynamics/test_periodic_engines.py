@@ -6,8 +6,8 @@ from house import deck, mjcf, sdof
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic import flow as flows
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.flow import KernelFlow, MujocoFlow
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of
 

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic import harmonic_content
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.motion import Drive
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, shot
 from wirerope_mj.dynamics.single_mass import harmonic_balance
 

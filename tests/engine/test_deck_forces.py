@@ -7,7 +7,7 @@ import pytest
 from house import deck, mjcf
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria.foundation import area_forces, bolt_loads, foundation_force
+from wirerope_mj.assessment.criteria.loads import area_forces, bolt_loads, foundation_force
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.errors import ModelError
 

@@ -8,7 +8,7 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import monodromy, shot
 
 VALUES = {"alpha": 2e5, "beta": 300.0, "gamma": 100.0, "n": 1.0, "k1": 8e4, "k2": 1e5, "k3": 2e7, "b": 2.0, "c": 10.0}

@@ -8,7 +8,7 @@ import scipy
 from free_bodies import free_block
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria.foundation import foundation_force
+from wirerope_mj.assessment.criteria.loads import foundation_force
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import models_folder

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria.rattle import body_corners, rattle_verdicts
+from wirerope_mj.assessment.criteria.payload import body_corners, rattle_verdicts
 from wirerope_mj.cli import main
 
 pytestmark = pytest.mark.quick

@@ -255,7 +255,7 @@ def test_the_texts_of_recordings_show_names_as_text(place, run, study):
 
 def test_a_block_of_toml_ends_where_its_text_does(run):
     from wirerope_mj.content.judged_run import RunResult
-    from wirerope_mj.views.recording.texts import run_texts
+    from wirerope_mj.views.recording.drawn_runs import run_texts
 
     text = f'a = """\n```\n![x](http://a.b/c.png){ESCAPE}\n"""'.replace("\x1b", "")
     texts = run_texts(RunResult(response=wr.load_response(run[0]), verdicts=()), title=NAME, scenario_text=text)

@@ -11,7 +11,7 @@ from table_study import PULSE, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.modes.mount import closed_cycle, plane_stiffness, plane_tangents
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.engine.kernel.equations import equations

@@ -17,7 +17,7 @@ from stored_energy import stored_energy
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.dynamics.modes.mount import loop_cycle, plane_cycle, plane_tangents
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.errors import ModelError

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.content.panels import Chart, Curve, Field, Panel
+from wirerope_mj.content.blocks import Chart, Curve, Field, Panel
 from wirerope_mj.views.figure import chart_of
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from wirerope_mj.cli import main
-from wirerope_mj.content.panels import Chart, Curve, Panel
+from wirerope_mj.content.blocks import Chart, Curve, Panel
 from wirerope_mj.foundation.errors import FontWarning
 from wirerope_mj.views.pictures import save_pictures
 from wirerope_mj.views.plots import letters
@@ -86,7 +86,7 @@ def test_a_pdf_names_what_the_fonts_that_it_is_set_with_lack(here):
         encoding="utf-8",
     )
     code = (
-        "import sys; from pathlib import Path; from wirerope_mj.views.report.pdf import write_pdf;"
+        "import sys; from pathlib import Path; from wirerope_mj.views.report.page import write_pdf;"
         "write_pdf(sys.argv[1], Path('a.pdf'))"
     )
     page = f"<style>p {{ color: red }}</style><p>The cabinet {CHINESE} 2</p><p>&lt;{KOREAN}&gt;</p>"

@@ -6,7 +6,7 @@ import struct
 import numpy as np
 import pytest
 
-from wirerope_mj.content.panels import WIDTH, Chart, Curve, Panel
+from wirerope_mj.content.blocks import WIDTH, Chart, Curve, Panel
 from wirerope_mj.views.pictures import save_pictures
 from wirerope_mj.views.plots.svg_chart import chart_svg
 

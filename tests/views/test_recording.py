@@ -15,7 +15,7 @@ from recordings import column, entities
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.views.recording import read_state, record_rerun
-from wirerope_mj.views.recording.poses import frames_of, rotate
+from wirerope_mj.views.recording.shapes import frames_of, rotate
 from wirerope_mj.views.recording.viewer import viewer_binary
 
 pytestmark = pytest.mark.quick
@@ -208,7 +208,7 @@ def test_recordings_one_after_the_other_leave_no_thread(floor, tmp_path):
 INTERRUPTED = """
 import pathlib, signal, sys, threading
 import rerun as rr
-from wirerope_mj.views.recording.target import atomic_recording
+from wirerope_mj.views.recording.viewer import atomic_recording
 
 def disturbed(ordinary):
     def call(*arguments, **how):

@@ -11,7 +11,7 @@ from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_r
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.views.recording.animation import FREQUENCY, MOST_POINTS, POINT, ROWS, animation_of, strips_of
-from wirerope_mj.views.recording.branch import record_branches
+from wirerope_mj.views.recording.frequencies import record_branches
 from wirerope_mj.views.recording.ghosts import enlarged, factor_of
 from wirerope_mj.views.recording.paths import TIMELINE
 from wirerope_mj.views.recording.viewer import viewer_binary

@@ -13,9 +13,9 @@ from made_up_floor import floor_response
 from wirerope_mj.assessment.criteria import EXCEEDED, Criterion, Verdict, judge, verdict_lines
 from wirerope_mj.assessment.criteria.ended import used_limits
 from wirerope_mj.assessment.criteria.summary import against_limit
+from wirerope_mj.content.blocks import Curve, Panel
 from wirerope_mj.content.events import at_cursor, events_of, first_above, main_instants
 from wirerope_mj.content.judged_run import RunResult, judged_run
-from wirerope_mj.content.panels import Curve, Panel
 from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.engine.simulation import simulate
@@ -24,11 +24,11 @@ from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.motions import HalfSine
 from wirerope_mj.views.recording import loops, record_rerun, show
+from wirerope_mj.views.recording.drawn_runs import run_texts
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.panels import log_panel
 from wirerope_mj.views.recording.paths import known_letters
-from wirerope_mj.views.recording.poses import quaternion_of, rotate
-from wirerope_mj.views.recording.texts import run_texts
+from wirerope_mj.views.recording.shapes import quaternion_of, rotate
 from wirerope_mj.views.recording.viewer import free_port, web_address
 from wirerope_mj.views.thin import rows_of_extremes, rows_of_line, rows_of_steps
 

@@ -17,10 +17,9 @@ from house import sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
-from wirerope_mj.content.blocks import SceneView
+from wirerope_mj.content.blocks import Chart, Curve, Panel, SceneView, short
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.numbers import ABSENT, MINUS, fixed
-from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.content.run import accelerations_chart, run_content
 from wirerope_mj.content.run_spectra import run_spectra
 from wirerope_mj.content.scene_outline import crowded_label

@@ -8,11 +8,21 @@ import numpy as np
 import pytest
 from shown import words
 
-from wirerope_mj.content.blocks import Content, Document, Revision, Section, Statement, letter_of, with_appendices
-from wirerope_mj.content.panels import Chart, Curve, Panel
+from wirerope_mj.content.blocks import (
+    Chart,
+    Content,
+    Curve,
+    Document,
+    Panel,
+    Revision,
+    Section,
+    Statement,
+    letter_of,
+    with_appendices,
+)
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.views.report import pdf as pdf_module
+from wirerope_mj.views.report import page as pdf_module
 from wirerope_mj.views.report import report_html, write_docx
 
 docx = pytest.importorskip("docx")

@@ -35,7 +35,7 @@ def flexible(
         highest_hz: leave out modes above this frequency, which ask for small steps.
         residual: keep the static compliance of the modes that are left out, as a few residual vectors.
     """
-    from wirerope_mj.content.flexible import flexible_content
+    from wirerope_mj.content.decks import flexible_content
     from wirerope_mj.engine.flexible import import_part, save_flexible
     from wirerope_mj.engine.flexible.files import units_in
     from wirerope_mj.foundation.arguments import between, positive

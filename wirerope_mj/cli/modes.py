@@ -49,7 +49,7 @@ def modes(
     large = [modes_of(system, history=history, amplitude=size) for size in sizes]
     if alone:
         from wirerope_mj.dynamics.modes.animation import animated_modes
-        from wirerope_mj.views.recording.modes import record_modes
+        from wirerope_mj.views.recording.frequencies import record_modes
 
         record_modes(animated_modes(system, small), target, title=system.name, larger=large)
     else:

@@ -5,13 +5,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.foundation import foundation_force
+from wirerope_mj.assessment.criteria.loads import foundation_force
 from wirerope_mj.assessment.criteria.sampled import elements, has_peak
 from wirerope_mj.assessment.criteria.verdict import AMPLIFIED
-from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.blocks import Block, Chart, Curve, Panel, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, listed
-from wirerope_mj.content.panels import Chart, Curve, Panel
 from wirerope_mj.content.run_spectra import BASE, moving_axes
 from wirerope_mj.content.spectrum_charts import base_spectrum_chart
 from wirerope_mj.engine.response import Response

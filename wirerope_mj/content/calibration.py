@@ -6,10 +6,9 @@ from importlib.metadata import version
 
 import numpy as np
 
-from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.blocks import Block, Chart, Content, Curve, Panel, Section, Statement, short
 from wirerope_mj.content.identification import record_warnings
 from wirerope_mj.content.numbers import number, several, with_unit
-from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
 from wirerope_mj.foundation.units import duration_text, in_unit, shown_in
 from wirerope_mj.mounts.laws import LAWS

@@ -8,10 +8,9 @@ import numpy as np
 
 from wirerope_mj.assessment.correlation import ChannelCorrelation, Correlation
 from wirerope_mj.assessment.correlation.over_frequency import THREE_DB, SpectrumRatio
-from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.blocks import Block, Chart, Content, Curve, Panel, Section, Statement, short
 from wirerope_mj.content.histories import Histories
 from wirerope_mj.content.numbers import several, with_unit
-from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.content.spectrum_charts import POWER_DECADES, spectrum_panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit

@@ -6,9 +6,8 @@ from importlib.metadata import version
 
 import numpy as np
 
-from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.blocks import OTHERS, Block, Chart, Content, Curve, Panel, Section, Statement
 from wirerope_mj.content.numbers import several
-from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
 from wirerope_mj.foundation.units import force_unit, in_unit

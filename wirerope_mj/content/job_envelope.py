@@ -5,14 +5,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.foundation import area_forces
+from wirerope_mj.assessment.criteria.loads import area_forces
 from wirerope_mj.assessment.criteria.summary import BodyPeak
 from wirerope_mj.assessment.criteria.verdict import by_use
-from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.blocks import OTHERS, Block, Chart, Curve, Panel, Statement, short
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.mounts import EXTREMES
 from wirerope_mj.content.numbers import listed
-from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel, short
 from wirerope_mj.content.run_spectra import BASE
 from wirerope_mj.content.selection import worst_names
 from wirerope_mj.content.spectrum_charts import spectrum_panel

@@ -14,12 +14,11 @@ from wirerope_mj.assessment.criteria import (
     mount_peaks,
 )
 from wirerope_mj.assessment.criteria.verdict import by_use
-from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.blocks import Block, Chart, Curve, Panel, Statement, short, stacked, with_room
 from wirerope_mj.content.events import events_of
 from wirerope_mj.content.histories import Line, contact_panels, history_panel, used_panel
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed
-from wirerope_mj.content.panels import Chart, Curve, Panel, short, stacked, with_room
 from wirerope_mj.content.selection import MOST, Selection, kind_of
 from wirerope_mj.content.verdicts import TONE, used_mark
 from wirerope_mj.engine.response import Response

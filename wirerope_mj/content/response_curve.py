@@ -8,9 +8,8 @@ from importlib.metadata import version
 import numpy as np
 
 from wirerope_mj.assessment.criteria.travel import untested
-from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.blocks import BASE, Block, Chart, Content, Curve, Panel, Section, Statement, with_room
 from wirerope_mj.content.numbers import several
-from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, with_room
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import (

@@ -13,7 +13,20 @@ from wirerope_mj.assessment.criteria.random import SIGMAS
 from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.assessment.criteria.verdict import RMS, SIGMA, Criterion
 from wirerope_mj.content.base import base_acceleration, base_blocks, warnings_of
-from wirerope_mj.content.blocks import Block, Content, Depth, Section, Statement
+from wirerope_mj.content.blocks import (
+    BASE,
+    Block,
+    Chart,
+    Content,
+    Curve,
+    Depth,
+    Panel,
+    Section,
+    Statement,
+    crest,
+    short,
+    stacked,
+)
 from wirerope_mj.content.credibility import credibility_blocks
 from wirerope_mj.content.decks import deck_blocks, decks_blocks
 from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel, subject_called
@@ -22,7 +35,6 @@ from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import contact_blocks, contact_history_blocks, mount_blocks, mount_history_blocks
 from wirerope_mj.content.numbers import fixed, listed, number, paragraphs, several, with_unit
-from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.scene_outline import worst_instant
 from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement
+from wirerope_mj.content.blocks import OTHERS, Block, Chart, Content, Curve, Note, Panel, SceneView, Section, Statement
 from wirerope_mj.content.numbers import number, several
-from wirerope_mj.content.panels import OTHERS, Chart, Curve, Note, Panel
 from wirerope_mj.content.study import failed_blocks, numerics_table, rested_first, study_facts, study_question, varied_table
 from wirerope_mj.content.study_statements import travel_statements
 from wirerope_mj.foundation.arrays import Array, Integers

@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body_peaks, judge, mount_peaks
 from wirerope_mj.assessment.criteria.ended import Used, used_limits
 from wirerope_mj.assessment.criteria.verdict import by_use
-from wirerope_mj.content.panels import OTHERS
+from wirerope_mj.content.blocks import OTHERS
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array

@@ -10,10 +10,9 @@ import numpy as np
 from wirerope_mj.assessment.criteria import Criterion
 from wirerope_mj.assessment.criteria.random import SIGMAS
 from wirerope_mj.assessment.criteria.verdict import RMS
-from wirerope_mj.content.blocks import Block
+from wirerope_mj.content.blocks import BASE, LEFT, OTHERS, RIGHT, WIDTH, Block, Chart, Curve, Note, Panel, short
 from wirerope_mj.content.judged_run import STILL, JudgedRun
 from wirerope_mj.content.numbers import listed, several
-from wirerope_mj.content.panels import BASE, LEFT, OTHERS, RIGHT, WIDTH, Chart, Curve, Note, Panel, short
 from wirerope_mj.content.run_spectra import BASE as THE_BASE
 from wirerope_mj.content.run_spectra import held_text
 from wirerope_mj.content.selection import COLOURS, Selection, kind_of

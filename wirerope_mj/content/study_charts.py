@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from wirerope_mj.content.blocks import BASE, OTHERS, Chart, Curve, Field, Panel, short, with_room
 from wirerope_mj.content.numbers import MINUS
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Field, Panel, short, with_room
 from wirerope_mj.content.study_statements import capital, exceedance_text
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import tomli_w
 
-from wirerope_mj.content.blocks import Content
-from wirerope_mj.content.panels import Chart
+from wirerope_mj.content.blocks import Chart, Content
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.result import save_tables
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_summary
@@ -43,7 +42,7 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
         (temporary / MODES_MARKS[1]).write_text(json_text(said), encoding="utf-8")
         # Here, because rerun takes longer to import than checking the options.
         from wirerope_mj.dynamics.modes.animation import animated_modes
-        from wirerope_mj.views.recording.modes import record_modes
+        from wirerope_mj.views.recording.frequencies import record_modes
 
         record_modes(animated_modes(system, results[0]), temporary / "run.rrd", title=name, larger=results[1:])
 
@@ -73,7 +72,7 @@ def write_frequency_response(
                 save_pictures([charts[name]], temporary / picture, title=title)
         (temporary / REPORT).write_text(report_html(content), encoding="utf-8")
         if result.branches:
-            from wirerope_mj.views.recording.branch import record_branches
+            from wirerope_mj.views.recording.frequencies import record_branches
 
             record_branches(result, findings, content, temporary / "run.rrd")
 

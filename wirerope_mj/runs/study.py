@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from wirerope_mj.content.blocks import Content, SceneView
-from wirerope_mj.content.panels import Chart
+from wirerope_mj.content.blocks import Chart, Content, SceneView
 from wirerope_mj.content.search import front_table, search_content
 from wirerope_mj.content.study import measures_table, study_content, worst_table
 from wirerope_mj.engine.response import load_response

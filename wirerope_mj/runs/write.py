@@ -16,8 +16,8 @@ from time import perf_counter
 
 import tomli_w
 
+from wirerope_mj.content.blocks import Chart
 from wirerope_mj.content.judged_run import JudgedRun, judged_run
-from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.run import aliasing, missing_modes

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.assessment.criteria.ended import GROWTH
-from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
+from wirerope_mj.assessment.criteria.payload import rattle_verdicts
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import combined_utilisation
 from wirerope_mj.engine.control import layout as at

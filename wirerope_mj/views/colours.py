@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirerope_mj.content.panels import Field
+from wirerope_mj.content.blocks import Field
 from wirerope_mj.content.selection import Selection
 
 Color = tuple[int, int, int]

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from wirerope_mj.content.blocks import BASE, LIMIT, OTHERS, Chart, Curve, Panel, stacked
 from wirerope_mj.content.cyclic_tests import isolator_chart, loops_chart
 from wirerope_mj.content.histories import TOTAL, run_histories
-from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel, stacked
 from wirerope_mj.content.response_curve import amplitude_chart
 from wirerope_mj.content.selection import select
 from wirerope_mj.content.spectrum_charts import power_densities_chart, shock_spectra_chart

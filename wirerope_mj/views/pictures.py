@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from textwrap import wrap
 
-from wirerope_mj.content.blocks import SceneView
-from wirerope_mj.content.panels import WIDTH, Chart
+from wirerope_mj.content.blocks import WIDTH, Chart, SceneView
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.views.plots import scene_svg
 from wirerope_mj.views.plots.letters import FAMILY, fonts_for, text_of
@@ -48,7 +47,7 @@ def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
                 font_files=fonts_for(text_of(picture)), sans_serif_family=FAMILY,
             ))  # fmt: skip
         else:
-            from wirerope_mj.views.report.pdf import write_pdf
+            from wirerope_mj.views.report.page import write_pdf
 
             write_pdf(f"<style>@page{{size:{size[0]:g}px {size[1]:g}px;margin:0}}body{{margin:0}}</style>{picture}", temporary)
 

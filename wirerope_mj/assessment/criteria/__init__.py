@@ -1,6 +1,5 @@
 """Criteria by which a response is judged: each gives a value, its limit, the margin and a verdict; and all of them together."""
 
-from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts, spectrum_verdict
 from wirerope_mj.assessment.criteria.judge import headline, judge
 from wirerope_mj.assessment.criteria.loads import (
     closing_text,
@@ -9,8 +8,8 @@ from wirerope_mj.assessment.criteria.loads import (
     starting_load_verdicts,
     static_load_verdicts,
 )
+from wirerope_mj.assessment.criteria.payload import acceleration_verdicts, rattle_verdicts, spectrum_verdict
 from wirerope_mj.assessment.criteria.random import judge_random, random_verdicts
-from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
 from wirerope_mj.assessment.criteria.summary import BodyPeak, MountPeak, body_peaks, mount_peaks, summary, verdict_lines
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, rest_travel_verdicts, travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (

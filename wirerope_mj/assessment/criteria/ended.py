@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.rattle import between_points, body_corners, corner_displacements
+from wirerope_mj.assessment.criteria.payload import between_points, body_corners, corner_displacements
 from wirerope_mj.assessment.criteria.sampled import STEADY, elements, read_columns, steady_interval
 from wirerope_mj.assessment.criteria.travel import combined_travel
 from wirerope_mj.assessment.criteria.verdict import (

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from wirerope_mj.assessment.criteria.acceleration import UNLIMITED, acceleration_verdicts
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, require_over
 from wirerope_mj.assessment.criteria.loads import (
     contact_verdicts,
@@ -11,8 +10,7 @@ from wirerope_mj.assessment.criteria.loads import (
     starting_load_verdicts,
     static_load_verdicts,
 )
-from wirerope_mj.assessment.criteria.rattle import UNLIMITED as RATTLE_UNLIMITED
-from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
+from wirerope_mj.assessment.criteria.payload import NO_CLEARANCE, UNLIMITED, acceleration_verdicts, rattle_verdicts
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (
@@ -91,7 +89,7 @@ def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
         return "", ""
     part, why = missing[-1], ": nothing is rated"
     if part == "payload":
-        stated = all(row.note.endswith((UNLIMITED, RATTLE_UNLIMITED)) for row in parts[part])
+        stated = all(row.note.endswith((UNLIMITED, NO_CLEARANCE)) for row in parts[part])
         why = ": no limit stated" if stated else ""
     what = "acceleration of the payload" if part == "payload" and "rattle space" in judged else part
     return f" of the {' and '.join(judged)}", f"{what} not judged{why}"

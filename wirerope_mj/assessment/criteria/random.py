@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
+from wirerope_mj.assessment.criteria.payload import UNIT, UNLIMITED
 from wirerope_mj.assessment.criteria.sampled import (
     elements,
     read_columns,

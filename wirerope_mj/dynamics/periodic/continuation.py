@@ -12,8 +12,8 @@ import numpy as np
 
 from wirerope_mj.dynamics.arclength import corrected, crossing, unit_tangent
 from wirerope_mj.dynamics.periodic.branch import Kind, Parameter
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.motion import Drive, ranges, scales
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, MARGIN, FloquetStability, Shot, monodromy, shot, stability
 from wirerope_mj.foundation.arrays import Array
 

@@ -7,9 +7,8 @@ from pathlib import Path
 import mujoco
 
 from wirerope_mj.dynamics.periodic.branch import Branch
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.growing import GrowingBranch
-from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch, PeriodicOrbit
 from wirerope_mj.dynamics.periodic.storage import branch_options
 from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.simulation.progress import share_bar

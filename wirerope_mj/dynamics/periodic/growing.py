@@ -11,8 +11,8 @@ import numpy as np
 
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point, turns
-from wirerope_mj.dynamics.periodic.find import SETTLING, OrbitSearch
 from wirerope_mj.dynamics.periodic.motion import travel_exceeded
+from wirerope_mj.dynamics.periodic.orbit import SETTLING, OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, pass_by, unstable_stretches
 from wirerope_mj.dynamics.periodic.storage import (

@@ -1,19 +1,28 @@
-"""A motion that repeats itself under a sine of the base, the result of `periodic_orbit`, and its harmonics."""
+"""A motion that repeats itself under a sine of the base: the result of , its harmonics, and the search for it."""
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 import scipy
 
-from wirerope_mj.dynamics.periodic.laws import smoothed
+from wirerope_mj.dynamics.periodic.flow import Flow, KernelFlow, flow_of
+from wirerope_mj.dynamics.periodic.laws import ScaledStates, smoothed
+from wirerope_mj.dynamics.periodic.motion import Coordinates, Drive, deflection_rates, ranges, travel_exceeded
+from wirerope_mj.dynamics.periodic.shooting import ACCEPTED, Shot, close, monodromy, shot, stability, wide_monodromy
+from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step, yield_rates
+from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.arrays import Array, ComplexArray
+from wirerope_mj.foundation.budget import require_memory, require_time
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
+from wirerope_mj.foundation.errors import ConvergenceError, SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity
 from wirerope_mj.motions import Sine
@@ -126,3 +135,172 @@ def harmonic_content(
     order = tuple(Fraction(number, orbit.periods) for number in range(kept))
     frequency = np.array([float(o) * orbit.frequency for o in order])
     return HarmonicContent(order=order, frequency=frequency, amplitude=amplitude, phase=np.angle(spectrum[:kept]))
+
+
+# Steps per period of the base for an error of 1e-4 of accelerations and deflections: measured on one mass from a seventh of
+# its resonance to twice it, superharmonic resonances included, and on a floor. The kinks at reversals leave order 2.
+STEPS = 128
+NATURAL = 32  # steps per period of the system's fastest motion: between reversals RK4 has its order 4
+REFERENCE = 1e-4  # accuracy for which these numbers hold
+STABLE = 0.9  # fraction of the stability limit that a step may have
+# Decay of a hysteretic state near its bound over a step at the most: beyond 2.785 RK4 makes it grow, two coupled ones sooner.
+SETTLED = 2.0
+SAME_RATE = 0.1  # relative change of the largest such rate for which the steps are not changed
+# Periods that are simulated before Newton's method starts, and more of them each time it fails.
+SETTLING = (20, 60, 240)
+# Factors on the number of steps if that leads nowhere: where a reversal falls on a step, the motion may wander between two.
+FINER = (1.5, 2.0)
+ITERATIONS = 20  # Newton iterations of one attempt: four times what a smooth start takes
+# Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and
+# turn has 12 without its mounts' states.
+MANY = 13
+WIDTHS = 4  # times that the width of smoothed laws is set by the motion that was found with the last one
+SAME_WIDTH = 0.01  # relative change of that width that no longer matters: the motion depends on its square
+
+
+class Steps:
+    """The number of steps in a period of the base of one system, for an accuracy."""
+
+    def __init__(self, system: System, accuracy: float) -> None:
+        self.finer = 1.0  # factor on what the accuracy asks for
+        self._wanted = math.sqrt(REFERENCE / accuracy)
+        self._highest = float(np.abs(eigenvalues(system).imag).max(initial=0.0)) / (2.0 * math.pi)
+        self._longest = STABLE * stable_step(system)
+        self.decay = 0.0  # largest rate at which a hysteretic state of the motion goes back to its bound [1/s]
+
+    def per_period(self, frequency: float) -> int:
+        """Choose the number for a frequency [Hz]; BudgetError if a period of so many takes too long.
+
+        It is even: with a law without an elastic part only the symmetry of the two half periods keeps the mass from drifting,
+        and an odd number would break it.
+        """
+        wanted = self.finer * self._wanted * max(STEPS, NATURAL * self._highest / frequency)
+        steps = max(wanted, max(1.0 / self._longest, self.decay / SETTLED) / frequency)
+        require_time(f"a period of {frequency:.4g} Hz", steps, "Take a higher frequency or a larger `accuracy`.")
+        return 2 * math.ceil(steps / 2.0)
+
+
+class OrbitSearch:
+    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped."""
+
+    def __init__(
+        self, system: System, *, direction: Direction, history: History, accuracy: float, smoothing: float | None = None
+    ) -> None:
+        self.system, self._steps = system, Steps(system, accuracy)
+        self.coordinates = Coordinates(system, direction=direction, history=history)
+        self.smoothing = None if smoothing is None else positive("smoothing", smoothing)
+        stepped = system if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
+        self.flow = flow_of(self.coordinates, stepped)
+        self.scaled = ScaledStates(stepped).serve  # whether derivatives and multipliers are of the variational equation
+        self._yield_rates = yield_rates(system, steep=not isinstance(self.flow, KernelFlow) or smoothing is not None)
+        self.variational = variational_of(self.flow) if self.scaled or self.coordinates.size >= MANY else None
+
+    def adapt(self, motion: Shot) -> bool:
+        """Take steps that hysteretic states settle in, and smooth the laws over their fraction of this motion's velocity.
+
+        Returns whether either changed much.
+        """
+        before, steps = self._steps.decay, motion.track.drive
+        decay = float((self._yield_rates * deflection_rates(self.system, motion.track)).max(initial=0.0))
+        changed = False
+        if np.isfinite(decay) and abs(decay - before) > SAME_RATE * decay:
+            self._steps.decay = decay
+            now = self.drive(steps.frequency, steps.acceleration, steps.periods).steps
+            changed = abs(now - steps.steps) > SAME_RATE * steps.steps
+        if self.smoothing is None:
+            return changed
+        width, wanted = self.flow.width, self.smoothing * ranges(self.system, motion.track).rate
+        self.flow.smooth(wanted)
+        return changed or abs(wanted - width) > SAME_WIDTH * wanted
+
+    def derivative(self, flow: Flow, at: Shot) -> Array:
+        """Compute the scaled monodromy matrix that Newton's method takes, (n_x, n_x)."""
+        phi = self.variational.matrix(at) if self.scaled and self.variational is not None else None
+        return monodromy(flow, at) if phi is None else phi
+
+    def require_budget(self, frequency: float, periods: int, points: float) -> None:
+        """Raise BudgetError if so many motions at a frequency [Hz] take too long, or one of them too much memory."""
+        steps = float(periods) * self._steps.per_period(frequency)
+        remedy = "Take fewer `periods`, a larger `largest_step` or `accuracy`, or a narrower range."
+        require_time(f"following {points:.4g} periodic motions of {steps:.4g} steps", points * steps, remedy)
+        values = self.system.model.nsensordata + self.coordinates.size
+        require_memory(f"one of these periodic motions, {steps:.4g} steps,", 8.0 * values * steps, remedy)
+
+    def drive(self, frequency: float, acceleration: float, periods: int = 1) -> Drive:
+        steps = periods * self._steps.per_period(frequency)
+        return Drive(frequency=frequency, acceleration=acceleration, periods=periods, steps=steps)
+
+    def find(
+        self, frequency: float, acceleration: float, periods: int, *, guess: State | None, tolerance: float
+    ) -> PeriodicOrbit:
+        """Find the periodic motion, from a guess or from the equilibrium after longer and longer transients."""
+        carried = self.coordinates.carried(frequency, acceleration)
+        x = self.coordinates.rest() if guess is None else self.coordinates.from_state(guess.values, carried)
+        settled, best = 0, math.inf
+        plain = [(self._steps.finer, more) for more in ((0, *SETTLING) if guess is not None else SETTLING)]
+        for finer, more in plain + [(factor * self._steps.finer, more) for factor in FINER for more in SETTLING[:2]]:
+            self._steps.finer = finer
+            drive = self.drive(frequency, acceleration, periods)
+            if more:
+                x, settled = self.settled(x, drive, more), settled + more
+            motion = shot(self.flow, x, drive)
+            for _ in range(WIDTHS):  # laws are smoothed over the motion's own velocity
+                changed = self.adapt(motion)
+                drive = self.drive(frequency, acceleration, periods)
+                motion = self.closed(shot(self.flow, motion.x, drive) if changed else motion, tolerance)
+                if not changed:
+                    break
+            best = min(best, motion.residual)
+            if motion.closes(max(tolerance, ACCEPTED)):
+                return self.judged(motion, tolerance, f" after {settled} periods of settling" if settled else "")
+        raise ConvergenceError(
+            f"no motion of period {periods} / ({frequency:.6g} Hz) was found at {acceleration:.4g} m/s^2: the residual stays "
+            f"at {best:.2g} (`tolerance` {tolerance:.2g}) after Newton's method from {'the guess and from ' if guess else ''}"
+            f"{', '.join(str(n) for n in np.cumsum(SETTLING))} periods of settling, and with finer steps. The motion may not "
+            "be periodic there: try another frequency and follow the branch from it, a lower acceleration, a finer `accuracy`, "
+            "or `periods=2` or 3."
+        )
+
+    def closed(self, start: Shot, tolerance: float) -> Shot:
+        return close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS, derivative=self.derivative)
+
+    def settled(self, x: Array, drive: Drive, number: int) -> Array:
+        """Let the system go on for a number of the base's periods; the error of a simulation where it goes astray."""
+        long = replace(drive, periods=number, steps=number * (drive.steps // drive.periods))
+        end = self.flow.ends(x[np.newaxis], long)[0]
+        if np.isfinite(end).all():
+            return end
+        try:  # a simulation over the same steps names the reason
+            simulate(
+                self.system, long.sine(self.coordinates.direction), duration=long.duration, initial=self._state(x, long),
+                timestep=long.duration / long.steps, sample_rate=long.steps / long.duration,
+            )  # fmt: skip
+        except SimulationError as error:
+            raise SimulationError(f"{_level(long)} the motion is too large: {error} Lower the acceleration.") from None
+        raise SimulationError(f"the motion at {long.frequency:.6g} Hz grew without bound.")
+
+    def _state(self, x: Array, drive: Drive) -> State:
+        carried = self.coordinates.carried(drive.frequency, drive.acceleration)
+        return State(values=self.coordinates.to_state(x, carried), time=0.0)
+
+    def judged(self, motion: Shot, tolerance: float, settling: str) -> PeriodicOrbit:
+        """Judge a periodic motion's stability; one that leaves a rated travel is a SimulationError."""
+        drive = motion.track.drive
+        over = travel_exceeded(self.system, motion.track)
+        if over:
+            raise SimulationError(f"{_level(drive)} {over}. Lower the acceleration.")
+        phi = self.variational.matrix(motion) if self.scaled and self.variational is not None else None
+        judged = stability(self.flow, motion, wide_monodromy(self.flow, motion) if phi is None else phi)
+        short = f", not the `tolerance` of {tolerance:.1g}: rounding stopped it there" * (motion.residual > tolerance)
+        return PeriodicOrbit(
+            system=self.system, frequency=drive.frequency, acceleration=drive.acceleration,
+            direction=self.coordinates.direction, periods=drive.periods, smoothing_width=self.flow.width,
+            state=self._state(motion.x, drive), steps=drive.steps,
+            floquet_multipliers=judged.multipliers, neutral=judged.neutral, stable=judged.stable, residual=motion.residual,
+            iterations=motion.iterations, model_steps=self.flow.steps,
+            message=f"residual {motion.residual:.1e} after {motion.iterations} Newton iterations{settling}{short}",
+        )  # fmt: skip
+
+
+def _level(drive: Drive) -> str:
+    return f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2"

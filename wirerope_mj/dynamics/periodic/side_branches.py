@@ -13,8 +13,8 @@ import numpy as np
 
 from wirerope_mj.dynamics.periodic.branch import ALIKE, Bifurcation, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.motion import Drive
+from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.storage import BranchOptions, Row, amplitude_of
 

@@ -10,11 +10,11 @@ from wirerope_mj.assessment.comparison import compare_runs
 from wirerope_mj.assessment.correlation import Correlation, correlate
 from wirerope_mj.assessment.criteria import MountPeak, Verdict, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION
+from wirerope_mj.content.blocks import Panel
 from wirerope_mj.content.comparison import accelerations_table, figures_table, travel_tables
 from wirerope_mj.content.correlation import channel_panel
 from wirerope_mj.content.histories import TOTAL, Line, history_panel, subject_called
 from wirerope_mj.content.numbers import ABSENT, MINUS
-from wirerope_mj.content.panels import Panel
 from wirerope_mj.content.run import numerics_statement
 from wirerope_mj.content.verdicts import answer_blocks, headline
 from wirerope_mj.foundation.arrays import Entries

@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from wirerope_mj.content.blocks import SceneView
-from wirerope_mj.content.panels import short
+from wirerope_mj.content.blocks import SceneView, short
 from wirerope_mj.content.scene_outline import (
     DrawnScene,
     Outline,

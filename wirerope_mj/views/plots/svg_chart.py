@@ -10,7 +10,7 @@ from math import isfinite, log10
 
 import numpy as np
 
-from wirerope_mj.content.panels import BASE, LEFT, LIMIT, OTHERS, RIGHT, WIDTH, Chart, Curve, Field, Panel
+from wirerope_mj.content.blocks import BASE, LEFT, LIMIT, OTHERS, RIGHT, WIDTH, Chart, Curve, Field, Panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.ticks import linear_ticks, log_lines, log_ticks

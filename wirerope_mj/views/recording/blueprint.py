@@ -11,16 +11,14 @@ from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.histories import TOTAL, USED
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
-from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
+from wirerope_mj.views.recording.drawn_runs import BANNER, BELOW, Drawn, DrawnRun
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
 from wirerope_mj.views.recording.ghosts import ghost_factor
 from wirerope_mj.views.recording.loops import LoopPlot, drawn_loops, grid_shape, loop_plots
 from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
 from wirerope_mj.views.recording.now import CURSOR, PLAN, plan_bounds
-from wirerope_mj.views.recording.over_frequency import over_frequency_view
-from wirerope_mj.views.recording.panels import lane_paths, panel_view
+from wirerope_mj.views.recording.panels import lane_paths, over_frequency_view, panel_view
 from wirerope_mj.views.recording.paths import entity
-from wirerope_mj.views.recording.texts import BANNER, BELOW
 from wirerope_mj.views.recording.views import (
     GROUND,
     Pane,

@@ -7,7 +7,7 @@ import numpy as np
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, Scene
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.poses import conjugate, multiply, rotate
+from wirerope_mj.views.recording.shapes import conjugate, multiply, rotate
 
 _LOOK_FROM = np.array([0.46, -0.80, 0.38])
 _TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))  # Of half the viewer's angle of view from below to above, less a margin

@@ -1,23 +1,36 @@
 """Runs as a recording draws them, one alone or several over each other: colours, frames, panels, texts and what is shared."""
 
+import re
+import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
 from wirerope_mj.assessment.comparison.runs import Subject, subjects_of
+from wirerope_mj.assessment.correlation import Correlation
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.assessment.criteria.ended import Used
+from wirerope_mj.content.blocks import Block, Panel
+from wirerope_mj.content.comparison import Inputs, comparison_content
+from wirerope_mj.content.correlation import agreement
 from wirerope_mj.content.histories import TOTAL, USED, Histories, difference_key, differing, overlay_histories, run_histories
-from wirerope_mj.content.judged_run import RunResult
-from wirerope_mj.content.panels import Panel
+from wirerope_mj.content.judged_run import JudgedRun, RunResult
+from wirerope_mj.content.modes import run_modes_blocks
+from wirerope_mj.content.mounts import contact_blocks, mount_blocks
+from wirerope_mj.content.run import acceleration_blocks, numerics_statement
 from wirerope_mj.content.selection import Selection, main_direction, select
+from wirerope_mj.content.verdicts import answer_blocks, full_table, headline, most_critical
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.plain_text import markdown, plain_lines
+from wirerope_mj.foundation.tables import Table
 from wirerope_mj.views.colours import DARK, Color
+from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording.paths import AXES, root_of
-from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import ARROW
+from wirerope_mj.views.recording.shapes import Frame, frames_of
 
 MOST_MOUNTS = 4  # of an axis, drawn for several runs: each is a plot of its own
 # Of the runs in every view. There are no more runs than colours that can be told apart.
@@ -159,4 +172,73 @@ def shared_selection(runs: Sequence[DrawnRun], mounts: tuple[str, ...], most: in
     return replace(
         runs[0].selection, window=(min(starts), max(ends)), utilisations=utilisations, mounts=mounts, ranked=ranked,
         used=tuple(used.values()),
+    )  # fmt: skip
+
+
+BANNER, BELOW = "banner", "below"
+
+
+def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, ...]:
+    """Write verdict, scenario, peaks, all verdicts and the modes of a run; `scenario_text` is Markdown, or TOML, set as such.
+
+    Of a run whose system is not at hand there are no modes.
+    """
+    first = [headline(run.verdicts), most_critical(run.verdicts)]
+    peaks: list[Block | None] = [*first[:1], *answer_blocks(run)]
+    peaks += [*acceleration_blocks(run), *mount_blocks(run), *contact_blocks(run)]
+    body = scenario_text.strip()
+    with suppress(tomllib.TOMLDecodeError):
+        if tomllib.loads(scenario_text):  # a block of code, whose fence is longer than any row of backticks in it
+            fence = "`" * max(max(map(len, re.findall("`+", body)), default=0) + 1, 3)
+            body = f"{fence}toml\n{plain_lines(body)}\n{fence}"
+    numerics = markdown(numerics_statement(run.response.numerics).text)
+    scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
+    critical = markdown_blocks(first[1:])
+    banner = f"**{markdown(run.headline)}**  {critical}".strip()
+    modes = markdown_blocks(run_modes_blocks(run)) if isinstance(run, JudgedRun) else ""
+    return (
+        Text(path=("verdict",), name="Verdict", place=BANNER, text=banner),
+        Text(path=("scenario",), name="Scenario", place=BELOW, text="\n\n".join(filter(None, scenario))),
+        Text(path=("peaks",), name="Peaks", place="Peaks", text=markdown_blocks(peaks)),
+        Text(path=("verdicts",), name="Verdicts", place="Verdicts", text=markdown_blocks([full_table(run.verdicts)])),
+        *([Text(path=("modes",), name="Modes", place="Modes", text=modes)] if modes else []),
+    )
+
+
+def test_texts(tests: Sequence[Correlation]) -> tuple[Text, ...]:
+    return tuple(
+        Text(
+            path=("tests", test.name), name=test.name, place="Agreement",
+            text=markdown_blocks([agreement(test), test.table, test.ratings]),
+        )
+        for test in tests
+    )  # fmt: skip
+
+
+def overlay_texts(
+    comparison: Comparison, inputs: Inputs, tables: Sequence[Table], judged: Mapping[str, JudgedRun] | None = None
+) -> tuple[Text, ...]:
+    """Write which run is better, what differs, peaks side by side, and tables of the study."""
+    content = comparison_content(comparison, inputs, judged)
+    sections = {section.id: markdown_blocks(section.blocks) for section in content.sections}
+
+    def of(*names: str) -> str:
+        return "\n\n".join(filter(None, (sections[name] for name in names)))
+
+    study = [Text(path=("study",), name="Study", place="Study", text=markdown_blocks(tables))] if tables else []
+    return (
+        Text(path=("verdict",), name="Which is better", place=BANNER, text=f"**{markdown(content.verdict.text)}**"),
+        Text(
+            path=("differences",),
+            name="What differs",
+            place=BELOW,
+            text=of("differences", "headlines", "findings", "credibility"),
+        ),
+        Text(
+            path=("peaks", "accelerations"), name="Accelerations", place="Peaks", text=of("accelerations", "components")
+        ),
+        Text(
+            path=("peaks", "mounts"), name="Mounts", place="Peaks", text=of("travel", "mounts") or "There are no mounts.",
+        ),
+        Text(path=("peaks", "apart"), name="Farthest apart", place="Peaks", text=of("apart")), *study,
     )  # fmt: skip

@@ -12,10 +12,10 @@ from wirerope_mj.engine.response.histories import MountResponse
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.colours import colour_of
+from wirerope_mj.views.colours import Color, colour_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.paths import AXES, Rows, Stream, at, child, entity
-from wirerope_mj.views.recording.views import HEIGHT, LARGE, Color, Plot, log_frame
+from wirerope_mj.views.recording.views import HEIGHT, LARGE, Plot, log_frame
 from wirerope_mj.views.thin import rows_of_line, rows_of_steps
 
 # rows of a trail at once: the viewer draws a segment for each in every frame

@@ -16,8 +16,18 @@ from wirerope_mj.views.colours import DARK, colour_of
 from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent, whole_scene
 from wirerope_mj.views.recording.now import heat, used_by
 from wirerope_mj.views.recording.paths import AXIAL, Rows, Stream, at, child
-from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
-from wirerope_mj.views.recording.shapes import bending_at, block, coil, drawn_size, quaternion
+from wirerope_mj.views.recording.shapes import (
+    Frame,
+    bending_at,
+    block,
+    coil,
+    conjugate,
+    drawn_size,
+    multiply,
+    quaternion,
+    quaternion_of,
+    rotate,
+)
 
 _STEEL = (176, 184, 194)
 _RUBBER = (64, 66, 72)

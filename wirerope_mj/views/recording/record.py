@@ -12,12 +12,12 @@ from rerun.chunk import RrdReader
 from wirerope_mj.assessment.comparison import Align
 from wirerope_mj.assessment.correlation import Correlation
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, headline, judge
+from wirerope_mj.content.blocks import Panel
 from wirerope_mj.content.comparison import Inputs
 from wirerope_mj.content.correlation import with_ghosts
 from wirerope_mj.content.events import events_of, main_instants
 from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
-from wirerope_mj.content.panels import Panel
 from wirerope_mj.content.run import panel_over_frequency
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
@@ -27,17 +27,23 @@ from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.blueprint import blueprint_of, layout_of_cases, loop_widths
-from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun, one_run, several_runs, shared_selection
+from wirerope_mj.views.recording.drawn_runs import (
+    Drawn,
+    DrawnRun,
+    one_run,
+    overlay_texts,
+    run_texts,
+    several_runs,
+    shared_selection,
+    test_texts,
+)
 from wirerope_mj.views.recording.ghosts import ghost_factor, log_ghosts
 from wirerope_mj.views.recording.loops import drawn_loops, log_loops, loop_plots
 from wirerope_mj.views.recording.now import log_cursor, log_plan
-from wirerope_mj.views.recording.over_frequency import log_over_frequency
-from wirerope_mj.views.recording.panels import log_lanes, log_panel
+from wirerope_mj.views.recording.panels import log_lanes, log_over_frequency, log_panel
 from wirerope_mj.views.recording.paths import APPLICATION, TIMELINE, AtEvents, Below, Stream, at, entity, known_letters, root_of
 from wirerope_mj.views.recording.scene import log_scene
-from wirerope_mj.views.recording.target import atomic_recording, target_of
-from wirerope_mj.views.recording.texts import overlay_texts, run_texts, test_texts
-from wirerope_mj.views.recording.viewer import join_recordings
+from wirerope_mj.views.recording.viewer import atomic_recording, join_recordings, target_of
 
 OVERLAY_FILE = "overlay.rrd"
 

@@ -10,8 +10,7 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import reach, scene_extent
 from wirerope_mj.views.recording.mounts import log_mounts, log_stops
 from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
-from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
-from wirerope_mj.views.recording.shapes import draw_geoms, log_bending, quaternion, see_through
+from wirerope_mj.views.recording.shapes import Frame, conjugate, draw_geoms, log_bending, quaternion, rotate, see_through
 from wirerope_mj.views.thin import rows_of_steps
 
 _STILL = 1 / 50  # of the largest travel, by which something moves before poses are drawn anew

@@ -10,10 +10,10 @@ import rerun.blueprint as rrb
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array, ArrayLike
-from wirerope_mj.views.colours import DARK
+from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.paths import TIMELINE, Stream, entity, known_letters
-from wirerope_mj.views.recording.poses import Frame
+from wirerope_mj.views.recording.shapes import Frame
 
 Pane: TypeAlias = rrb.View | rrb.Container
 SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second takes ten
@@ -108,7 +108,6 @@ _FRAME = (120, 126, 134)
 _GRID = (52, 57, 64)
 _ZERO = (104, 110, 118)
 _TICK = (128, 134, 142)
-Color = tuple[int, int, int]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
-from wirerope_mj.content.blocks import Block, Content, SceneView, Statement, letter_of
+from wirerope_mj.content.blocks import Block, Chart, Content, SceneView, Statement, letter_of
 from wirerope_mj.content.numbers import ABSENT, MINUS
-from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Column, Table, left

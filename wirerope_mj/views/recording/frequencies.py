@@ -1,45 +1,37 @@
-"""Branches of periodic motions as one `run.rrd`: one scrubs along the resonance and sees the loops change.
+"""Recordings over frequency: a branch of periodic motions, and modes in motion."""
 
-Timelines: `point` goes from motion to motion along the branches of all levels, `frequency_mHz` does by frequency, and
-`sim_time` [s] plays one repetition of each motion of the highest level after the other. Entities:
-
-```text
-/world                           the scene, as in the recording of a response, small motions drawn larger
-/response                        frame of the frequency response, logarithmic;  .../data/NAME  a curve, folds among them
-/response/data/here/level_1      the motion of each level on its curve
-/loops/AXIS/MOUNT                frame of a mount's loops;  .../data/level_1  the loop;  .../data/cursor
-/shape  /portrait                the loop that takes most energy, and its phase portrait, over their own ranges
-/multipliers                     unit circle, and the Floquet multipliers of the motion
-/motion  /about                  texts: the motion in view, and all levels
-```
-"""
-
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from wirerope_mj.content.blocks import Content, Statement
-from wirerope_mj.content.panels import Chart
+from wirerope_mj.content.blocks import Chart, Content, Statement
+from wirerope_mj.content.modes import amplitudes_table, mode_blocks, modes_table
 from wirerope_mj.content.response_curve import motion_blocks
 from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, busiest_loops
+from wirerope_mj.dynamics.modes.animation import ModeAnimation
+from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK
-from wirerope_mj.views.markdown import markdown_blocks
-from wirerope_mj.views.recording.animation import POINT, Animation, Strip, animation_of, at_points, strips_of, timelines
+from wirerope_mj.views.markdown import markdown_blocks, markdown_table
+from wirerope_mj.views.recording.animation import POINT, Along, Animation, Strip, animation_of, at_points, strips_of, timelines
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.ghosts import enlarged, factor_of
 from wirerope_mj.views.recording.loops import loop_points
-from wirerope_mj.views.recording.over_frequency import log_frequency_panel
-from wirerope_mj.views.recording.paths import AXES, Stream, at, child, entity, known_letters
-from wirerope_mj.views.recording.poses import Frame, frames_of
+from wirerope_mj.views.recording.panels import log_frequency_panel
+from wirerope_mj.views.recording.paths import AXES, TIMELINE, Stream, at, child, entity, known_letters, nanoseconds
 from wirerope_mj.views.recording.scene import log_scene
-from wirerope_mj.views.recording.target import atomic_recording, target_of
+from wirerope_mj.views.recording.shapes import Frame, frames_of
+from wirerope_mj.views.recording.viewer import atomic_recording, target_of
 from wirerope_mj.views.recording.views import (
     GROUND,
     HEIGHT,
@@ -251,3 +243,43 @@ def log_multipliers(rec: Stream, animation: Animation, *, width: float) -> None:
     colors: list[Color] = [_OUTSIDE if size > 1.0 + 1e-4 else _INSIDE for size in modulus]
     columns = rr.Points2D.columns(positions=np.column_stack([drawn.real, drawn.imag]), colors=colors)
     rec.send_columns(child(data, "here"), at_points(animation, animation.strip), columns.partition([row.size for row in rows]))
+
+
+MODE = "mode"  # Timeline over the modes, numbered from 1; also the entity of the text about one
+ALL = "modes"
+_AWAY = 1.12  # distance of the camera over that for the modelled geometry: modes are drawn large
+
+
+def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "", larger: Sequence[Modes] = ()) -> Path:
+    """Write modes in motion as a recording, a file or `run.rrd` of a folder, and return its path.
+
+    `larger` are modes of the same system at other amplitudes, for the table of all. RecordError if the environment
+    variable RERUN switches recordings off.
+    """
+    response, modes, kind = animation.response, animation.modes, rr.MediaType.MARKDOWN
+    target, title = target_of(path), title or response.scene.name
+    # Shapes have no size: limits are not judged, and no mount is the worst.
+    selection, frames = replace(select(response, ()), ranked=dict.fromkeys(AXES, ())), frames_of(response)
+    name = f"{title}: modes, drawn with mounts that swing by {in_unit(animation.amplitude, 'mm'):.3g} mm"
+    scene = whole_scene_view(response, frames, name, away=_AWAY)
+    views = [
+        rrb.TextDocumentView(origin=entity(MODE), name="Mode in view"),
+        rrb.TextDocumentView(origin=entity(ALL), name="All modes"),
+    ]
+    panel = rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=1.0, play_state="paused", loop_mode="all")
+    layout = opening(rrb.Horizontal(scene, rrb.Vertical(*views, row_shares=[3, 2]), column_shares=[5, 3]), panel)
+    with atomic_recording(target) as rec:
+        rec.send_blueprint(layout, make_active=True, make_default=True)
+        rec.send_recording_name(f"{title}: modes")
+        texts = [mode_text(modes, mode) for mode in range(animation.starts.size)]
+        along = Along(rec, animation.starts, {MODE: np.arange(1, animation.starts.size + 1)})
+        columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
+        along.send_columns(entity(MODE), [rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))], columns)
+        table = amplitudes_table(modes, larger) if larger else modes_table(modes)
+        rec.log(entity(ALL), rr.TextDocument(markdown_table(table), media_type=kind), static=True)
+        log_scene(along, response, selection, frames)
+    return target
+
+
+def mode_text(modes: Modes, mode: int) -> str:
+    return f"### Mode {mode + 1}: {markdown(modes.descriptions[mode])}\n\n{markdown_blocks(mode_blocks(modes, mode))}"
