@@ -129,9 +129,10 @@ STRATEGIES = {
 
 def _declared(law):
     """Return laws of a class whose required parameters are drawn within what it declares."""
-    ranges = {name: positive for name in law.above_zero} | {name: small for name in law.not_negative}
+    drawn = {name: positive for name, meta in law.limits().items() if meta.gt is not None}
+    drawn |= {name: small for name, meta in law.limits().items() if meta.ge is not None}
     required = [field.name for field in fields(law) if field.default is MISSING]
-    return _laws(law.name, **{name: ranges.get(name, any_sign) for name in required})
+    return _laws(law.name, **{name: drawn.get(name, any_sign) for name in required})
 
 
 STRATEGIES |= {name: _declared(law) for name, law in LAWS.items() if name not in STRATEGIES}

@@ -45,7 +45,7 @@ SLIPS = {
     "isolators fit absent.toml o.toml": "absent.toml: cannot read this data sheet: there is no such file",
     "isolators fit": "`wirerope isolators fit --help` says what there is",
     "loops negative.toml": "negative.toml, line 2: `alpha` must be > 0, got -1.0",
-    "loops text.toml": "text.toml, line 2: `alpha` must be a finite number, got 'x'",
+    "loops text.toml": "text.toml, line 2: `alpha` must be a finite number [N/m], got 'x'",
     "loops enidine_wr16_400 --amplitudes 5mm": "`--amplitudes` must be a number without a unit",
     f"{IDENTIFY} --start binary.toml": "binary.toml, line 2: cannot read this start of a search: it is not a text file",
     f"{IDENTIFY} --start folder": "folder: no such file. A search starts at a law file or at an isolator file",

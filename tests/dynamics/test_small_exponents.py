@@ -19,7 +19,7 @@ from wirerope_mj.dynamics.single_mass.equivalent import oscillator_at
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.isolator import Provenance
 from wirerope_mj.mounts.laws import power
-from wirerope_mj.mounts.laws.hysteresis import LEAST_EXPONENT
+from wirerope_mj.mounts.laws.bouc_wen import LEAST_EXPONENT
 from wirerope_mj.mounts.laws.steady import follow_force, next_start
 
 EXPONENTS = [0.1, 0.13, 0.22, 0.5, 1.0, 2.0, 5.0]

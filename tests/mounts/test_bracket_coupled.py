@@ -20,7 +20,7 @@ from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system.varied import Changes
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws import OnBracket
-from wirerope_mj.mounts.laws.plane_brackets import held
+from wirerope_mj.mounts.laws.plane_kernels import held
 from wirerope_mj.studies.measures import measures
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps

@@ -180,9 +180,9 @@ def test_kelvin_voigt_needs_time_and_returns_the_ellipse_of_its_loss_factor():
         ({"n": 0.0}, "`n` must be > 0"),
         ({"n": 1e-6}, "`n` must be >= 0.05, got 1e-06"),
         ({"n": 1e6}, "`n` must be <= 100, got 1000000.0"),
-        ({"k": -1.0}, "`k` must be >= 0"),
-        ({"gamma": math.nan}, "`gamma` must be a finite number, got nan"),
-        ({"gamma": True}, "`gamma` must be a finite number, got True"),
+        ({"k": -1.0}, "`k` must be a finite number >= 0"),
+        ({"gamma": math.nan}, r"`gamma` must be a finite number \[N\^\(1-n\)/m\], got nan"),
+        ({"gamma": True}, r"`gamma` must be a finite number \[N\^\(1-n\)/m\], got True"),
     ],
 )
 def test_law_rejects_what_is_not_passive(arguments, message):

@@ -8,7 +8,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.vendor_parts import vendor_parts
-from wirerope_mj.mounts.vendor_parts.left_out import left_out
+from wirerope_mj.mounts.vendor_parts.comparison import left_out
 from wirerope_mj.mounts.vendor_parts.secants import RULES, ElasticShape, first_state, fit_secants
 from wirerope_mj.mounts.vendor_parts.sheet import read_datasheet
 

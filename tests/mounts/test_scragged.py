@@ -58,8 +58,8 @@ def test_no_part_of_the_force_at_a_deflection_grows_with_the_memory():
     ("changes", "message"),
     [
         ({"softening": 1.0}, "`softening` must be < 1"),
-        ({"softening": -0.1}, "`softening` must be >= 0"),
-        ({"reach": 0.0}, "`reach` must be > 0"),
+        ({"softening": -0.1}, "`softening` must be a finite number >= 0"),
+        ({"reach": 0.0}, "`reach` must be a finite number > 0"),
         ({"k2": -3e6}, "`k2` must be >= -2 sqrt"),
     ],
 )

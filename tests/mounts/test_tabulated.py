@@ -136,8 +136,8 @@ def test_beyond_the_table_the_end_slope_goes_on_if_that_is_stated():
         ({"symmetric": True}, "`deflection` must begin at 0 where `symmetric` mirrors it, got -0.01 m"),
         ({"symmetric": 1.0}, "`symmetric` must be true or false, got 1.0"),
         ({"curve": "shock"}, "`curve` must be one of 'virgin', 'mid'"),
-        ({"upper": "1, 2, 3"}, "`upper` must be a list of finite numbers, got '1, 2, 3'"),
-        ({"upper": [0.0, math.nan, 1.0]}, "`upper` must be a list of finite numbers, got"),
+        ({"upper": "1, 2, 3"}, r"`upper` must be a list of finite numbers \[N\], got '1, 2, 3'"),
+        ({"upper": [0.0, math.nan, 1.0]}, r"`upper` must be a list of finite numbers \[N\], got"),
         ({"upper": [400.0, 50.0, -100.0], "lower": [300.0, -50.0, -200.0], "yield_deflection": 1.0}, "must not fall at zero"),
     ],
 )  # fmt: skip

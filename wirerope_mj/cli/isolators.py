@@ -30,7 +30,7 @@ def isolators(
     from wirerope_mj.content.catalogue import catalogue_table, isolator_content, parts_table
     from wirerope_mj.foundation.resources import catalogue_folder
     from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator, vendor_parts
-    from wirerope_mj.mounts.vendor_parts.left_out import left_out
+    from wirerope_mj.mounts.vendor_parts.comparison import left_out
     from wirerope_mj.mounts.vendor_parts.parts import VendorPart
     from wirerope_mj.views.terminal import print_table, show
 

@@ -79,7 +79,7 @@ def _unit(result: Calibration, k: int) -> str:
         return unit
     if not name.startswith("channel/"):
         parameter = name.rpartition("/")[2].rpartition(".")[2].partition("[")[0]
-        of_laws = {law.units[parameter] for law in LAWS.values() if parameter in law.units}
+        of_laws = {law.units()[parameter] for law in LAWS.values() if parameter in law.units()}
         return of_laws.pop() if len(of_laws) == 1 else unit  # laws use some names in several senses
     units = {series.unit for series in result.problem.series}
     return units.pop() if len(units) == 1 else unit

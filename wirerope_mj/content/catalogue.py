@@ -12,7 +12,7 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.estimate import LoopEstimate
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import VendorPart, shipped_file, vendor_parts
-from wirerope_mj.mounts.vendor_parts.left_out import Band
+from wirerope_mj.mounts.vendor_parts.comparison import Band
 from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
 
 

@@ -101,7 +101,7 @@ def _parameter_blocks(result: Identification) -> Iterator[Block]:
         for name, value in values.items():
             if name != "law":
                 fitted = result.parameters.get(name) if law is result.law.components[-1] else None
-                unit = fitted.unit if fitted else law.units.get(name, "-")
+                unit = fitted.unit if fitted else law.units().get(name, "-")
                 number = f"[{', '.join(f'{part:.6g}' for part in value)}]" if isinstance(value, list) else f"{value:.6g}"
                 texts.append(f"{name} = {number} {unit}".removesuffix(" -"))
         laws.append(f"{prefix}{values['law']}: {', '.join(texts)}")

@@ -93,12 +93,10 @@ class KernelTarget(CPUTarget):
 
     @property
     def typing_context(self) -> Any:
-        """Types and signatures: Numba's."""
         return cpu_target.typing_context
 
     @cached_property
     def target_context(self) -> Any:
-        """Implementations: Numba's, in code of ours."""
         return cpu_target.target_context.subtarget(_internal_codegen=LinkedCodegen("wirerope.kernels"))
 
 
@@ -121,12 +119,10 @@ class KernelFiles(_Cache):
     """Compiled code of one kernel, as Numba's dispatchers ask for it."""
 
     def __init__(self, function: Callable[..., Any], **options: Any):
-        """Take the kernel, and how it is compiled."""
         self._function, self._options = function, options
 
     @property
     def cache_path(self) -> str:
-        """Folder that is written to."""
         return str(cache_folder())
 
     def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:

@@ -59,7 +59,6 @@ class TableWriter:
         os.replace(self._temporary, self.path)
 
     def discard(self) -> None:
-        """Leave nothing behind."""
         with suppress(OSError):  # what cannot be written on a full disk cannot be finished either
             self._writer.close()
         self._temporary.unlink(missing_ok=True)

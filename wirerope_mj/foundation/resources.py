@@ -19,22 +19,18 @@ def _shipped(folder: str) -> Path:
 
 
 def models_folder() -> Path:
-    """Return the folder of the MJCF models that ship with the package."""
     return _shipped("models")
 
 
 def scenarios_folder() -> Path:
-    """Return the folder of the scenarios that ship with the package."""
     return _shipped("scenarios")
 
 
 def catalogue_folder() -> Path:
-    """Return the folder of the isolator files that ship with the package."""
     return models_folder() / "isolators"
 
 
 def shipped_models() -> list[str]:
-    """Return the names of the MJCF models that ship with the package."""
     return sorted(path.stem for path in models_folder().glob("*.xml"))
 
 

@@ -159,7 +159,7 @@ def check(thing: Any) -> None:
 
 def checked(name: str, value: object, hint: Any) -> Any:
     """Return a value as its type has it, an integer as a float; ValueError says what must hold of it, and what it is."""
-    if type(value) is float and hint is float and math.isfinite(value):
+    if type(value) is float and math.isfinite(value) and _is_number_within(value, hint):
         return value
     marks = marks_of(hint)
     if shape := next((mark for mark in marks if isinstance(mark, Shape)), None):
@@ -242,7 +242,6 @@ _KINDS = {
 
 
 def unit_of(meta: msgspec.Meta) -> str:
-    """Return the unit that `bounds` has marked."""
     return str((meta.extra_json_schema or {}).get("unit", ""))
 
 
@@ -275,9 +274,21 @@ def options_of(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[
     return [(hint, marks)]
 
 
+def _is_number_within(value: float, hint: Any) -> bool:
+    """Tell whether a type is that of a number, and its bounds hold a finite one: so are most fields."""
+    return hint is float or any(
+        option is float and all(_holds(value, mark) for mark in marks if isinstance(mark, msgspec.Meta))
+        for option, marks in options_of(hint)
+    )
+
+
+def _holds(value: float, meta: msgspec.Meta) -> bool:
+    above = (meta.gt is None or value > meta.gt) and (meta.ge is None or value >= meta.ge)
+    return above and (meta.lt is None or value < meta.lt) and (meta.le is None or value <= meta.le)
+
+
 @cache
 def marks_of(hint: Any) -> tuple[Any, ...]:
-    """Return the marks of all types of a union."""
     return tuple(mark for _, marks in options_of(hint) for mark in marks)
 
 

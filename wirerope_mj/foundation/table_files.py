@@ -172,7 +172,6 @@ def _without_header(location: str, wanted: str) -> RecordError:
 
 
 def _checked(header: Header) -> Header:
-    """Return the header with a name for every column: "column 3" or, in a sheet, "column C" where it has none."""
     unnamed = frozenset(i for i, name in enumerate(header.names) if not name)
     names = tuple(name or _column_name(header, i) for i, name in enumerate(header.names))
     return replace(header, names=names, unnamed=unnamed)
@@ -234,13 +233,11 @@ def _decimal_sign(header: Header, rows: Iterable[Sequence[str]]) -> str:
 
 
 def is_comment(text: str) -> bool:
-    """Tell whether a line is a comment, and no row whose first cell is an error of a spreadsheet."""
     text = text.lstrip(' \t"')
     return text.startswith(COMMENTS) and not SHEET_ERROR.match(text)
 
 
 def open_rows(header: Header) -> TextIO:
-    """Open a text at the line behind its header."""
     file = header.path.open(encoding=header.encoding, errors="replace")
     for _ in range(header.last):
         file.readline()

@@ -69,7 +69,6 @@ class Header:
 
     @property
     def location(self) -> str:
-        """File and line, or sheet and row, as messages begin."""
         return self.at(self.line)
 
     def at(self, row: int) -> str:

@@ -42,7 +42,6 @@ class Column:
     align: Alignment = "right"
 
     def title(self, separator: str = " ") -> str:
-        """Return heading and unit."""
         return f"{self.heading}{separator}[{self.unit}]" if self.unit else self.heading
 
     def text(self, value: float | None, absent: str = "-") -> str:
@@ -54,7 +53,6 @@ class Column:
 
 
 def left(*headings: str) -> list[Column]:
-    """Make columns of names, which stand to the left on one line."""
     return [Column(heading, align="left") for heading in headings]
 
 

@@ -38,7 +38,6 @@ def xlsx_rows(path: Path, sheet: str = "") -> tuple[str, list[tuple[int, list[st
 
 
 def is_workbook(path: Path) -> bool:
-    """Tell whether a file is a workbook, by its content or by its ending; OSError if it cannot be read."""
     with regular(path).open("rb") as file:
         return file.read(4) == b"PK\x03\x04" or path.suffix.lower() in (".xlsx", ".xlsm")
 

@@ -38,8 +38,7 @@ from wirerope_mj.engine.control.vectors import (
     vector,
 )
 from wirerope_mj.foundation.jit import index, inlined, njit
-from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER, on_brackets
-from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
+from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, WITH_ANOTHER, biaxial_rates, loop_force, on_brackets
 from wirerope_mj.mounts.laws.registry import MASING, PARALLEL, evaluate, hold_slips
 
 AXIAL = 2  # index of the axial axis

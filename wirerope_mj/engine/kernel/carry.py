@@ -16,9 +16,8 @@ from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, power, rows, some, table, where
 from wirerope_mj.mounts.laws.path import advance
-from wirerope_mj.mounts.laws.plane_brackets import ELASTIC, ON_BRACKETS, WITH_ANOTHER
-from wirerope_mj.mounts.laws.plane_brackets import LINE as LINE_ON_BRACKETS
-from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, RATE_NUMBERS
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, ELASTIC, ON_BRACKETS, RATE_NUMBERS, WITH_ANOTHER
+from wirerope_mj.mounts.laws.plane_kernels import LINE as LINE_ON_BRACKETS
 from wirerope_mj.mounts.laws.registry import ASYMMETRIC_BOUC_WEN, BOUC_WEN, SYMMETRIC_BOUC_WEN
 
 NEVER = 1e300  # length after which a state comes to zero that never does [m]

@@ -15,8 +15,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.path import SCRATCH, advance, put
-from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS
-from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, ON_BRACKETS
 
 ITERATIONS = 60  # iterations for one root: ten times what a smooth one takes
 # halvings of a step before it counts as leading nowhere: 1/4096 of it is rounding where Newton's method works at all

@@ -14,7 +14,7 @@ from wirerope_mj.engine.system.modal import DeclaredMode
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER
+from wirerope_mj.mounts.laws.plane_kernels import WITH_ANOTHER
 from wirerope_mj.mounts.laws.registry import MASING, PARALLEL
 
 MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state

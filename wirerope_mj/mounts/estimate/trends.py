@@ -38,7 +38,6 @@ class VendorLoop:
 
     @cached_property
     def shape(self) -> LoopShape:
-        """The half loop of its envelope."""
         return loop_shape(height=self.height, width=self.width, bar=self.bar, rope=self.rope)
 
     @cached_property
@@ -139,7 +138,6 @@ def find_trends(rows: Sequence[VendorLoop]) -> Trends:
 
 
 def _mean(values: Sequence[float]) -> float:
-    """Geometric mean."""
     return float(np.exp(np.mean(np.log(values))))
 
 

@@ -61,7 +61,6 @@ class Coordinate:
 
     @property
     def logarithmic(self) -> bool:
-        """True if it is searched for by its logarithm."""
         return self.lower > 0.0
 
     def inside(self, value: float) -> float:
@@ -256,6 +255,5 @@ def family_of(law: type[Law], elements: int = 5) -> Family:
 
 
 def require_law(law: object, name: str = "law") -> None:
-    """Raise ValueError unless `law` is a class of laws."""
     if not (isinstance(law, type) and issubclass(law, Law)):
         raise ValueError(f"`{name}` must be a class of laws such as BoucWen, got {law!r}.")

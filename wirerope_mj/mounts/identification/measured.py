@@ -41,7 +41,6 @@ class MeasuredLoop:
 
     @property
     def amplitude(self) -> float:
-        """Half the range of the deflection [m]."""
         return 0.5 * float(np.ptp(self.deflection))
 
     def area(self, force: Array) -> float:

@@ -17,7 +17,7 @@ from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
 from wirerope_mj.mounts.isolator import MeasuredRange
 from wirerope_mj.mounts.isolator.travel import falling_text
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop
-from wirerope_mj.mounts.laws.hysteresis import Normalised
+from wirerope_mj.mounts.laws.bouc_wen import Normalised
 
 _WINDOW = 0.1  # of a cycle, over which a rate is taken: a sine's is 1.6 % less than at an instant, noise hardly shows
 
@@ -203,12 +203,10 @@ class FittedLoop:
 
     @property
     def residual(self) -> Array:
-        """Fitted minus measured force over half the measured range [-], (n_t,)."""
         return (self.fitted.force - self.measured.force) / (0.5 * float(np.ptp(self.measured.force)))
 
     @property
     def error(self) -> float:
-        """Root mean square of the residual [-]."""
         return rms(self.residual)
 
 

@@ -107,7 +107,6 @@ class Unknowns:
 
     @property
     def free(self) -> list[Coordinate]:
-        """The coordinates that are searched for."""
         return [c for c in self.coordinates if c.name not in self.fixed]
 
     def numbers(self, values: Mapping[str, float]) -> Array:
@@ -125,7 +124,6 @@ class Unknowns:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Lower and upper bounds of the numbers."""
         return (np.array([c.inside(c.lower) for c in self.free]), np.array([c.inside(c.upper) for c in self.free]))
 
 
@@ -143,7 +141,6 @@ class Minimum:
 
     @property
     def cost(self) -> float:
-        """Sum of the squares."""
         return float(self.residual @ self.residual)
 
 

@@ -44,7 +44,6 @@ class SpecimenFits(Brief):
 
     @property
     def law(self) -> Law:
-        """The nominal law."""
         return self.nominal.law
 
     @property

@@ -7,8 +7,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal
 
+import tomli_w
+
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.structure import Place, bounds, check, structure
 from wirerope_mj.foundation.summary import Brief
@@ -23,7 +26,7 @@ from wirerope_mj.mounts.isolator.parts import (
     Stiffening,
     require_law_in_metres,
 )
-from wirerope_mj.mounts.isolator.tables import AXES, read_law, write_toml
+from wirerope_mj.mounts.isolator.tables import AXES, read_law
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
 from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, is_law, on_bracket
@@ -66,8 +69,15 @@ class Isolator(Brief):
                 raise ValueError(f"`{axis}` must be a law or None, got {law!r}.")
         if not any(self.axes.values()):
             raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
-        self._require_coupling()
-        self._require_free()
+        both = COUPLINGS[self.coupling] if self.coupling is not None else ()
+        if any(getattr(self, axis) is None for axis in both):
+            raise ValueError(f"`coupling` {self.coupling!r} needs a law on both axes, {' and '.join(both)}.")
+        if (self.coupling == "loop") != (self.loop is not None):
+            has = "there is none" if self.loop is None else f"`coupling` is {self.coupling!r}"
+            raise ValueError(f"`coupling` 'loop' and its table `loop` need each other; {has}.")
+        for axis in self.free:
+            if self.axes[axis] is not None:
+                raise ValueError(f"`free` names {axis}, which has a law: leave one of them out.")
         for axis, law in self.axes.items():
             require_law_in_metres(axis, law)
         _ = self.coupled  # raises if the two laws cannot be coupled
@@ -75,21 +85,6 @@ class Isolator(Brief):
         if self.geometry is not None:
             self.geometry.require_room(self.limits.travel)
         _ = self.conditioned  # raises if a stiffened law is none
-
-    def _require_coupling(self) -> None:
-        """Raise ValueError if the coupling is not known, or what it needs is not there."""
-        both = COUPLINGS[self.coupling] if self.coupling is not None else ()
-        if any(getattr(self, axis) is None for axis in both):
-            raise ValueError(f"`coupling` {self.coupling!r} needs a law on both axes, {' and '.join(both)}.")
-        if (self.coupling == "loop") != (self.loop is not None):
-            has = "there is none" if self.loop is None else f"`coupling` is {self.coupling!r}"
-            raise ValueError(f"`coupling` 'loop' and its table `loop` need each other; {has}.")
-
-    def _require_free(self) -> None:
-        """Raise ValueError if what is meant to be free has a law."""
-        for axis in self.free:
-            if self.axes[axis] is not None:
-                raise ValueError(f"`free` names {axis}, which has a law: leave one of them out.")
 
     def _require_travel(self) -> None:
         """Raise ValueError if a law does not hold as far as its axis' rated travel."""
@@ -105,7 +100,6 @@ class Isolator(Brief):
 
     @property
     def axes(self) -> dict[str, Law | None]:
-        """The laws by axis in the order roll (x), shear (y), axial (z)."""
         return {"roll": self.roll, "shear": self.shear, "axial": self.axial}
 
     @cached_property
@@ -131,7 +125,6 @@ class Isolator(Brief):
 
     @cached_property
     def stops(self) -> tuple[str, ...]:
-        """The axis of every stop among the laws, in their order."""
         return tuple(axis for axis, law in self.axes.items() if law is not None for _ in law.stops)
 
     @cached_property
@@ -146,7 +139,14 @@ class Isolator(Brief):
         It has neither stiffening, bracket nor spread, which speak of the laws as written.
         """
         if self.bracket is not None:
-            return replace(self, bracket=None).conditioned._on(self.bracket)
+            rigid = replace(self, bracket=None).conditioned
+            laws: Entries = {}
+            for axis, stiffness in self.bracket.stated.items():
+                law = rigid.axes[axis]
+                if law is None:
+                    raise ValueError(f"`bracket` holds {axis}, along which {self.name} has no law.")
+                laws[axis] = on_bracket(law, stiffness)
+            return replace(rigid, spread=None, **laws)
         if self.stiffening is None or (factor := self.stiffening.factor) == 1.0:
             return self
         return replace(self, stiffening=None).scaled(factor)
@@ -155,15 +155,6 @@ class Isolator(Brief):
     def n_states(self) -> int:
         """Number of internal states of the laws as they act: a damper on a bracket has one."""
         return sum(law.n_states for law in self.conditioned.axes.values() if law is not None)
-
-    def _on(self, bracket: Bracket) -> "Isolator":
-        laws: dict[str, Law] = {}
-        for axis, stiffness in bracket.stated.items():
-            law = self.axes[axis]
-            if law is None:
-                raise ValueError(f"`bracket` holds {axis}, along which {self.name} has no law.")
-            laws[axis] = on_bracket(law, stiffness)
-        return replace(self, spread=None, **laws)  # type: ignore[arg-type]
 
     def scaled(self, factor: float) -> "Isolator":
         """Return the isolator with all forces and torques times a factor > 0; limits stay, spread goes: it is of these laws."""
@@ -188,10 +179,11 @@ class Isolator(Brief):
 
     def save(self, path: str | Path) -> None:
         """Write the isolator file, atomically."""
-        write_toml(self.to_dict(), Path(path))
+        text = tomli_w.dumps(self.to_dict(), multiline_strings=True)
+        with atomic_file(Path(path)) as temporary:
+            temporary.write_text(text, encoding="utf-8")
 
     def to_dict(self) -> Entries:
-        """Return the isolator as it stands in its file."""
         content: Entries = {"name": self.name}
         if self.coupling is not None:
             content["coupling"] = self.coupling

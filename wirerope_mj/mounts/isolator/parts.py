@@ -32,13 +32,8 @@ def require_law_in_metres(axis: str, law: Law | None) -> None:
             if largest > LARGEST:
                 raise ValueError(
                     f"[{axis}] {part.name}: `{name}` must be in metres and at most {LARGEST:g} m, got {largest:.6g}. "
-                    f"{_in_metres(largest)}"
+                    f"If these are millimetres, write {1e-3 * largest:.6g}."
                 )
-
-
-def _in_metres(value: float) -> str:
-    """Return the hint for a length that was perhaps meant in millimetres."""
-    return f"If these are millimetres, write {1e-3 * value:.6g}."
 
 
 class Part:
@@ -49,19 +44,14 @@ class Part:
 
     @property
     def stated(self) -> Entries:
-        """The attributes that are stated, by name."""
         values = ((item.name, getattr(self, item.name)) for item in fields(self))  # type: ignore[arg-type]
         return {name: value for name, value in values if value is not None}
 
     def to_dict(self) -> Entries:
         """Return the part as it stands in an isolator file: what is stated and not empty."""
-        values = {key: _plain(value) for key, value in self.stated.items()}
-        return {key: value for key, value in values.items() if value or isinstance(value, float | int)}
-
-
-def _plain(value: object) -> object:
-    """Return a value of a part as a file takes it."""
-    return value.to_dict() if isinstance(value, Part) else list(value) if isinstance(value, tuple) else value
+        values = {name: value.to_dict() if isinstance(value, Part) else value for name, value in self.stated.items()}
+        plain = {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
+        return {name: value for name, value in plain.items() if value or isinstance(value, float | int)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +93,6 @@ class Stiffening(Part):
 
     @property
     def description(self) -> str:
-        """The values and the factor that they amount to, as text."""
         values = f"after_50 = {self.after_50:.6g}, cycles = {self.cycles:.6g}"
         return f"{values}: all forces are {self.factor:.6g} times those of the laws"
 
@@ -161,7 +150,8 @@ class Geometry(Part):
             if self.height is not None and rated > HEIGHTS[name] * self.height:
                 raise ValueError(
                     f"[limits] travel: `{name}` of {rated:.6g} m is more than {HEIGHTS[name]:g} times the `height` of "
-                    f"{self.height:.6g} m in [geometry]; both must be in metres. {_in_metres(rated)}"
+                    f"{self.height:.6g} m in [geometry]; both must be in metres. "
+                    f"If these are millimetres, write {1e-3 * rated:.6g}."
                 )
         compression, largest = travel.compression, self.solid_compression
         if compression is not None and largest is not None and compression > largest * (1.0 + 1e-9):  # but for rounding
@@ -189,7 +179,6 @@ class Rotation(Part):
     axial: Annotated[float, bounds("N m/rad", ge=0.0)] = 0.0
 
     def scaled(self, factor: float) -> Self:
-        """Return `factor` times these stiffnesses."""
         return replace(self, roll=factor * self.roll, shear=factor * self.shear, axial=factor * self.axial)
 
 
@@ -223,6 +212,5 @@ class Spread(Part):
             raise ValueError(f"`covariance` must have {n} rows of {n} numbers, one for each of `parameters`.")
 
     def to_dict(self) -> Entries:
-        """Return the spread as it stands in an isolator file."""
         stated = {"parameters": list(self.parameters), "covariance": [list(row) for row in self.covariance]}
         return stated | ({"calibrated": True} if self.calibrated else {})

@@ -1,19 +1,14 @@
-"""The laws of an isolator file, and points of a law in a CSV file; isolator files are written atomically."""
+"""The laws of an isolator file, and points of a law in a CSV file."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
-import tomli_w
-
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.schema import schema
 from wirerope_mj.foundation.structure import Place, structure
 from wirerope_mj.foundation.table_files import read_header, rows_in_si
-from wirerope_mj.foundation.table_header import Header
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.laws import LAWS, Law, Parallel, Tabulated
 
@@ -30,7 +25,7 @@ def read_law(table: Entries, place: Place) -> Law:
     if not isinstance(table, dict):
         raise place.fault(f"it must be a table, got {quoted(table)}.")
     if "laws" in table:
-        return structure(Parallel, table, place, {Law: _read_alone})
+        return structure(Parallel, table, place, {Law: _read_one_of_several})
     kind = LAWS.get(table["law"]) if isinstance(table.get("law"), str) else None
     if kind is None:
         problem = f"there is no `law` {quoted(table['law'])}" if "law" in table else "`law` is missing"
@@ -51,7 +46,7 @@ def read_law(table: Entries, place: Place) -> Law:
     return structure(kind, parameters, place)
 
 
-def _read_alone(table: Entries, place: Place) -> Law:
+def _read_one_of_several(table: Entries, place: Place) -> Law:
     if "laws" in table:
         raise place.fault("it holds `laws` itself: put all of them into one list.")
     return read_law(table, place)
@@ -62,12 +57,7 @@ def law_schema() -> Entries:
     found: list[Entries] = []
     for name, kind in sorted(LAWS.items()):
         content = schema(kind)
-        keys = content["properties"]
-        for key in keys:
-            keys[key] |= {"unit": kind.units[key]} if key in kind.units else {}
-            keys[key] |= {"minimum": 0} if key in kind.not_negative else {}
-            keys[key] |= {"exclusiveMinimum": 0} if key in kind.above_zero else {}
-        content["properties"] = {"law": {"const": name}} | keys
+        content["properties"] = {"law": {"const": name}} | content["properties"]
         content["required"] = ["law", *content.get("required", [])]
         if kind is Tabulated:
             content["properties"]["points"] = {"description": "name of a CSV file of the curves", "type": "string"}
@@ -83,27 +73,15 @@ def read_curve(path: Path) -> dict[str, list[float]]:
 
     The header is such as `deflection_mm,force_kN` or `deflection [mm], upper [N], lower [N]`. RecordError names file and line.
     """
-    header = _with_units(read_header(path, kind="curve", example='"deflection_mm,force_N"'))
+    header = read_header(path, kind="curve", example='"deflection_mm,force_N"')
+    names, units = list(header.names), list(header.units)
     for column, name in enumerate(header.names):
-        if name not in _COLUMNS or name in header.names[:column]:
-            fault = "appears twice" if name in header.names[:column] else "is not known"
-            raise RecordError(f'{header.location}: column "{name}" {fault}; a curve has {", ".join(_COLUMNS)}.')
-    rows = rows_in_si(header, {column: _COLUMNS[name] for column, name in enumerate(header.names)})
-    return {name: [row[column] for row in rows] for column, name in enumerate(header.names)}
-
-
-def _with_units(header: Header) -> Header:
-    """Return the header with a unit behind an underscore taken for one in brackets."""
-    names, units = [], []
-    for name, unit in zip(header.names, header.units, strict=True):
-        match = re.fullmatch(rf"({'|'.join(_COLUMNS)})_(\S+)", name) if unit is None else None
-        names.append(match[1] if match else name)
-        units.append(match[2] if match else unit)
-    return replace(header, names=tuple(names), units=tuple(units))
-
-
-def write_toml(content: Entries, path: Path) -> None:
-    """Write `content` as TOML, atomically."""
-    text = tomli_w.dumps(content, multiline_strings=True)
-    with atomic_file(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+        known, _, unit = name.partition("_")
+        if unit and units[column] is None and known in _COLUMNS:
+            names[column], units[column] = known, unit
+        if names[column] not in _COLUMNS or names[column] in names[:column]:
+            fault = "appears twice" if names[column] in names[:column] else "is not known"
+            raise RecordError(f'{header.location}: column "{names[column]}" {fault}; a curve has {", ".join(_COLUMNS)}.')
+    header = replace(header, names=tuple(names), units=tuple(units))
+    rows = rows_in_si(header, {column: _COLUMNS[name] for column, name in enumerate(names)})
+    return {name: [row[column] for row in rows] for column, name in enumerate(names)}

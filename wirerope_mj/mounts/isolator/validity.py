@@ -99,6 +99,5 @@ class Validity(Part):
 
 
 def _span(pair: Pair, factor: float) -> str:
-    """Return "0.5 to 10", or one number where both look alike."""
     low, high = (f"{factor * one:.3g}" for one in pair)
     return low if low == high else f"{low} to {high}"

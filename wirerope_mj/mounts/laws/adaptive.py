@@ -10,11 +10,9 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, WORN_OUT, baber_noori
-from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS, on_brackets_along
-from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, biaxial, loop_plane
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, ON_BRACKETS, biaxial, loop_plane, on_brackets_along
 from wirerope_mj.mounts.laws.registry import evaluate_rarer
-from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN
+from wirerope_mj.mounts.laws.softening import BABER_NOORI, SCRAGGED_BOUC_WEN, WORN_OUT, baber_noori
 
 # Relative error allowed in one step. The pair's estimate is that of its lower order: traces are a tenth to a hundredth of it
 # from their limit, and 1e-8 is what they promise.

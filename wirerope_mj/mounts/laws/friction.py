@@ -2,16 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count
-from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
-from wirerope_mj.mounts.laws.hysteresis import Normalised
-from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
+from wirerope_mj.foundation.structure import bounds
+from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, Normalised
+from wirerope_mj.mounts.laws.law import FAINT, Cubic, Law, Quadratic, Spring, anywhere
 from wirerope_mj.mounts.laws.ni import polynomial
 
 MASING = 6
@@ -33,27 +33,21 @@ class EnhancedDryFriction(Law):
     kernel: ClassVar[int] = BOUC_WEN
     example: ClassVar[Entries] = {"k": 5e4, "d": 300.0, "u_c": 3e-3}
     smoothable: ClassVar[bool] = True
-    force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "d": 1.0}
     faint_parameters: ClassVar[Mapping[str, float]] = {"k": 0.0, "d": 1.0, "u_c": 1.0 / FAINT}  # as `Hysteresis`
-    units: ClassVar[Mapping[str, str]] = {"k": "N/m", "d": "N", "u_c": "m"}
     yield_powers: ClassVar[Mapping[str, float]] = {"u_c": 1.0}
     state_names: ClassVar[tuple[str, ...]] = ("z",)
     damping_parameters: ClassVar[tuple[str, ...]] = ("d",)
-    not_negative: ClassVar[tuple[str, ...]] = ("k",)
-    above_zero: ClassVar[tuple[str, ...]] = ("d", "u_c")
     elastic: ClassVar[tuple[str, ...]] = ("k",)
 
-    k: float
-    d: float
-    u_c: float
+    k: Spring
+    d: Annotated[float, bounds("N", gt=0.0)]
+    u_c: Annotated[float, bounds("m", gt=0.0)]
 
     def kernel_parameters(self) -> Array:
-        """Return alpha, beta, gamma, n, k of the Bouc-Wen kernel."""
         return np.array([self.d / self.u_c, 1.0 / self.u_c, 0.0, 1.0, self.k])
 
     @property
     def z_max(self) -> float:
-        """Bound d of the friction force [N]."""
         return self.d
 
     @property
@@ -63,22 +57,18 @@ class EnhancedDryFriction(Law):
 
     @property
     def normal_form(self) -> Normalised:
-        """The normalised form."""
         return self.normalised
 
     @property
     def bouc_wen_parameters(self) -> Array:
-        """Those of Bouc-Wen's law that it is."""
         return self.kernel_parameters()[:4]
 
     @property
     def coordinates(self) -> dict[str, float]:
-        """Its own parameters."""
         return {"d": self.d, "u_c": self.u_c, "k": self.k}
 
     @property
     def initial_stiffness(self) -> float:
-        """Tangent at the unloaded state, d / u_c + k [N/m]."""
         return self.d / self.u_c + self.k
 
 
@@ -105,22 +95,16 @@ class Masing(Law):
         "stiffness": [6e4, 4e4, 3e4], "slip_force": [60.0, 100.0, 200.0], "k": 2e4, "k2": 1e5, "k3": 2e7,
     }  # fmt: skip
     damping_parameters: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
-    not_negative: ClassVar[tuple[str, ...]] = ("k",)
     elastic: ClassVar[tuple[str, ...]] = ("k", "k2", "k3")
-    force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0, "k2": 1.0, "k3": 1.0}
     yield_powers: ClassVar[Mapping[str, float]] = {"stiffness": -1.0}
-    units: ClassVar[Mapping[str, str]] = {
-        "stiffness": "N/m", "slip_force": "N", "k": "N/m", "k2": "N/m^2", "k3": "N/m^3",
-    }  # fmt: skip
 
-    stiffness: Sequence[float]
-    slip_force: Sequence[float]
-    k: float = 0.0
-    k2: float = 0.0
-    k3: float = 0.0
+    stiffness: Annotated[Sequence[float], bounds("N/m")]
+    slip_force: Annotated[Sequence[float], bounds("N")]
+    k: Spring = 0.0
+    k2: Quadratic = 0.0
+    k3: Cubic = 0.0
 
     def _validate(self) -> None:
-        super()._validate()
         if not self.stiffness or len(self.stiffness) != len(self.slip_force):
             raise ValueError(
                 "`stiffness` and `slip_force` must have one entry for each Jenkin element, at least one, "
@@ -132,7 +116,6 @@ class Masing(Law):
                     raise ValueError(f"every entry of `{key}` must be > 0, got {value}.")
 
     def kernel_parameters(self) -> Array:
-        """Return k, k2, k3, number of elements, their stiffnesses and slip forces."""
         elements = [len(self.stiffness), *self.stiffness, *self.slip_force]
         return np.array([self.k, self.k2, self.k3, *elements], dtype=np.float64)
 
@@ -143,17 +126,14 @@ class Masing(Law):
 
     @property
     def z_max(self) -> float:
-        """Bound of the sliders' force, the sum of the slip forces [N]."""
         return float(sum(self.slip_force))
 
     @property
     def initial_stiffness(self) -> float:
-        """Tangent at the unloaded state, k plus all elements [N/m]."""
         return float(sum(self.stiffness) + self.k)
 
     @property
     def coordinates(self) -> dict[str, float]:
-        """The spring, the elements' stiffnesses, and the deflections at which they slip, each over the one before."""
         pairs = sorted(zip(self.stiffness, self.slip_force, strict=True), key=lambda pair: pair[1] / pair[0])
         slip = [h / c for c, h in pairs]
         values = {"k": self.k, "k2": self.k2, "k3": self.k3, "x1": slip[0]}
@@ -161,12 +141,10 @@ class Masing(Law):
         return values | {f"x{e + 1}/x{e}": slip[e] / slip[e - 1] for e in range(1, len(slip))}
 
     def faint(self) -> Self:
-        """Return as many elements with hardly any force."""
         faint = (FAINT,) * len(self.stiffness)
         return replace(self, stiffness=faint, slip_force=faint, k=0.0, k2=0.0, k3=0.0)
 
     def same_structure(self, other: Law | None) -> bool:
-        """Return whether the other one has as many elements."""
         return type(self) is type(other) and self.n_states == other.n_states
 
 

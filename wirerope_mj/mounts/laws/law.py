@@ -4,13 +4,15 @@ import math
 from abc import ABC
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, ClassVar, Self
+from functools import cache
+from typing import Annotated, Any, ClassVar, Self, get_type_hints
 
+import msgspec
 import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Entries
-from wirerope_mj.foundation.structure import check
+from wirerope_mj.foundation.structure import bounds, check, marks_of, unit_of
 from wirerope_mj.mounts.laws.loop import Loop
 
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
@@ -19,6 +21,11 @@ ROUNDING = 1e-9
 FACTORS = ("stiffness", "friction", "yield")
 # Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places.
 FAINT = 1e-12
+# Parameters of springs, each with its unit; that of a linear one may not be negative.
+Spring = Annotated[float, bounds("N/m", ge=0.0)]
+Stiffness = Annotated[float, bounds("N/m")]
+Quadratic = Annotated[float, bounds("N/m^2")]
+Cubic = Annotated[float, bounds("N/m^3")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +51,8 @@ class Normalised:
 class Law(ABC):
     """Restoring-force law of one isolator axis: force [N] from deflection [m], its rate [m/s] and internal states.
 
-    Subclasses are frozen parameter sets. States whose names begin with "z" are forces; their sum is the hysteretic state.
+    Subclasses are frozen parameter sets whose fields state unit and bounds. States whose names begin with "z" are forces; their
+    sum is the hysteretic state.
     """
 
     name: ClassVar[str]  # in an isolator file
@@ -65,18 +73,13 @@ class Law(ABC):
     # Whether a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into.
     needs_rating: ClassVar[bool] = True
     state_names: ClassVar[tuple[str, ...]] = ()  # of the internal states
-    not_negative: ClassVar[tuple[str, ...]] = ()  # parameters that must be >= 0
-    above_zero: ClassVar[tuple[str, ...]] = ()  # parameters that must be > 0
     # Stiffnesses [N/m] whose sum is the tangent of the force at the unloaded state.
     tangents: ClassVar[tuple[str, ...]] = ()
     # Parameters of the hysteretic or viscous part of the force alone; none if it is no part that stands by itself.
     damping_parameters: ClassVar[tuple[str, ...]] = ()
-    # Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out.
-    force_powers: ClassVar[Mapping[str, float]]
     # Power of the deflection over which friction builds up in the unit of each parameter; none of a law without friction.
     yield_powers: ClassVar[Mapping[str, float]] = {}
     leaders: ClassVar[Mapping[str, str]] = {}  # the parameter that another one is equal to unless it is stated itself
-    units: ClassVar[Mapping[str, str]] = {}  # of the parameters; those without have none
     factors: ClassVar[tuple[str, ...]] = ()  # names of factors on all of several laws in parallel
     faint_parameters: ClassVar[Mapping[str, float]] = {}  # of a law that has failed, see `faint`
     # `wirerope_mj.mounts.laws.timed.trace`, which knows the kernels of all laws and so stands above them.
@@ -86,10 +89,28 @@ class Law(ABC):
         check(self)
         self._validate()
 
-    def _validate(self) -> None:
-        """Raise ValueError if the parameters are not those of a passive law."""
-        require_not_negative(self, *self.not_negative)
-        require_positive(self, *self.above_zero)
+    def _validate(self) -> None:  # noqa: B027
+        """Raise ValueError if the parameters, each within its bounds, are not those of a passive law."""
+
+    @classmethod
+    @cache
+    def limits(cls) -> Mapping[str, msgspec.Meta]:
+        """Unit and bounds of the parameters that state any."""
+        hints = get_type_hints(cls, include_extras=True)
+        found = {name: [m for m in marks_of(hint) if isinstance(m, msgspec.Meta)] for name, hint in hints.items()}
+        return {name: metas[0] for name, metas in found.items() if metas}
+
+    @classmethod
+    def units(cls) -> dict[str, str]:
+        """Units of the parameters; those without have none."""
+        return {name: unit for name, meta in cls.limits().items() if (unit := unit_of(meta))}
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out."""
+        parts = {name: unit.partition("/") for name, unit in self.units().items()}
+        powers = {name: float((above[:1] in "NJ") - (below[:1] == "J")) for name, (above, _, below) in parts.items()}
+        return {name: power for name, power in powers.items() if power}
 
     @property
     def remembers_slow_paths(self) -> bool:
@@ -113,7 +134,6 @@ class Law(ABC):
 
     @property
     def parameters_before(self) -> int:
-        """Number of kernel parameters before those of its first component."""
         return 0
 
     @property
@@ -217,8 +237,11 @@ class Law(ABC):
         they cannot say of many numbers at once NumPy refuses to take for true or false. A parameter that is several numbers
         has a tuple of columns.
         """
-        for column in columns.values():
+        for name, column in columns.items():
             if not all(np.isfinite(one).all() for one in (column if isinstance(column, tuple) else (column,))):
+                return False
+            meta = self.limits().get(name, msgspec.Meta())
+            if (meta.gt is not None and anywhere(column <= meta.gt)) or (meta.ge is not None and anywhere(column < meta.ge)):
                 return False
         many = object.__new__(type(self))
         for field in fields(self):
@@ -324,24 +347,9 @@ class Law(ABC):
 
 
 def is_law(value: object) -> bool:
-    """Return whether a value is a law."""
     return isinstance(value, Law)
 
 
 def anywhere(condition: bool | Booleans) -> bool:
     """Return whether a condition on parameters is met, at any entry if they are columns."""
     return condition if isinstance(condition, bool) else bool(np.any(condition))
-
-
-def require_not_negative(law: Law, *names: str) -> None:
-    """Raise ValueError unless the named parameters of `law` are >= 0."""
-    for name in names:
-        if anywhere(getattr(law, name) < 0.0):
-            raise ValueError(f"`{name}` must be >= 0, got {getattr(law, name)}.")
-
-
-def require_positive(law: Law, *names: str) -> None:
-    """Raise ValueError unless the named parameters of `law` are > 0."""
-    for name in names:
-        if anywhere(getattr(law, name) <= 0.0):
-            raise ValueError(f"`{name}` must be > 0, got {getattr(law, name)}.")

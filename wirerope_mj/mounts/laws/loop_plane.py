@@ -81,7 +81,6 @@ class LoopCoupling:
         return replace(self, coefficients=tuple(tuple(factor * value for value in row) for row in self.coefficients))
 
     def to_dict(self) -> Entries:
-        """Return the coupling as it stands in an isolator file."""
         ends = {name: getattr(self, name) for name in ("roll", "compression", "tension")}
         return {**ends, "coefficients": [list(row) for row in self.coefficients]}
 
@@ -154,7 +153,6 @@ class LoopBoucWen(PlaneLaw):
 
     @property
     def laws(self) -> tuple[Law, Law]:
-        """The two laws."""
         return self.roll, self.axial
 
     @cached_property
@@ -174,7 +172,6 @@ class LoopBoucWen(PlaneLaw):
         )
 
     def coupling_parameters(self) -> Array:
-        """Return those of the loop's elastic energy."""
         return self.loop.kernel_parameters()
 
     def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:

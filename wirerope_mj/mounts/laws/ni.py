@@ -1,17 +1,16 @@
 """Ni's modifications of the Bouc-Wen law for wire-rope isolators."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import inlined, njit
-from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, bouc_wen
-from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
-from wirerope_mj.mounts.laws.law import anywhere
+from wirerope_mj.foundation.structure import bounds
+from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, Hysteresis, bouc_wen, bouc_wen_rate
+from wirerope_mj.mounts.laws.law import Cubic, Quadratic, Stiffness, anywhere
 
 ASYMMETRIC_BOUC_WEN = 1
 SYMMETRIC_BOUC_WEN = 2
@@ -33,13 +32,9 @@ class SymmetricBoucWen(Hysteresis):
     smoothable: ClassVar[bool] = True
     tangents: ClassVar[tuple[str, ...]] = ("alpha", "k1")
 
-    alpha: float
-    beta: float
-    gamma: float
-    n: float
-    k1: float
-    k2: float
-    k3: float
+    k1: Stiffness
+    k2: Quadratic
+    k3: Cubic
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,10 +54,9 @@ class AsymmetricBoucWen(SymmetricBoucWen):
     example: ClassVar[Entries] = {
         "alpha": 1e5, "beta": 150.0, "gamma": 30.0, "n": 1.0, "k1": 8e4, "k2": 1e5, "k3": 2e7, "b": 2.0, "c": 6.0,
     }  # fmt: skip
-    units: ClassVar[Mapping[str, str]] = {**Hysteresis.units, "c": "1/m"}
 
     b: float
-    c: float
+    c: Annotated[float, bounds("1/m")]
 
     def _validate(self) -> None:
         super()._validate()
@@ -70,7 +64,6 @@ class AsymmetricBoucWen(SymmetricBoucWen):
             raise ValueError(f"`b` must be > 0, got {self.b}: F2 = b^(c x) is a stiffness factor.")
 
     def kernel_parameters(self) -> Array:
-        """Return alpha, beta, gamma, n, k1, k2, k3, c ln b."""
         return np.append(super().kernel_parameters()[:7], self.asymmetry)
 
     @property
@@ -80,7 +73,6 @@ class AsymmetricBoucWen(SymmetricBoucWen):
 
     @property
     def coordinates(self) -> dict[str, float]:
-        """The normalised form, the elastic part, and c ln b."""
         return {**super().coordinates, "c_ln_b": self.asymmetry}
 
 

@@ -20,7 +20,7 @@ from wirerope_mj.foundation.c_functions import SIGNATURE
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.path import follow_path
 from wirerope_mj.mounts.laws.registry import OWN
-from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS
+from wirerope_mj.mounts.laws.viscous import FAINT_LAWS
 
 TRAVEL = 0.01  # deflection over which a law is tried unless it says its own [m]
 RATE = 0.1  # deflection rate at which it is tried [m/s]
@@ -128,7 +128,6 @@ class OwnLaw(Law):
         return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)
 
     def kernel_parameters(self) -> Array:
-        """Return the address of the function in this process and the fields in their order."""
         address = _address(type(self).force, len(fields(self)), self.n_states, self.name)
         return np.append(float(address), self._numbers())
 
@@ -144,7 +143,6 @@ class OwnLaw(Law):
         return FAINT_LAWS[self.n_states] if self.n_states < len(FAINT_LAWS) else super().faint()
 
     def same_structure(self, other: Law | None) -> bool:
-        """Return whether it is the same law: its function may do with parameters what it likes."""
         return self == other
 
     def multiplied(self, name: str, factor: float) -> Self:
@@ -154,7 +152,6 @@ class OwnLaw(Law):
         return super().multiplied(name, factor)
 
     def to_dict(self) -> Entries:
-        """Raise ValueError: a file cannot hold a program's own law."""
         raise ValueError(f"law {self.name!r} is a program's own and is not written to a file: keep the program.")
 
 

@@ -1,7 +1,7 @@
 """Several laws on one axis."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import accumulate
@@ -41,7 +41,6 @@ class Parallel(Law):
 
     name: ClassVar[str] = "parallel"
     kernel: ClassVar[int] = PARALLEL
-    force_powers: ClassVar[Mapping[str, float]] = {}
 
     laws: tuple[Law, ...]
 
@@ -72,36 +71,29 @@ class Parallel(Law):
 
     @property
     def components(self) -> tuple[Law, ...]:
-        """The laws."""
         return self.laws
 
     @property
     def stops(self) -> tuple[Any, ...]:
-        """The stops among the laws."""
         return tuple(stop for law in self.laws for stop in law.stops)
 
     @property
     def parameters_before(self) -> int:
-        """How many there are, and three numbers of each."""
         return 1 + 3 * len(self.laws)
 
     @property
     def is_steep(self) -> bool:
-        """True if any of them is."""
         return any(law.is_steep for law in self.laws)
 
     def faint(self) -> Self:
-        """Return as many laws with hardly any force."""
         return replace(self, laws=tuple(law.faint() for law in self.laws))
 
     def same_structure(self, other: Law | None) -> bool:
-        """Return whether the other ones are as many, and computed alike one by one."""
         if other is None or type(self) is not type(other) or len(self.laws) != len(other.components):
             return False
         return all(law.same_structure(same) for law, same in zip(self.laws, other.components, strict=True))
 
     def unchecked(self, values: Entries) -> Self:
-        """Return the laws with other parameters that are known to be valid."""
         if set(values) & set(FACTORS):
             return super().unchecked(values)
         varied = object.__new__(type(self))
@@ -115,18 +107,15 @@ class Parallel(Law):
         return min(self.laws, key=lambda law: law.finite_travel).travel_rule
 
     def multiplied(self, name: str, factor: float) -> Self:
-        """Return the laws, each with a factor of `FACTORS`."""
         return replace(self, laws=tuple(law.multiplied(name, factor) for law in self.laws))
 
     @property
     def travel_ends(self) -> tuple[float, float]:
-        """Deflections below and above zero up to which all of them hold [m]."""
         ends = np.array([law.travel_ends for law in self.laws]).min(axis=0)
         return float(ends[0]), float(ends[1])
 
     @property
     def finite_travel(self) -> float:  # type: ignore[override]
-        """The shorter of both [m]."""
         return min(self.travel_ends)
 
     @property
@@ -191,5 +180,4 @@ class Parallel(Law):
         return own
 
     def to_dict(self) -> Entries:
-        """Return the laws as they stand in an isolator file."""
         return {"laws": [law.to_dict() for law in self.laws]}

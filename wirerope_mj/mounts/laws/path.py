@@ -7,8 +7,7 @@ import numpy as np
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.adaptive import integrate
 from wirerope_mj.mounts.laws.ni import polynomial
-from wirerope_mj.mounts.laws.plane_brackets import LINE, ON_BRACKETS, on_brackets
-from wirerope_mj.mounts.laws.plane_kernels import LOOP, loop_plane_force
+from wirerope_mj.mounts.laws.plane_kernels import LINE, LOOP, ON_BRACKETS, loop_plane_force, on_brackets
 from wirerope_mj.mounts.laws.power import advance_power
 from wirerope_mj.mounts.laws.registry import (
     BOUC_WEN_LAWS,

@@ -13,8 +13,7 @@ from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.path import follow_plane
-from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS, own_deflections
-from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, ON_BRACKETS, own_deflections
 from wirerope_mj.mounts.laws.stop import STOP
 
 SAME = 1e-9  # Relative difference of two axes' n, sigma or energy that is rounding and not another law
@@ -36,7 +35,7 @@ class PlaneLaw(ABC):
     """Two laws, of roll and of another axis, whose hysteretic forces are the components of one vector.
 
     `brackets` are springs in series with both laws [N/m], infinite on an axis that stands on none; then deflections are those
-    of both together, see `wirerope_mj.mounts.laws.plane_brackets`.
+    of both together, see `wirerope_mj.mounts.laws.plane_kernels`.
     """
 
     brackets: tuple[float, float] | None = None

@@ -1,10 +1,21 @@
-"""Kernels of two coupled deflections: two hysteretic forces with one bound, and a rope loop's elastic energy between them."""
+"""Kernels of two coupled deflections: two hysteretic forces with one bound, and a rope loop's elastic energy between them.
+
+In series with brackets what stands between has two deflections of its own. With these deflections d, the mount's forces F(d, z)
+while the hysteretic forces z are held, the deflections x of mount and brackets together, and the brackets' compliances
+C = diag(1/K), 0 of an axis without one,
+
+    d + C F(d, z) = x        ddot + C (dF/dd ddot + dF/dz zdot) = xdot
+
+of which the first is solved by Newton's method. zdot is linear in ddot but for the sign of the work on each scale's hysteretic
+forces (`biaxial_rates`), so that the second is solved by linear equations until these signs are those of its solution. Nothing
+is added to the mount's states.
+"""
 
 import math
 
-from wirerope_mj.foundation.jit import njit
-from wirerope_mj.foundation.lanes import count, raised, where
-from wirerope_mj.mounts.laws.hysteresis import FAR, OVERSHOOT
+from wirerope_mj.foundation.jit import inlined, njit
+from wirerope_mj.foundation.lanes import count, raised, some, where
+from wirerope_mj.mounts.laws.bouc_wen import FAR, OVERSHOOT
 from wirerope_mj.mounts.laws.ni import polynomial
 
 BIAXIAL = 9
@@ -99,3 +110,114 @@ def biaxial(p, i, x, v, z, j, zdot, k):
     fx = z[j] + polynomial(p[i + 6], p[i + 7], p[i + 8], p[i + 12] + x * ex)
     fy = z[j + 1] + polynomial(p[i + 9], p[i + 10], p[i + 11], p[i + 13] + x * ey)
     return ex * fx + ey * fy
+
+
+ON_BRACKETS = 18  # number of the kernel along a line
+# in place of a law's number: the axis' force is found with that of the axis it is coupled to, both on brackets
+WITH_ANOTHER = -2
+LINE = 5  # parameters of the kernel along a line before those of a mount: number of scales, start (2), direction (2)
+ELASTIC = 7  # of every scale: k1, k2, k3 of both axes, lambda of the other one's F2
+# Step of central differences of forces [m]: rounding, and what the third derivative adds, are 1e-10 of a slope
+_NUDGE = 1e-7
+_FOUND = 1e-13  # of the deflections: a step that Newton's method, which is quadratic there, need not take
+_STEPS = 40  # five are usual; a step that does not lead nearer is halved
+# Of the deflections, left of the equation: a mount that buckles on a bracket softer than itself jumps, and there is no answer.
+_LOST = 1e-6
+_SIGNS = 8  # two are usual
+
+
+@inlined
+def stand(p, i, n):
+    """Return where the brackets' compliances (2) begin, and behind them the elastic parts; before: rates, a loop's energy."""
+    loop = i + RATE_NUMBERS * n
+    return loop + 6 + count(p, loop + 4) * count(p, loop + 5)
+
+
+@njit
+def held(p, i, n, u, w, z, j, k):
+    """Return the forces [N] of the mount's own deflections u and w, hysteretic forces `z[j:]` and `z[k:]` held."""
+    e = stand(p, i, n) + 2
+    fu, fw = loop_force(p, i + RATE_NUMBERS * n, u, w)
+    for scale in range(n):
+        fu += z[j + scale] + polynomial(p[e], p[e + 1], p[e + 2], u)
+        fw += math.exp(p[e + 6] * w) * (z[k + scale] + polynomial(p[e + 3], p[e + 4], p[e + 5], w))
+        e += ELASTIC
+    return fu, fw
+
+
+@njit
+def series_slopes(p, i, n, u, w, z, j, k):
+    """Return 1 + C dF/dd, hysteretic forces held, row by row."""
+    b, each = stand(p, i, n), 0.5 / _NUDGE
+    (u1, w1), (u2, w2) = held(p, i, n, u + _NUDGE, w, z, j, k), held(p, i, n, u - _NUDGE, w, z, j, k)
+    (u3, w3), (u4, w4) = held(p, i, n, u, w + _NUDGE, z, j, k), held(p, i, n, u, w - _NUDGE, z, j, k)
+    roll, other = each * p[b], each * p[b + 1]
+    return 1.0 + roll * (u1 - u2), roll * (u3 - u4), other * (w1 - w2), 1.0 + other * (w3 - w4)
+
+
+@njit
+def own_deflections(p, i, n, x, y, z, j, k):
+    """Return the mount's own deflections u and w [m] of x and y of mount and brackets together, and 1 + C dF/dd there (4).
+
+    NaN where there are none.
+    """
+    b = stand(p, i, n)
+    u, w, du, dw, left = x, y, 0.0 * x, 0.0 * y, 1e300 + 0.0 * x
+    a = f = g = d = left
+    for _ in range(_STEPS):
+        tu, tw = u + du, w + dw
+        fu, fw = held(p, i, n, tu, tw, z, j, k)
+        ru, rw = tu - x + p[b] * fu, tw - y + p[b + 1] * fw
+        size = max(abs(ru), abs(rw))
+        nearer = size < left
+        ta, tf, tg, td = series_slopes(p, i, n, tu, tw, z, j, k)
+        det = ta * td - tf * tg
+        u, w, left = where(nearer, tu, u), where(nearer, tw, w), where(nearer, size, left)
+        a, f, g, d = where(nearer, ta, a), where(nearer, tf, f), where(nearer, tg, g), where(nearer, td, d)
+        du = where(nearer, (f * rw - d * ru) / det, 0.5 * du)
+        dw = where(nearer, (g * ru - a * rw) / det, 0.5 * dw)
+        if not some(abs(du) + abs(dw) > _FOUND * (abs(x) + abs(y) + abs(u) + abs(w))):
+            break
+    lost = left > _LOST * (abs(x) + abs(y))
+    return where(lost, math.nan, u), where(lost, math.nan, w), a, f, g, d
+
+
+@njit
+def on_brackets(p, i, n, x, y, vx, vy, z, j, k, zdot, to_j, to_k):
+    """Return the forces [N] of deflections x and y of mount and brackets, of rates vx and vy; write the rates of n scales.
+
+    p = of every scale those of `biaxial_rates`, those of `loop_force`, 1/K of both axes [m/N], of every scale `ELASTIC`.
+    """
+    u, w, a, f, g, d = own_deflections(p, i, n, x, y, z, j, k)
+    b, du, dw = stand(p, i, n), vx, vy
+    for _ in range(_SIGNS):
+        auu, auw, awu, aww = a, f, g, d
+        for scale in range(n):
+            q = i + RATE_NUMBERS * scale
+            wx, wy, reach = reached(p, q, z, j + scale, k + scale)
+            along = du / p[q + 4] * wx + dw / p[q + 5] * wy
+            reach = reach * (where(along < 0.0, -1.0, 1.0) * p[q] + (1.0 - p[q]))
+            roll, other = p[b] * p[q + 2], p[b + 1] * p[q + 3] * math.exp(p[b + 2 + ELASTIC * scale + 6] * w)
+            auu, auw = auu + roll * (1.0 - reach * wx * wx) / p[q + 4], auw - roll * reach * wx * wy / p[q + 5]
+            awu, aww = awu - other * reach * wx * wy / p[q + 4], aww + other * (1.0 - reach * wy * wy) / p[q + 5]
+        det = auu * aww - auw * awu
+        before_u, before_w = du, dw
+        du, dw = (aww * vx - auw * vy) / det, (auu * vy - awu * vx) / det
+        if not some(abs(du - before_u) + abs(dw - before_w) > 0.0):
+            break
+    for scale in range(n):
+        biaxial_rates(p, i + RATE_NUMBERS * scale, du, dw, z, j + scale, k + scale, zdot, to_j + scale, to_k + scale)
+    return held(p, i, n, u, w, z, j, k)
+
+
+@njit
+def on_brackets_along(p, i, x, v, z, j, zdot, k):
+    """Return the force along a straight line of deflections [N], x the distance from its start; first the states of roll.
+
+    p = number of scales, start and direction of the line (2 each), those of `on_brackets`.
+    """
+    n, ex, ey = count(p, i), p[i + 3], p[i + 4]
+    fu, fw = on_brackets(
+        p, i + LINE, n, p[i + 1] + x * ex, p[i + 2] + x * ey, v * ex, v * ey, z, j, j + n, zdot, k, k + n
+    )  # fmt: skip
+    return ex * fu + ey * fw

@@ -23,11 +23,9 @@ import numpy as np
 from wirerope_mj.foundation.c_functions import called
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import count, some, where
-from wirerope_mj.mounts.laws.baber_noori import BoucWenBaberNoori, baber_noori
-from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, BoucWen, Ozdemir, bouc_wen
+from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, BoucWen, Ozdemir, bouc_wen, bouc_wen_rate
 from wirerope_mj.mounts.laws.exact import advance_bouc_wen, carry_bouc_wen
 from wirerope_mj.mounts.laws.friction import MASING, EnhancedDryFriction, Masing, hold_slip, masing, masing_increment
-from wirerope_mj.mounts.laws.hysteresis import bouc_wen_rate
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import (
     ASYMMETRIC_BOUC_WEN,
@@ -38,16 +36,23 @@ from wirerope_mj.mounts.laws.ni import (
     symmetric_bouc_wen,
 )
 from wirerope_mj.mounts.laws.parallel import PARALLEL, Parallel
-from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS
-from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP
-from wirerope_mj.mounts.laws.scragged import ScraggedBoucWen, scragged_bouc_wen
-from wirerope_mj.mounts.laws.semi_empirical import EquivalentViscous, TinkerCutchins, tinker_cutchins
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, ON_BRACKETS
+from wirerope_mj.mounts.laws.softening import BoucWenBaberNoori, ScraggedBoucWen, baber_noori, scragged_bouc_wen
 from wirerope_mj.mounts.laws.stop import STOP, Stop
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, advance_stop, stop, turned
 from wirerope_mj.mounts.laws.table_kernels import advance_table, tabulated
 from wirerope_mj.mounts.laws.tabulated import TABULATED, Tabulated
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI, VaianaRosati, approach, approach_work, vaiana_rosati
-from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, KelvinVoigt, Zener, kelvin_voigt, zener
+from wirerope_mj.mounts.laws.viscous import (
+    KELVIN_VOIGT,
+    EquivalentViscous,
+    KelvinVoigt,
+    TinkerCutchins,
+    Zener,
+    kelvin_voigt,
+    tinker_cutchins,
+    zener,
+)
 from wirerope_mj.mounts.laws.wrapped import HEAD, ON_BRACKET, SMOOTHED, OnBracket, Smoothed
 
 # The laws of isolator files, each with its kernel.

@@ -2,16 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+from wirerope_mj.foundation.structure import NotNegative, bounds
+from wirerope_mj.mounts.laws.law import Law, anywhere
 from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
 from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
-from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS
+from wirerope_mj.mounts.laws.viscous import FAINT_LAWS
 
 STOP = 13
 NEVER = 1e300  # Gap of a side without a stop [m]
@@ -48,32 +49,24 @@ class Stop(Law):
         "reversal": 5e-4, "c": 200.0,
     }  # fmt: skip
     smoothable: ClassVar[bool] = True
-    not_negative: ClassVar[tuple[str, ...]] = ("rounding", "loss", "c")
-    units: ClassVar[Mapping[str, str]] = {
-        "gap_below": "m", "gap_above": "m", "k": "N/m^exponent", "depths": "m", "forces": "N", "rounding": "m", "reversal": "m",
-        "c": "N s/m",
-    }  # fmt: skip
 
-    gap_below: float | None = None
-    gap_above: float | None = None
-    k: float | None = None
+    gap_below: Annotated[float, bounds("m", ge=0.0)] | None = None
+    gap_above: Annotated[float, bounds("m", ge=0.0)] | None = None
+    k: Annotated[float, bounds("N/m^exponent", gt=0.0)] | None = None
     exponent: float = 1.0
-    depths: tuple[float, ...] = ()
-    forces: tuple[float, ...] = ()
-    rounding: float = 0.0
-    loss: float = 0.0
-    reversal: float | None = None
-    c: float = 0.0
+    depths: Annotated[tuple[float, ...], bounds("m")] = ()
+    forces: Annotated[tuple[float, ...], bounds("N")] = ()
+    rounding: Annotated[float, bounds("m", ge=0.0)] = 0.0
+    loss: NotNegative = 0.0
+    reversal: Annotated[float, bounds("m", gt=0.0)] | None = None
+    c: Annotated[float, bounds("N s/m", ge=0.0)] = 0.0
 
     def _validate(self) -> None:
         if self.gap_below is None and self.gap_above is None:
             raise ValueError("`gap_below` or `gap_above` must be given: a stop acts on at least one side.")
-        require_not_negative(self, *(name for name in ("gap_below", "gap_above") if getattr(self, name) is not None))
-        super()._validate()
         if (self.k is None) == (not self.depths and not self.forces):
             raise ValueError("`k`, or `depths` and `forces`, must be given, and not both.")
         if self.k is not None:
-            require_positive(self, "k")
             if anywhere(self.exponent < 1.0):
                 raise ValueError(
                     f"`exponent` must be >= 1, got {self.exponent}: the stop would be infinitely stiff at the touch."
@@ -82,9 +75,7 @@ class Stop(Law):
             self._require_points()
         if anywhere(self.loss > 1.0):
             raise ValueError(f"`loss` must be <= 1, got {self.loss}: the stop would pull.")
-        if self.reversal is not None:
-            require_positive(self, "reversal")
-        elif anywhere(self.loss > 0.0):
+        if self.reversal is None and anywhere(self.loss > 0.0):
             raise ValueError(
                 "`reversal` must be given with `loss`: the length over which the force turns from pressing to letting go."
             )
@@ -108,17 +99,14 @@ class Stop(Law):
 
     @property
     def stops(self) -> tuple[Self]:
-        """Itself."""
         return (self,)
 
     @property
     def coordinates(self) -> dict[str, float]:
-        """Its own parameters, as far as they are stated."""
         names = ("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal")
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
     def faint(self) -> Law:
-        """Return what has as many states."""
         return FAINT_LAWS[self.n_states]
 
     def kernel_parameters(self) -> Array:
@@ -165,9 +153,9 @@ class Stop(Law):
         return ("w",) if self.loss > 0.0 else ()
 
     @property
-    def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]
-        """Power of force in the unit of each parameter."""
-        return {"forces" if self.k is None else "k": 1.0, "c": 1.0}
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter that is stated."""
+        return {name: power for name, power in super().force_powers.items() if getattr(self, name) is not None}
 
     @property
     def initial_stiffness(self) -> float:
@@ -184,7 +172,6 @@ class Stop(Law):
 
     @property
     def closed_damping(self) -> float:
-        """Viscous coefficient c [N s/m]."""
         return self.c
 
 

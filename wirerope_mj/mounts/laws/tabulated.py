@@ -10,12 +10,12 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.structure import In
+from wirerope_mj.foundation.structure import In, bounds
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed
-from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS
+from wirerope_mj.mounts.laws.viscous import FAINT_LAWS
 
 TABULATED = 12
 IN_LENGTH, IN_FORCE = In(LENGTH_UNITS, bare=True), In(FORCE_UNITS, bare=True)  # what its keys in a file may end with
@@ -62,20 +62,16 @@ class Tabulated(AsCall, Law):
     state_names: ClassVar[tuple[str, ...]] = ("z",)  # the hysteretic force where the loop is widest
     travel_rule: ClassVar[str] = "its table ends (`extrapolate = true` goes on with its end slope)"
     needs_rating: ClassVar[bool] = False
-    force_powers: ClassVar[Mapping[str, float]] = {"upper": 1.0, "lower": 1.0, "force": 1.0, "areas": 1.0}
-    units: ClassVar[Mapping[str, str]] = {
-        "deflection": "m", "upper": "N", "lower": "N", "force": "N", "amplitudes": "m", "areas": "J", "yield_deflection": "m",
-    }  # fmt: skip
 
-    deflection: Annotated[Sequence[float], IN_LENGTH]
-    upper: Annotated[Sequence[float], IN_FORCE] = ()
-    lower: Annotated[Sequence[float], IN_FORCE] = ()
-    force: Annotated[Sequence[float], IN_FORCE] = ()
+    deflection: Annotated[Sequence[float], IN_LENGTH, bounds("m")]
+    upper: Annotated[Sequence[float], IN_FORCE, bounds("N")] = ()
+    lower: Annotated[Sequence[float], IN_FORCE, bounds("N")] = ()
+    force: Annotated[Sequence[float], IN_FORCE, bounds("N")] = ()
     curve: Literal["virgin", "mid"] = "virgin"
-    amplitudes: Annotated[Sequence[float], IN_LENGTH] = ()
-    areas: Annotated[Sequence[float], In({"J": 1.0}, bare=True)] = ()
+    amplitudes: Annotated[Sequence[float], IN_LENGTH, bounds("m")] = ()
+    areas: Annotated[Sequence[float], In({"J": 1.0}, bare=True), bounds("J")] = ()
     #: x_y, the length over which unloading leaves one limit curve for the other by 1 - 1/e [m]; > 0 if there is hysteresis
-    yield_deflection: Annotated[float, IN_LENGTH] = 0.0
+    yield_deflection: Annotated[float, IN_LENGTH, bounds("m")] = 0.0
     symmetric: bool = False  #: the points begin at 0 and are mirrored about it
     #: beyond its ends the table goes on with their slope and g; else the law does not hold there
     extrapolate: bool = False
@@ -182,7 +178,6 @@ class Tabulated(AsCall, Law):
         return widths
 
     def kernel_parameters(self) -> Array:
-        """Return alpha, beta, 0, 1, the number of knots, the knots, and the coefficients from knot to knot."""
         return self._parameters.copy()
 
     @cached_property
@@ -191,19 +186,15 @@ class Tabulated(AsCall, Law):
 
     @property
     def bouc_wen_parameters(self) -> Array:
-        """z_max / x_y, 1 / x_y, 0, 1."""
         return self._parameters[:4]
 
     def faint(self) -> Law:
-        """Return what has as many states."""
         return FAINT_LAWS[self.n_states]
 
     def certainly_valid(self, columns: Mapping[str, object]) -> bool:
-        """Return False: a table is tried entry by entry."""
         return False
 
     def to_dict(self) -> Entries:
-        """Return the law as it stands in an isolator file, without what is not stated."""
         values = asdict(self)
         stated = {item.name: values[item.name] for item in fields(self) if values[item.name] != item.default}
         return {"law": self.name, **{key: list(v) if isinstance(v, tuple) else v for key, v in stated.items()}}
@@ -230,11 +221,9 @@ class Tabulated(AsCall, Law):
 
     @property
     def finite_travel(self) -> float:  # type: ignore[override]
-        """Shorter of both sides of the table [m]."""
         return min(self.travel_ends)
 
     def check_path(self, path: Array) -> None:
-        """Raise ValueError also if a path leaves the table."""
         super().check_path(path)
         below, above = self.travel_ends
         outside = (path < -below - ROUNDING) | (path > above + ROUNDING)

@@ -13,10 +13,9 @@ from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop import Loop
 from wirerope_mj.mounts.laws.path import SCRATCH, follow_path, put, segment_of_one
 from wirerope_mj.mounts.laws.registry import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_one
-from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
 from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import VISCOUS, stop_work
-from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, zener_state
+from wirerope_mj.mounts.laws.viscous import KELVIN_VOIGT, TINKER_CUTCHINS, ZENER, zener_state
 from wirerope_mj.mounts.laws.wrapped import SMOOTHED
 
 # Error of a step as a fraction of the state, or of what it would gain over the interval, and likewise of the work, whose power

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import scipy
@@ -11,10 +11,14 @@ import scipy
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import where
-from wirerope_mj.mounts.laws.law import FAINT, Law, anywhere
+from wirerope_mj.foundation.structure import bounds
+from wirerope_mj.mounts.laws.law import FAINT, Law, Stiffness, anywhere
 
 VAIANA_ROSATI = 7
 _NAMES = ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")
+Force = Annotated[float, bounds("N")]
+Length = Annotated[float, bounds("m")]
+PerLength = Annotated[float, bounds("1/m")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,32 +53,26 @@ class VaianaRosati(Law):
     state_names: ClassVar[tuple[str, ...]] = ("z",)  # the force from the mean of the limit curves
     travel_rule: ClassVar[str] = "its limit curves cross"
     leaders: ClassVar[Mapping[str, str]] = {f"{name}_minus": name for name in _NAMES}
-    force_powers: ClassVar[Mapping[str, float]] = {
-        name + side: 1.0 for name in ("kb", "f0", "b1", "g1") for side in ("", "_minus")
-    }
-    faint_parameters: ClassVar[Mapping[str, float]] = dict.fromkeys(force_powers, FAINT)
-    units: ClassVar[Mapping[str, str]] = {
-        name + side: unit
-        for side in ("", "_minus")
-        for name, unit in zip(_NAMES, ("N/m", "N", "1/m", "N", "1/m", "N", "1/m", "m"), strict=True)
+    faint_parameters: ClassVar[Mapping[str, float]] = {
+        name + side: FAINT for name in ("kb", "f0", "b1", "g1") for side in ("", "_minus")
     }
 
-    kb: float
-    f0: float
-    alpha: float
-    b1: float = 0.0
-    b2: float = 0.0
-    g1: float = 0.0
-    g2: float = 0.0
-    g3: float = 0.0
-    kb_minus: float | None = None
-    f0_minus: float | None = None
-    alpha_minus: float | None = None
-    b1_minus: float | None = None
-    b2_minus: float | None = None
-    g1_minus: float | None = None
-    g2_minus: float | None = None
-    g3_minus: float | None = None
+    kb: Stiffness
+    f0: Force
+    alpha: PerLength
+    b1: Force = 0.0
+    b2: PerLength = 0.0
+    g1: Force = 0.0
+    g2: PerLength = 0.0
+    g3: Length = 0.0
+    kb_minus: Stiffness | None = None
+    f0_minus: Force | None = None
+    alpha_minus: PerLength | None = None
+    b1_minus: Force | None = None
+    b2_minus: PerLength | None = None
+    g1_minus: Force | None = None
+    g2_minus: PerLength | None = None
+    g3_minus: Length | None = None
 
     def __post_init__(self) -> None:
         for name in _NAMES:
@@ -97,7 +95,6 @@ class VaianaRosati(Law):
 
     @property
     def _parameters(self) -> list[Any]:
-        """Parameters of the upper curve, then those of the lower one."""
         return [getattr(self, name + side) for side in ("", "_minus") for name in _NAMES]
 
     def _limits(self, x: float) -> tuple[float, float, float, float]:
@@ -155,11 +152,9 @@ class VaianaRosati(Law):
 
     @property
     def coordinates(self) -> dict[str, float]:
-        """The parameters of the upper curve, which are those of both where a law is identified."""
         return {name: getattr(self, name) for name in _NAMES}
 
     def check_path(self, path: Array) -> None:
-        """Raise ValueError also if a path leads to where the limit curves cross."""
         super().check_path(path)
         limit, reach = self.finite_travel, float(np.abs(path).max())
         if reach > limit:

@@ -1,6 +1,5 @@
 """A law around another one: smoothed, for what differentiates it at reversals, or in series with an elastic bracket."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -10,7 +9,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.parallel import Parallel
-from wirerope_mj.mounts.laws.viscoelastic import FAINT_LAWS, KelvinVoigt, Zener
+from wirerope_mj.mounts.laws.viscous import FAINT_LAWS, KelvinVoigt, Zener
 
 SMOOTHED = 10
 ON_BRACKET = 16
@@ -26,8 +25,6 @@ def _of_law(name: str, doc: str) -> Any:
 class _Wrapped(Law):
     """A law around another one, whose states it has. It lives in memory alone: an isolator file holds the other."""
 
-    force_powers: ClassVar[Mapping[str, float]] = {}
-
     law: Law
 
     travel_ends = _of_law("travel_ends", "Deflections below and above zero up to which the law holds [m].")
@@ -37,15 +34,12 @@ class _Wrapped(Law):
     damping_parameters = _of_law("damping_parameters", "Those of the law.")
 
     def certainly_valid(self, columns: Entries) -> bool:
-        """Return whether there are no columns: each entry has to be tried."""
         return not columns
 
     def same_structure(self, other: Law | None) -> bool:
-        """Return whether it is the same law."""
         return self == other
 
     def multiplied(self, name: str, factor: float) -> Self:
-        """Return the same around the law with a factor of `FACTORS`."""
         return replace(self, law=self.law.multiplied(name, factor))
 
 
@@ -83,29 +77,23 @@ class Smoothed(_Wrapped):
 
     @property
     def unsmoothed(self) -> Law:
-        """The law."""
         return self.law
 
     @property
     def bouc_wen_parameters(self) -> Array | None:
-        """Those of the law."""
         return self.law.bouc_wen_parameters
 
     def faint(self) -> Law:
-        """Return what has as many states."""
         return FAINT_LAWS[self.n_states]
 
     def kernel_parameters(self) -> Array:
-        """Return the width, the law's kernel and its parameters."""
         return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
 
     def to_dict(self) -> Entries:
-        """Raise ValueError: an isolator file holds the law itself."""
         raise ValueError("a smoothed law is not written to a file: save the isolator with its `law`, and smooth it in memory.")
 
 
 def smoothable(law: Law) -> bool:
-    """Return whether a law has one state whose rate is a slope times the velocity."""
     return law.smoothable and law.rate_independent and law.n_states == 1
 
 
@@ -146,36 +134,29 @@ class OnBracket(_Wrapped):
 
     @property
     def behind_bracket(self) -> Law:
-        """The law."""
         return self.law
 
     @property
     def bracket_stiffness(self) -> float:
-        """K [N/m]."""
         return self.stiffness
 
     def faint(self) -> Law:
-        """Return the law with hardly any force, without the bracket."""
         return self.law.faint()
 
     def kernel_parameters(self) -> Array:
-        """Return K, the number of states, and the laws as several in parallel have them."""
         behind = Parallel(laws=self.law.components)
         return np.concatenate([[self.stiffness, float(self.n_states)], behind.kernel_parameters()])
 
     @property
     def initial_stiffness(self) -> float:
-        """Tangent at the unloaded state [N/m]."""
         own = self.law.initial_stiffness
         return own * self.stiffness / (own + self.stiffness)
 
     def multiplied(self, name: str, factor: float) -> Self:
-        """Return the law with a factor of `FACTORS`; that on all forces acts on the bracket, too."""
         stiffness = factor * self.stiffness if name == "stiffness" else self.stiffness
         return replace(super().multiplied(name, factor), stiffness=stiffness)
 
     def to_dict(self) -> Entries:
-        """Raise ValueError: an isolator file holds the law itself."""
         raise ValueError("a law on a bracket is not written to a file: save the isolator with its `bracket`.")
 
 

@@ -38,7 +38,6 @@ class LoopShape:
 
     @property
     def length(self) -> float:
-        """Length of free rope of the half loop [m]."""
         return sum(length for length, _ in self.segments)
 
     @property

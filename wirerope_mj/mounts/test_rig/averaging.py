@@ -62,11 +62,9 @@ class PhasedCycle:
         return np.interp(np.arange(POINTS) / POINTS, self.phase, values[self.samples])
 
     def elapsed(self, phase: Array) -> Array:
-        """Time since the cycle began over its period, for phases."""
         return np.interp(phase, [0.0, 0.5, 1.0], [0.0, self.middle, 1.0])
 
     def mean(self, values: Array) -> float:
-        """Average a series over time."""
         return float(np.interp(np.arange(POINTS) / POINTS, self.elapsed(self.phase), values[self.samples]).mean())
 
 
@@ -141,7 +139,6 @@ def mean_loop(
 
 
 def _bin(phase: Array, bins: int) -> Integers:
-    """Number the bins of phases, whose first and last are one."""
     return np.floor(phase * bins + 0.5).astype(np.int64) % bins
 
 

@@ -206,7 +206,6 @@ class _Window:
         return self._centred(np.stack(powers, axis=1))
 
     def misfit(self, delay: float) -> float:
-        """Sum of squares that a lag leaves."""
         left = self._fit(delay)[1]
         return float(left @ left)
 

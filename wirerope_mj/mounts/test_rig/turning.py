@@ -32,7 +32,6 @@ class Trace:
 
     @property
     def strokes(self) -> Array:
-        """Distances from turning point to turning point [m], (n - 1,)."""
         return np.abs(np.diff(self.smooth[self.turns]))
 
     @property
@@ -44,7 +43,6 @@ class Trace:
         return np.where(rising, around[self.turns].max(axis=1), around[self.turns].min(axis=1))
 
     def smoothed(self, values: Array) -> Array:
-        """Smooth another series as the deflection."""
         return _smoothed(values, self.window)
 
 

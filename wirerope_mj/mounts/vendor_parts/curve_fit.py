@@ -16,6 +16,7 @@ from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Travel
 from wirerope_mj.mounts.isolator.tables import read_curve
 from wirerope_mj.mounts.laws import Tabulated
+from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import law_values
 from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue, Force, Length, Pairs
 
@@ -43,7 +44,6 @@ class Side:
 
     @property
     def curves(self) -> dict[str, Pairs]:
-        """The curves from (0, 0) that there are, in SI units and positive."""
         return {kind: points for kind in KINDS if (points := getattr(self, kind))}
 
     def __post_init__(self) -> None:
@@ -74,7 +74,6 @@ class CurveSheet:
 
     @property
     def sides(self) -> dict[str, Side]:
-        """The directions that there are, by the names of their tables."""
         return {name: side for name in _SIDES if (side := getattr(self, name)) is not None}
 
     def __post_init__(self) -> None:
@@ -173,7 +172,7 @@ def curve_values(sheet: CurveSheet, isolator: Isolator) -> list[ComparedValue]:
                     fitted = sign * law_values.virgin_force(law, sign * x)
                     add(name, f"{kind} force at {1e3 * x:.4g} mm", "N", force, fitted)
         for a, area in side.areas:
-            add(name, f"area at {1e3 * a:.4g} mm", "J", area, law_values.loop_area(law, a))
+            add(name, f"area at {1e3 * a:.4g} mm", "J", area, cyclic_test(law, a)[0].dissipated_energy)
         for a, ratio in side.damping:
             add(name, f"damping ratio at {1e3 * a:.4g} mm", "-", ratio, law_values.damping_ratio(law, a))
     return rows

@@ -44,18 +44,7 @@ def secant(law: Law, stated: Secant, about: float = 0.0) -> float:
 
 
 def damping_ratio(law: Law, amplitude: float) -> float:
-    """Return the equivalent damping ratio [-] of the steady loop of `amplitude` [m] about zero."""
     return cyclic_test(law, amplitude)[0].damping_ratio
-
-
-def loop_area(law: Law, amplitude: float) -> float:
-    """Return the area [J] of the steady loop of `amplitude` [m] about zero."""
-    return cyclic_test(law, amplitude)[0].dissipated_energy
-
-
-def tension_ratio(law: Law, deflection: float) -> float:
-    """Return F(+D) / |F(-D)| [-] on the virgin paths."""
-    return virgin_force(law, deflection) / abs(virgin_force(law, -deflection))
 
 
 def sag(force: Callable[[float], float], load: float, travel: float) -> float:

@@ -1,6 +1,6 @@
 """The vendors' tables: parts with load, travel and stiffnesses in compression, at 45 degrees, and in shear or roll."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
@@ -89,26 +89,21 @@ def read_table(path: Path, series: Series) -> list[VendorPart]:
 
     Lines that begin with # are comments. ModelError names file, line, column and rule.
     """
+    parts = []
     try:
         header = read_header(path, kind="table of isolators", example='"part, loops [-], height [mm]"')
-        factors = [1.0 if name == "part" else header.factor(i, _UNITS) for i, name in enumerate(header.names)]
-        return [_part(location, cells, header.names, factors, series) for _, location, cells in rows_below(header)]
+        factors = {name: header.factor(i, _UNITS) for i, name in enumerate(header.names) if name != "part"}
+        for _, location, cells in rows_below(header):
+            row = dict(zip(header.names, cells, strict=True))
+            values = {name: _stated(location, name, row[name], factor) for name, factor in factors.items()}
+            loops, stated = values["loops"], [item.name for item in fields(ModeValues)]
+            modes = {mode: ModeValues(**{name: values.get(f"{mode} {name}") for name in stated}) for mode in MODES}
+            measures = {name: values.get(name) for name in ("rope", "height", "width", "bar")}
+            count = None if loops is None else round(loops)
+            parts.append(VendorPart(name=row["part"], series=series, loops=count, modes=modes, **measures))
     except RecordError as error:
         raise ModelError(str(error)) from None
-
-
-def _part(location: str, cells: Sequence[str], names: Sequence[str], factors: Sequence[float], series: Series) -> VendorPart:
-    """Return the part of one row."""
-    columns = [column for column in zip(names, cells, factors, strict=True) if column[0] != "part"]
-    values = {name: _stated(location, name, cell, factor) for name, cell, factor in columns}
-    loops = values["loops"]
-    modes = {
-        mode: ModeValues(**{item.name: values.get(f"{mode} {item.name}") for item in fields(ModeValues)}) for mode in MODES
-    }
-    return VendorPart(
-        name=cells[names.index("part")], series=series, loops=None if loops is None else round(loops), modes=modes,
-        **{key: values.get(key) for key in ("rope", "height", "width", "bar")},
-    )  # fmt: skip
+    return parts
 
 
 def _stated(location: str, name: str, cell: str, factor: float) -> float | None:

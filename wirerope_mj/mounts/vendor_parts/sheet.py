@@ -33,7 +33,6 @@ class StatedValue(Secant):
 
     @property
     def key(self) -> str:
-        """Its name in `compared`."""
         return self.name.replace(" ", "_")
 
     def shown(self, stiffness: float) -> float:
@@ -45,7 +44,6 @@ class StatedValue(Secant):
         return 1e-3 * stiffness
 
     def beside(self, axis: str, stiffness: float) -> "ComparedValue":
-        """Return the value of the sheet beside the secant stiffness [N/m] of a law."""
         vendor, fitted = self.shown(self.stiffness), self.shown(stiffness)
         return ComparedValue(axis=axis, name=self.name, unit=self.unit, vendor=vendor, fitted=fitted)
 
@@ -62,7 +60,6 @@ class ComparedValue:
 
     @property
     def error(self) -> float | None:
-        """Relative error of the fitted value; None where the vendor states nothing."""
         return None if self.vendor is None else self.fitted / self.vendor - 1.0
 
 
@@ -146,12 +143,10 @@ class AxisValues:
 
     @property
     def fitted(self) -> tuple[StatedValue, ...]:
-        """The values that the law is fitted to."""
         return tuple(value for value in self.stated if value.fitted)
 
 
 def _force(name: str, deflection: float, force: float) -> StatedValue:
-    """Return a force on the virgin path as a stated value."""
     return StatedValue(name=name, unit="N", deflection=deflection, stiffness=force / deflection, steady=False)
 
 
@@ -194,7 +189,6 @@ class DataSheet:
 
     @property
     def roll(self) -> AxisValues | None:
-        """Values of the roll axis; None where they are those of shear, or of the rope loop."""
         return self.stated_roll if isinstance(self.stated_roll, AxisValues) else None
 
     @property
@@ -212,12 +206,10 @@ class DataSheet:
 
     @cached_property
     def shape(self) -> LoopShape:
-        """The half loop of its envelope; ValueError if there is none."""
         return loop_shape(height=self.height, width=self.width, bar=self.bar, rope=self.rope)
 
     @property
     def across(self) -> dict[str, AxisValues]:
-        """Values across the axis, by the axes that they stand for."""
         one = {"shear" if self.stated_roll else "shear and roll": self.shear, "roll": self.roll}
         return {name: values for name, values in one.items() if values is not None}
 

@@ -14,21 +14,13 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Rotation, Spread, Travel
-from wirerope_mj.mounts.laws import LoopCoupling, Parallel
+from wirerope_mj.mounts.laws import LoopBoucWen, LoopCoupling, Parallel
 from wirerope_mj.mounts.rope_loop import AxisCurves, axis_curves, fit_coupling, loop_positions, rotational_stiffness
-from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
+from wirerope_mj.mounts.vendor_parts.law_values import diagonal_secant
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart
-from wirerope_mj.mounts.vendor_parts.secants import (
-    RULES,
-    ElasticShape,
-    FitRule,
-    NiLaw,
-    first_state,
-    fit_damped,
-    fit_secants,
-)
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue, read_datasheet
+from wirerope_mj.mounts.vendor_parts.secants import RULES, ElasticShape, FitRule, NiLaw, first_state, fit_damped, fit_secants
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, read_datasheet
 
 
 def fit_datasheet(path: str | Path) -> Isolator:
@@ -67,9 +59,13 @@ def fit_sheet(sheet: DataSheet) -> Isolator:
     cubic = rule.asymmetry * curves.axial_cubic * compression.hardening
     along = ElasticShape(asymmetry=rule.asymmetry * curves.asymmetry, cubic=cubic)
     axial = _fit(compression, along, sheet.yield_deflection, sheet.damping_amplitude, rule)
+    # all states of the axis share the scatter of the asymmetry
+    states = len(axial.components)
+    names = ("axial.c",) if states == 1 else tuple(f"axial.laws[{number}].c" for number in range(states))
+    variance = float(f"{rule.deviation(curves.asymmetry, curves.asymmetry_deviation) ** 2:.6g}")
     across = {} if shear is None else _across(sheet, shear, axial, curves)
     isolator = Isolator(
-        name=sheet.name, axial=axial, spread=_spread(axial, curves, rule),
+        name=sheet.name, axial=axial, spread=Spread(parameters=names, covariance=((variance,) * states,) * states),
         limits=Limits(static_load=sheet.static_load, travel=Travel(compression=compression.travel, **rated)),
         geometry=Geometry(height=sheet.height, width=sheet.width, bar=None if sheet.bar_assumed else sheet.bar),
         rotation=_rotation(sheet, axial, across.get("roll"), curves), **across,
@@ -79,14 +75,6 @@ def fit_sheet(sheet: DataSheet) -> Isolator:
         check_45=_check_45(sheet, isolator),
     )  # fmt: skip
     return replace(isolator, provenance=provenance)
-
-
-def _spread(axial: NiLaw | Parallel, curves: AxisCurves, rule: FitRule) -> Spread:
-    """Return the scatter of the asymmetry, which all states of the axis share: `FitRule.deviation`."""
-    states = len(axial.components)
-    names = ("axial.c",) if states == 1 else tuple(f"axial.laws[{number}].c" for number in range(states))
-    variance = float(f"{rule.deviation(curves.asymmetry, curves.asymmetry_deviation) ** 2:.6g}")
-    return Spread(parameters=names, covariance=((variance,) * states,) * states)
 
 
 def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves: AxisCurves) -> Entries:
@@ -144,23 +132,19 @@ def _coupling(
 
 
 def _fitted_to(sheet: DataSheet) -> str:
-    """Return the text on what the parameters reproduce."""
     axes = []
     for name, axis in {"axial": sheet.compression, **sheet.across}.items():
-        fitted = [_stated(value) for value in axis.stated if value.fitted]
+        fitted = []
+        for value in axis.fitted:
+            path, shown = "steady loop" if value.steady else "virgin path", f"{value.shown(value.stiffness):.5g} {value.unit}"
+            at = f"at {1e3 * value.deflection:.4g} mm of the {path}"
+            of = f"= secant of the {path} of {1e3 * value.deflection:.4g} mm"
+            fitted.append(f"{value.name} {shown} {at if value.unit == 'N' else of}")
         if axis.damping_target is not None:
             loop = f"steady loop of {1e3 * sheet.damping_amplitude:.3g} mm"
             fitted.append(f"damping ratio {axis.damping_target:g} of the {loop}")
         axes.append(f"{name}: {', '.join(fitted)}")
     return "; ".join(axes)
-
-
-def _stated(value: StatedValue) -> str:
-    path = "steady loop" if value.steady else "virgin path"
-    shown = f"{value.shown(value.stiffness):.5g} {value.unit}"
-    if value.unit == "N":
-        return f"{value.name} {shown} at {1e3 * value.deflection:.4g} mm of the {path}"
-    return f"{value.name} {shown} = secant of the {path} of {1e3 * value.deflection:.4g} mm"
 
 
 def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
@@ -195,6 +179,20 @@ def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
     if sheet.damping_range is not None:
         texts.append("damping ratio: the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range))
     return (*texts, *sheet.assumed)
+
+
+DIAGONAL = "45 degrees"
+
+
+def diagonal_values(stated: AxisValues | None, isolator: Isolator) -> list[ComparedValue]:
+    """Return the values at 45 degrees between compression and roll, which nothing was fitted to, beside the coupled laws'."""
+    law = isolator.coupled
+    if stated is None or not isinstance(law, LoopBoucWen):
+        return []
+    # A resonance is about a sag under a load that is not along an axis of the mount: nothing here follows that.
+    followed = [value for value in stated.stated if value.unit != "Hz"]
+    secants = [diagonal_secant(law, value.deflection, steady=value.steady) for value in followed]
+    return [value.beside(DIAGONAL, secant) for value, secant in zip(followed, secants, strict=True)]
 
 
 def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
