@@ -45,22 +45,6 @@ def level() -> str | None:
     return next((name for name, features in LEVELS.items() if present.issuperset(features)), None)
 
 
-def folder_doubt(folder: Path) -> str:
-    """Say who else may write a folder, or put another one in its place; "" if only its user and the system may.
-
-    The folders above it count, too, and those that links lead through; in one with the sticky bit, such as /tmp, nobody may
-    rename what is somebody else's.
-    """
-    if not _KNOWN:
-        return ""
-    real, above = folder.resolve(), {*folder.absolute().parents, *folder.resolve().parents}
-    doubt = file_doubt(real.stat(), str(real))
-    for parent in sorted(above):
-        if not doubt:
-            doubt = _parent_doubt(parent.stat(), str(parent))
-    return doubt
-
-
 def file_doubt(state: os.stat_result, name: str) -> str:
     """Say who else may write what has this state; "" if it is the user's and nobody else may."""
     if not _KNOWN:
@@ -68,12 +52,6 @@ def file_doubt(state: os.stat_result, name: str) -> str:
     if state.st_uid != os.geteuid():
         return f"{name} belongs to another user"
     return _mode_doubt(state, name)
-
-
-def _parent_doubt(state: os.stat_result, name: str) -> str:
-    if state.st_uid not in (0, os.geteuid()):
-        return f"{name} belongs to another user"
-    return "" if state.st_mode & stat.S_ISVTX else _mode_doubt(state, name)
 
 
 def _mode_doubt(state: os.stat_result, name: str) -> str:
@@ -124,8 +102,25 @@ def why_not_kept(folder: Path) -> str:
 
 @cache
 def _doubt(folder: Path) -> str:
-    """Say why a folder that is there is not used; "" if it is."""
-    return folder_doubt(folder) if folder.is_absolute() else f"{folder} is a relative path"
+    """Say why a folder that is there is not used: who else may write it, or put another one in its place; "" if it is.
+
+    The folders above it count, too, and those that links lead through; in one with the sticky bit, such as /tmp, nobody may
+    rename what is somebody else's.
+    """
+    if not folder.is_absolute():
+        return f"{folder} is a relative path"
+    if not _KNOWN:
+        return ""
+    real = folder.resolve()
+    if doubt := file_doubt(real.stat(), str(real)):
+        return doubt
+    for parent in sorted({*folder.parents, *real.parents}):
+        state = parent.stat()
+        if state.st_uid not in (0, os.geteuid()):
+            return f"{parent} belongs to another user"
+        if not state.st_mode & stat.S_ISVTX and (doubt := _mode_doubt(state, str(parent))):
+            return doubt
+    return ""
 
 
 def keep(path: Path, content: bytes) -> None:

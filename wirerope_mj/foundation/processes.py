@@ -61,7 +61,8 @@ def run_beside(work: Callable[[], object]) -> Iterator[None]:
     copy, code = 0, 1
     try:
         with interrupts_held(), warnings.catch_warnings(action="ignore", category=DeprecationWarning):  # of libraries' threads
-            if _may_be_copied():
+            # Of several threads a copy has one, and waits forever for what the others hold; macOS is not made for it.
+            if sys.platform == "linux" and processors() > 1 and threading.active_count() == 1:
                 copy = os.fork() or _end_after(work)
                 _children.add(copy)
         yield
@@ -106,14 +107,6 @@ def _end_children() -> None:
 
 
 at_end(_end_children, early=True)
-
-
-def _may_be_copied() -> bool:
-    """Return whether there is a second processor, and a copy of this process can live.
-
-    Of several threads a copy has one, and waits forever for what the others hold; macOS's own libraries are not made for it.
-    """
-    return sys.platform == "linux" and processors() > 1 and threading.active_count() == 1
 
 
 def _end_after(work: Callable[[], object]) -> NoReturn:

@@ -15,34 +15,10 @@ from wirerope_mj.foundation.units import find_unit, is_unit, split_unit, undersc
 Rows = Sequence[tuple[int, list[str]]]  # number of each row, counted from 1, and its cells
 DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "spaces"}
 # what stands in a cell whose value is missing, in small letters
-MISSING = frozenset(
-    [
-        "nan",
-        "+nan",
-        "-nan",
-        "na",
-        "n/a",
-        "#n/a",
-        "#na",
-        "null",
-        "none",
-        "nil",
-        "-",
-        "--",
-        "---",
-        "nan(ind)",
-        "-nan(ind)",
-        "1.#qnan",
-        "-1.#ind",
-        "#div/0!",
-        "#value!",
-        "#num!",
-        "#ref!",
-        "#name?",
-        "#null!",
-        "missing",
-    ]
-)
+MISSING = frozenset((
+    "nan", "+nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "na", "n/a", "null", "none", "nil", "missing",
+    "-", "--", "---", "#n/a", "#na", "#div/0!", "#value!", "#num!", "#ref!", "#name?", "#null!",
+))  # fmt: skip
 # an error of a spreadsheet where a row begins, which is no comment
 SHEET_ERROR = re.compile(
     rf"(?:{'|'.join(re.escape(text) for text in MISSING if text.startswith('#'))})(?=[\s\",;|]|$)", re.IGNORECASE

@@ -8,10 +8,11 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from functools import cache
-from typing import overload
+from typing import TypeVar
 
 from wirerope_mj.foundation.arrays import Array
 
+Number = TypeVar("Number", float, Array)
 STANDARD_GRAVITY = 9.80665  # Standard acceleration of free fall [m/s^2] (ISO 80000-3), the g of shock levels
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "um": 1e-6, "ft": 0.3048}
@@ -176,15 +177,7 @@ def in_si(value: float, factor: float) -> float:
     return float(f"{value * factor:.12g}")
 
 
-@overload
-def in_unit(value: float, unit: str) -> float: ...
-
-
-@overload
-def in_unit(value: Array, unit: str) -> Array: ...
-
-
-def in_unit(value: float | Array, unit: str) -> float | Array:
+def in_unit(value: Number, unit: str) -> Number:
     """Return SI values in the unit that is displayed: one of `_PER_SI`, such as "mm" or "kN", or "g"; else as they are."""
     if unit == "g":
         return value / STANDARD_GRAVITY

@@ -31,7 +31,11 @@ def xlsx_rows(path: Path, sheet: str = "") -> tuple[str, list[tuple[int, list[st
         chosen = next((one for one in sheets if one.title.strip().lower() == sheet), sheets[0])
         chosen.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
         rows = enumerate(chosen.iter_rows(values_only=True), start=1)
-        texts = ((number, [_as_text(value) for value in row]) for number, row in rows if set(row) - {None})
+        texts = (
+            (number, ["" if v is None else repr(v) if isinstance(v, float) else str(v).strip() for v in row])
+            for number, row in rows
+            if set(row) - {None}
+        )
         return str(chosen.title), [
             (number, row) for number, row in texts if any(row) and (not row[0].startswith("#") or SHEET_ERROR.match(row[0]))
         ]
@@ -69,9 +73,3 @@ def _workbook(path: Path) -> Iterator[Any]:
         raise RecordError(f"{path}: the table cannot be read: {why_unread(error)}") from None
     except Exception:  # openpyxl raises what its parsers of zip and XML raise
         raise RecordError(f"{path}: this is no XLSX file that can be read. Save it again, or as CSV.") from None
-
-
-def _as_text(value: Any) -> str:
-    if value is None:
-        return ""
-    return repr(value) if isinstance(value, float) else str(value).strip()

@@ -34,32 +34,28 @@ def tangent_at_start(deflection: Array, force: Array) -> float:
         return float("nan")
     # The mean square of third differences of white noise is 1 + 9 + 9 + 1 = 20 times its variance.
     noise = float(np.sqrt(np.mean(np.diff(deflection, 3) ** 2) / 20.0))
-    fits: list[tuple[float, float, float]] = []
+    fits: list[tuple[float, float, float]] = []  # standard error of the slope, the slope [N/m], the span
     count = _FEWEST
     while count <= deflection.size:
         span = float(depth[:count].max())
         if fits and span > _WIDEST * depth.max():
             break
         if span > _ABOVE_NOISE * noise:
-            fits.append((*_slope(depth[:count] / span, force[:count] - force[0], span), span))
+            rise, powers = force[:count] - force[0], np.vander(depth[:count] / span, _DEGREE + 1, increasing=True)
+            coefficients, _, rank, _ = np.linalg.lstsq(powers, rise, rcond=None)
+            error, slope = np.inf, float("nan")  # of samples that stand still
+            if rank > _DEGREE:
+                residual = rise - powers @ coefficients
+                variance = residual @ residual / (count - _DEGREE - 1)
+                error = float(np.sqrt(variance * np.linalg.inv(powers.T @ powers)[1, 1]) / span)
+                slope = float(coefficients[1] / span)
+            fits.append((error, slope, span))
         count = int(np.ceil(_GROWTH * count))
     if not fits:
         return float("nan")
     longest = max(_SHORTER * min(fits)[2], fits[0][2])
     slope = [slope for _, slope, span in fits if span <= longest][-1]
     return slope if deflection[-1] > deflection[0] else -slope
-
-
-def _slope(distance: Array, force: Array, span: float) -> tuple[float, float]:
-    """Return the standard error of the slope at distance 0 and the slope itself [N/m]; `distance` runs from 0 to 1."""
-    powers = np.vander(distance, _DEGREE + 1, increasing=True)
-    coefficients, _, rank, _ = np.linalg.lstsq(powers, force, rcond=None)
-    if rank <= _DEGREE:  # samples that stand still: no slope
-        return np.inf, float("nan")
-    residual = force - powers @ coefficients
-    variance = residual @ residual / (distance.size - _DEGREE - 1)
-    error = np.sqrt(variance * np.linalg.inv(powers.T @ powers)[1, 1])
-    return float(error / span), float(coefficients[1] / span)
 
 
 class ReversalTangents(NamedTuple):

@@ -71,17 +71,13 @@ class OwnLaw(Law):
     def __post_init__(self) -> None:
         for item in fields(self):  # whatever their annotations say
             object.__setattr__(self, item.name, finite(item.name, getattr(self, item.name)))
-        self._validate()
-
-    def _validate(self) -> None:
         try:
-            self._require_shape()
-            self._require_sense()
+            self._validate()
         except ValueError as error:
             raise ValueError(f"law {self.name!r}: {error}") from None
 
-    def _require_shape(self) -> None:
-        """Raise ValueError unless the function takes, writes and returns what it should."""
+    def _validate(self) -> None:
+        """Raise ValueError unless the function does what it should and no closed cycle generates energy."""
         if not self.state_names or isinstance(self.state_names, str):
             raise ValueError(f"`state_names` must name at least one state, got {self.state_names!r}; a curve is `Tabulated`.")
         for x, v in ((0.0, RATE), (self.travel, -RATE), (-self.travel, RATE)):
@@ -97,6 +93,15 @@ class OwnLaw(Law):
             raise ValueError(f"the force of the unloaded mount must be 0, got {force:.6g} N.")
         if not self.initial_stiffness > 0.0:
             raise ValueError(f"the tangent of the unloaded mount must be > 0, got {self.initial_stiffness:.6g} N/m.")
+        for amplitude in (0.01 * self.travel, 0.1 * self.travel, self.travel):
+            path = amplitude * np.interp(np.arange(0.0, 9.05, 0.1), np.arange(10), [0.0, *[1.0, -1.0] * 4, 1.0])
+            force, _, work = follow_path(OWN, self.kernel_parameters(), path, np.zeros(self.n_states), self.n_states)
+            if not np.isfinite(work).all():
+                end = abs(path[np.argmin(np.isfinite(work))])
+                raise ValueError(f"the force must be finite up to `travel` = {self.travel:g} m, got none at {end:.3g} m.")
+            generated = work[-21] - work[-1]
+            if generated > ROUNDING * amplitude * float(np.ptp(force)):
+                raise ValueError(f"a closed cycle of {amplitude:g} m must not generate energy, got {generated:.6g} J.")
 
     def _tried(self, x: float, v: float, z: Array) -> tuple[float, Array]:
         """Call the function as Python does and return force and rates."""
@@ -111,18 +116,6 @@ class OwnLaw(Law):
         if not np.isfinite(rates).all():
             raise ValueError(f"`force` must write {self.n_states} finite rates to `zdot`, got {rates.tolist()} {here}.")
         return float(force), rates
-
-    def _require_sense(self) -> None:
-        """Raise ValueError if a closed cycle generates energy."""
-        for amplitude in (0.01 * self.travel, 0.1 * self.travel, self.travel):
-            path = amplitude * np.interp(np.arange(0.0, 9.05, 0.1), np.arange(10), [0.0, *[1.0, -1.0] * 4, 1.0])
-            force, _, work = follow_path(OWN, self.kernel_parameters(), path, np.zeros(self.n_states), self.n_states)
-            if not np.isfinite(work).all():
-                end = abs(path[np.argmin(np.isfinite(work))])
-                raise ValueError(f"the force must be finite up to `travel` = {self.travel:g} m, got none at {end:.3g} m.")
-            generated = work[-21] - work[-1]
-            if generated > ROUNDING * amplitude * float(np.ptp(force)):
-                raise ValueError(f"a closed cycle of {amplitude:g} m must not generate energy, got {generated:.6g} J.")
 
     def _numbers(self) -> Array:
         return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
@@ -72,7 +73,16 @@ class Stop(Law):
                     f"`exponent` must be >= 1, got {self.exponent}: the stop would be infinitely stiff at the touch."
                 )
         else:
-            self._require_points()
+            if len(self.depths) != len(self.forces):
+                raise ValueError(f"`depths` and `forces` must be as many, got {len(self.depths)} and {len(self.forces)}.")
+            if self.exponent != 1.0:
+                raise ValueError(f"`exponent` must be left out with `depths` and `forces`, got {self.exponent}.")
+            for name in ("depths", "forces"):
+                for before, value in pairwise((0.0, *getattr(self, name))):
+                    if anywhere(value <= before):
+                        raise ValueError(
+                            f"`{name}` must grow from above 0 on, got {value} after {before}: the origin is the first point."
+                        )
         if anywhere(self.loss > 1.0):
             raise ValueError(f"`loss` must be <= 1, got {self.loss}: the stop would pull.")
         if self.reversal is None and anywhere(self.loss > 0.0):
@@ -81,21 +91,6 @@ class Stop(Law):
             )
         if anywhere((self.c > 0.0) & (self.rounding == 0.0)):
             raise ValueError("`rounding` must be > 0 with `c`: the force would jump at the touch.")
-
-    def _require_points(self) -> None:
-        """Raise ValueError unless depths and forces are those of a stop."""
-        if len(self.depths) != len(self.forces):
-            raise ValueError(f"`depths` and `forces` must be as many, got {len(self.depths)} and {len(self.forces)}.")
-        if self.exponent != 1.0:
-            raise ValueError(f"`exponent` must be left out with `depths` and `forces`, got {self.exponent}.")
-        for name in ("depths", "forces"):
-            before = 0.0
-            for value in getattr(self, name):
-                if anywhere(value <= before):
-                    raise ValueError(
-                        f"`{name}` must grow from above 0 on, got {value} after {before}: the origin is the first point."
-                    )
-                before = value
 
     @property
     def stops(self) -> tuple[Self]:
@@ -117,21 +112,20 @@ class Stop(Law):
         if self.k is not None:
             return np.array([*own, self.k, self.exponent, 0.0])
         table = packed(self._curve, level_cubics((), (), 0.0), 1.0, 1.0)[4:]
-        depths = [self._depth(counted) for counted in table[1 : 1 + int(table[0])]]  # of all knots, the constant's too
+        depths = []  # of all knots, the constant's too; what lies before the touch stays there
+        for counted in table[1 : 1 + int(table[0])].tolist():
+            depth = counted + 0.5 * self.rounding
+            if 0.0 <= counted < 0.5 * self.rounding:
+                depth = float(scipy.optimize.brentq(
+                    lambda d, counted=counted: seated(d, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300
+                ))  # fmt: skip
+            depths.append(depth)
         return np.array([*own, 0.0, 1.0, *table, *depths])
 
     @property
     def _curve(self) -> "scipy.interpolate.PPoly":
         """Force over what counts of the depth; a point before the origin makes it leave that flat."""
         return monotone(np.array([-1.0, 0.0, *self.depths]), np.array([0.0, 0.0, *self.forces]))
-
-    def _depth(self, counted: float) -> float:
-        """Return the depth of which so much counts [m]; what lies before the touch stays there."""
-        if not 0.0 <= counted < 0.5 * self.rounding:
-            return counted + 0.5 * self.rounding
-        return float(
-            scipy.optimize.brentq(lambda depth: seated(depth, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300)
-        )
 
     def pressed(self, depth: float) -> float:
         """Return the elastic force at a depth behind the gap [N]."""

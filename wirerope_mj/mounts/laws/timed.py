@@ -207,8 +207,19 @@ def trace(
     if law.rate_independent:
         force, history, work = follow_path(law.kernel, law.kernel_parameters(), path, states, n_states)
     else:
-        times = _times(law, path, time)
-        rates = _rates(path, times, rate)
+        if time is None:
+            raise ValueError(f"`time` must be given: the force of {law.name} depends on the deflection rate.")
+        times = np.asarray(time, dtype=np.float64)
+        if times.shape != path.shape:
+            raise ValueError(f"`time` must have the shape of the deflection, {path.shape}, got {times.shape}.")
+        if not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
+            raise ValueError("`time` must be finite and strictly increasing.")
+        if rate is None:  # differences that are exact for a parabola
+            rates = np.gradient(path, times, edge_order=2 if path.size > 2 else 1)
+        else:
+            rates = np.asarray(rate, dtype=np.float64)
+        if rates.shape != path.shape or not np.isfinite(rates).all():
+            raise ValueError(f"`rate` must be finite and of shape {path.shape}, got shape {rates.shape}.")
         force, history, work = follow_time(law.kernel, law.kernel_parameters(), times, path, rates, states, n_states)
     finite = np.isfinite(force) & np.isfinite(work)
     if not finite.all():
@@ -231,25 +242,3 @@ def _last_finite(law: Law, start: float, stop: float, states: Array) -> float:
         force, _, work = follow_path(law.kernel, law.kernel_parameters(), path, states.copy(), law.n_states)
         low, high = (middle, high) if np.isfinite([force[1], work[1]]).all() else (low, middle)
     return start + low * (stop - start)
-
-
-def _times(law: Law, path: Array, time: ArrayLike | None) -> Array:
-    """Return `time` as an array (n_t,) [s], or raise ValueError if it does not fit the path."""
-    if time is None:
-        raise ValueError(f"`time` must be given: the force of {law.name} depends on the deflection rate.")
-    times = np.asarray(time, dtype=np.float64)
-    if times.shape != path.shape:
-        raise ValueError(f"`time` must have the shape of the deflection, {path.shape}, got {times.shape}.")
-    if not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
-        raise ValueError("`time` must be finite and strictly increasing.")
-    return times
-
-
-def _rates(path: Array, times: Array, rate: ArrayLike | None) -> Array:
-    """Return `rate` as an array (n_t,) [m/s], by differences that are exact for a parabola if it is not given."""
-    if rate is None:
-        return np.gradient(path, times, edge_order=2 if path.size > 2 else 1)
-    rates = np.asarray(rate, dtype=np.float64)
-    if rates.shape != path.shape or not np.isfinite(rates).all():
-        raise ValueError(f"`rate` must be finite and of shape {path.shape}, got shape {rates.shape}.")
-    return rates

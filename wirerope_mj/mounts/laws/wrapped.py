@@ -1,6 +1,7 @@
 """A law around another one: smoothed, for what differentiates it at reversals, or in series with an elastic bracket."""
 
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -68,20 +69,14 @@ class Smoothed(_Wrapped):
     width: float
 
     initial_stiffness = _of_law("initial_stiffness", "Tangent of the law at its unloaded state [N/m].")
+    bouc_wen_parameters = _of_law("bouc_wen_parameters", "Those of the law.")
+    unsmoothed: Any = property(attrgetter("law"))
 
     def __post_init__(self) -> None:
         if not isinstance(self.law, Law) or not smoothable(self.law):
             got = self.law.name if isinstance(self.law, Law) else repr(self.law)
             raise ValueError(f"`law` must have one state whose rate is a slope times the velocity, got {got}.")
         object.__setattr__(self, "width", positive("width", self.width))
-
-    @property
-    def unsmoothed(self) -> Law:
-        return self.law
-
-    @property
-    def bouc_wen_parameters(self) -> Array | None:
-        return self.law.bouc_wen_parameters
 
     def faint(self) -> Law:
         return FAINT_LAWS[self.n_states]
@@ -123,6 +118,9 @@ class OnBracket(_Wrapped):
 
     stiffness: float  # K [N/m]
 
+    behind_bracket: Any = property(attrgetter("law"))
+    bracket_stiffness: Any = property(attrgetter("stiffness"))
+
     def __post_init__(self) -> None:
         refused = [part.name for part in self.law.components if not part.smoothable or part.stops]
         if refused:
@@ -131,14 +129,6 @@ class OnBracket(_Wrapped):
                 "its own, without a bracket."
             )
         object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness, unit="N/m"))
-
-    @property
-    def behind_bracket(self) -> Law:
-        return self.law
-
-    @property
-    def bracket_stiffness(self) -> float:
-        return self.stiffness
 
     def faint(self) -> Law:
         return self.law.faint()
