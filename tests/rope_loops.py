@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.mounts.estimate.trends import VendorLoop, vendor_loops
 from wirerope_mj.mounts.rope_loop import LoopShape, RopeLoop
-from wirerope_mj.mounts.rope_loop.fitted import ELEMENTS, coupling_forces
+from wirerope_mj.mounts.rope_loop.elastica import ELEMENTS, coupling_forces
 
 
 def ring(radius):

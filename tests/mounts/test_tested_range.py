@@ -20,7 +20,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.identification.records import identified_isolator
 from wirerope_mj.mounts.identification.result import OF_ACCELERATION, OF_DEFLECTION
 from wirerope_mj.mounts.isolator import MeasuredRange, Validity
-from wirerope_mj.mounts.isolator.validity import BELOW
+from wirerope_mj.mounts.isolator.parts import BELOW
 
 LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)
 SIZES = 2e-3, 5e-3, 8e-3

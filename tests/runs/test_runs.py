@@ -63,7 +63,7 @@ def test_scenario_toml_resolves_every_input(table):
 
 @pytest.mark.quick
 def test_the_copied_model_loads_by_itself_with_the_same_isolator(table, monkeypatch, tmp_path):
-    monkeypatch.setattr("wirerope_mj.mounts.vendor_parts.by_name.catalogue_folder", lambda: tmp_path)
+    monkeypatch.setattr("wirerope_mj.mounts.vendor_parts.parts.catalogue_folder", lambda: tmp_path)
     copied = wr.load_system(table / "model" / "shock_table.xml")
     original = wr.load_isolator(catalogue_folder() / "enidine_wr12_400.toml")
     assert copied.mounts["m1"].isolator == original
@@ -94,7 +94,7 @@ def test_a_mount_beyond_its_travel_is_said_to_exceed_it(tmp_path):
 def test_replay_is_bit_identical_from_the_folder_alone(table, tmp_path, monkeypatch):
     moved = copy(table, tmp_path)
     nothing = tmp_path / "nothing"
-    monkeypatch.setattr("wirerope_mj.mounts.vendor_parts.by_name.catalogue_folder", lambda: nothing)
+    monkeypatch.setattr("wirerope_mj.mounts.vendor_parts.parts.catalogue_folder", lambda: nothing)
     monkeypatch.setattr("wirerope_mj.foundation.resources._PACKAGE", nothing)
     result = replay(moved)
     assert result.identical

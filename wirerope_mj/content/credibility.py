@@ -17,8 +17,8 @@ from wirerope_mj.foundation.tables import Column, Mark, Table, left
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings, records_in
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.parts import MOVING
 from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES
-from wirerope_mj.mounts.isolator.validity import MOVING
 from wirerope_mj.mounts.laws.law import Law
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table, left
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
-from wirerope_mj.mounts.isolator.validity import BELOW
+from wirerope_mj.mounts.isolator.parts import BELOW
 
 TIPS = "tips over"  # Stands for the frequency of a mode in which the weight wins over the mounts
 _SHIP_AXES: tuple[Direction, ...] = ("fore-and-aft", "athwartship", "vertical")

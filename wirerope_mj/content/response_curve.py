@@ -25,7 +25,7 @@ from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.isolator import AXES
-from wirerope_mj.mounts.isolator.validity import BELOW
+from wirerope_mj.mounts.isolator.parts import BELOW
 
 _MARKED = 0.05  # Ratio to the fundamental from which another harmonic gives a peak its name
 _BESIDE, _ABOVE = 1.01, 1.12  # room about the curves, as factors

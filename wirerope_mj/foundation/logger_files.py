@@ -13,9 +13,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.parquet_files import read_table
 from wirerope_mj.foundation.plain_text import plain, short
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.regular_files import encoding_of, regular
 from wirerope_mj.foundation.table_header import is_missing
-from wirerope_mj.foundation.text_files import encoding_of
 from wirerope_mj.foundation.units import split_unit
 
 # names and units of columns, their numbers (n, n_columns), and the line that names them, 0 where there is none

@@ -1,6 +1,11 @@
-"""Files that are read: regular ones, for a pipe gives its content once and a device never ends, and inside their own folder."""
+"""Files that are read: regular ones, inside their own folder; text in whatever encoding, and files that are none.
 
+A pipe gives its content once, and a device never ends. What is no text is known by how it begins.
+"""
+
+import codecs
 import errno
+import re
 from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
 
@@ -42,3 +47,81 @@ def file_inside(folder: Path, name: object, kind: str) -> Path:
         f"{folder}: the {kind} {quoted(name)} is not in this folder, and nothing outside it is read. Take the file from "
         "another copy of the folder."
     )
+
+
+_LOOKED_AT = 1 << 16  # bytes by which an encoding is known: more than any header has
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF32_LE, "utf-32"), (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"),
+)  # fmt: skip
+_EXPORT = "Export the channels as CSV, or as a MATLAB file (-v7)."
+_SHEET = "Save the sheet as XLSX or CSV."
+_FOREIGN: tuple[tuple[bytes, str, str], ...] = (
+    (b"TDSm", "a TDMS file of LabVIEW or DIAdem", _EXPORT),
+    (b"\xd0\xcf\x11\xe0", "a workbook of old Excel (.xls), or another Office file", _SHEET),
+    (b"\x89HDF", "an HDF5 file, as MATLAB -v7.3 and many loggers write", _EXPORT),
+    (b"MDF  ", "an MDF (MF4) file of ASAM", _EXPORT),
+    (b"|CF,", "a file of imc FAMOS", _EXPORT),
+    (b"RIFF", "a WAV or other RIFF file", _EXPORT),
+    (b"\x93NUMPY", "an array of NumPy", "Write it with numpy.savetxt and a header, or as a MATLAB file."),
+    *((b"CDF" + version, "a NetCDF file", _EXPORT) for version in (b"\x01", b"\x02", b"\x05")),
+    (b"SQLite format 3", "a database of SQLite", _EXPORT),
+    (b"%PDF", "a PDF document", "Export the table itself as CSV."),
+    (b"\x89PNG", "a PNG picture", "Export the table itself as CSV."),
+    (b"\xff\xd8\xff", "a JPEG picture", "Export the table itself as CSV."),
+    (b"\x1f\x8b", "compressed by gzip", "Unpack it first."),
+    (b"7z\xbc\xaf", "an archive of 7-Zip", "Unpack it first."),
+    (b"Rar!", "a RAR archive", "Unpack it first."),
+    (b"<?xml", "an XML file", "Export the table itself as CSV or XLSX."),
+    (b"<!DOCTYPE", "an HTML page", "Export the table itself as CSV or XLSX."),
+    (b"<html", "an HTML page, as some programs call .xls", _SHEET),
+    (b"{\\rtf", "a document in RTF", "Save it as plain text."),
+    (b"DIAEXTENDED", "the header of a DIAdem data set", _EXPORT),
+)
+
+
+def encoding_of(path: Path) -> str:
+    """Find the encoding of a text by its mark, its NUL bytes, or whether it is UTF-8; else it is that of Windows.
+
+    Raises:
+        OSError: the file cannot be read.
+    """
+    with regular(path).open("rb") as file:
+        head = file.read(_LOOKED_AT)
+    for mark, encoding in _MARKS:
+        if head.startswith(mark):
+            return encoding
+    for first, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):
+        # text of western languages in UTF-16 has a NUL in every second byte, and none in the others
+        if len(head) > 3 and head[first::2].count(0) > 0.9 * len(head[first::2]) and not head[1 - first :: 2].count(0):
+            return encoding
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8"
+
+
+def read_text(path: Path) -> str:
+    """Read a text in whatever encoding; raises as `encoding_of` does."""
+    return path.read_text(encoding=encoding_of(path), errors="replace")
+
+
+def foreign_kind(path: Path) -> str:
+    """Say what a file is that no reader of tables reads, and what to do, as two sentences; "" of others.
+
+    Raises:
+        OSError: the file cannot be read.
+    """
+    with regular(path).open("rb") as file:
+        head = file.read(400)
+    bare = head.removeprefix(codecs.BOM_UTF8).lstrip()
+    for begins, kind, remedy in _FOREIGN:
+        marked = bare[: len(begins)].lower() == begins.lower() if begins.startswith(b"<") else bare.startswith(begins)
+        if marked:
+            return f"this is {kind}, which is not read. {remedy}"
+    if bare.startswith(b"PK\x03\x04") and b"opendocument" in head:
+        return f"this is a sheet of OpenDocument, which is not read. {_SHEET}"
+    if re.match(rb"-1\s*[\r\n]+\s*\d+\s*[\r\n]", bare):
+        return "this is a universal file (UFF), which is read as a record or a test alone. Export the columns as CSV."
+    return ""

@@ -15,7 +15,7 @@ import numpy as np
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.logger_files import columns_of_array_file, columns_of_logger
 from wirerope_mj.foundation.plain_text import plain, short
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.regular_files import encoding_of, foreign_kind, regular
 from wirerope_mj.foundation.table_header import (
     DELIMITERS,
     SHEET_ERROR,
@@ -27,7 +27,6 @@ from wirerope_mj.foundation.table_header import (
     is_number,
     split_cells,
 )
-from wirerope_mj.foundation.text_files import encoding_of, foreign_kind
 from wirerope_mj.foundation.units import in_si, split_unit
 from wirerope_mj.foundation.xlsx_rows import is_workbook, sheet_names, xlsx_rows
 

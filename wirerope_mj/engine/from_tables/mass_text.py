@@ -17,7 +17,7 @@ from wirerope_mj.engine.from_tables.layout import MassProperties, why_impossible
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError, RecordWarning, why_unread
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.text_files import read_text
+from wirerope_mj.foundation.regular_files import read_text
 from wirerope_mj.foundation.units import LENGTH_UNITS, UNITS
 
 TENSOR, POSITIVE = "tensor", "positive"  # notations of products of inertia: elements of the tensor, or +sum x y dm

@@ -1,7 +1,17 @@
 """The isolator: three restoring-force laws, what they are rated for, and where they come from."""
 
 from wirerope_mj.mounts.isolator.device import Isolator
-from wirerope_mj.mounts.isolator.parts import Bracket, Geometry, Limits, Provenance, Rotation, Spread, Stiffening, Travel
+from wirerope_mj.mounts.isolator.parts import (
+    Bracket,
+    Geometry,
+    Limits,
+    MeasuredRange,
+    Provenance,
+    Rotation,
+    Spread,
+    Stiffening,
+    Travel,
+    Validity,
+)
 from wirerope_mj.mounts.isolator.tables import AXES, read_law
-from wirerope_mj.mounts.isolator.validity import MeasuredRange, Validity
 from wirerope_mj.mounts.laws import LoopCoupling

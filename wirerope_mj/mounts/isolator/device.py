@@ -24,11 +24,11 @@ from wirerope_mj.mounts.isolator.parts import (
     Rotation,
     Spread,
     Stiffening,
+    Validity,
     require_law_in_metres,
 )
 from wirerope_mj.mounts.isolator.tables import AXES, read_law
 from wirerope_mj.mounts.isolator.travel import SIDES
-from wirerope_mj.mounts.isolator.validity import Validity
 from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, is_law, on_bracket
 from wirerope_mj.mounts.laws.stop import largest_gap
 
