@@ -138,15 +138,15 @@ def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[s
     matrices = dict.fromkeys(name.rpartition("(")[0] for name in columns if name.endswith(")"))
     called_alike: dict[str, dict[str, str]] = {}  # by matrix
     for matrix in matrices:
-        own = [name for name in columns if name.rpartition("(")[0] == matrix]
-        of_width = {name: list(map(str.strip, text)) for name, text in texts.items() if len(text) == len(own)}
+        members = [name for name in columns if name.rpartition("(")[0] == matrix]
+        of_width = {name: list(map(str.strip, text)) for name, text in texts.items() if len(text) == len(members)}
         units = {name: text for name, text in of_width.items() if "unit" in name.lower()}
-        names = {name: text for name, text in of_width.items() if name not in units and len(set(text)) == len(own)}
+        names = {name: text for name, text in of_width.items() if name not in units and len(set(text)) == len(members)}
         if len(names) == 1:
             (called,) = names.values()
-            (stated,) = units.values() if len(units) == 1 else [[""] * len(own)]
+            (stated,) = units.values() if len(units) == 1 else [[""] * len(members)]
             headings = [f"{name} [{unit}]" if unit else name for name, unit in zip(called, stated, strict=True)]
-            called_alike[matrix] = dict(zip(own, headings, strict=True))
+            called_alike[matrix] = dict(zip(members, headings, strict=True))
     several = len(called_alike) > 1  # of which none may take the place of another
     renamed = {
         name: f"{matrix}.{heading}" if several else heading

@@ -192,17 +192,17 @@ def find_column(header: Header, name: str, *, without: int | None = None) -> int
     A name may be that of the column, that with its unit as the file has it, "column 3", the field of a struct by its own name,
     or of several columns of one name the second as `name#2`.
     """
-    there = {i: column for i, column in enumerate(header.names) if i != without}
+    columns = {i: column for i, column in enumerate(header.names) if i != without}
     bare, unit = split_unit(name)
     first, _, number = name.rpartition("#")
-    alike = [i for i, column in there.items() if column == first]
+    alike = [i for i, column in columns.items() if column == first]
     position = re.fullmatch(r"column (\d+)", name)
     ways = (
-        [i for i, column in there.items() if column == name],
-        [i for i, column in there.items() if unit is not None and (column, header.units[i]) == (bare, unit)],
-        [i for i, column in there.items() if not header.line and column.rpartition(".")[2] == name],
+        [i for i, column in columns.items() if column == name],
+        [i for i, column in columns.items() if unit is not None and (column, header.units[i]) == (bare, unit)],
+        [i for i, column in columns.items() if not header.line and column.rpartition(".")[2] == name],
         alike[int(number) - 1 : int(number)] if number.isdigit() and int(number) else [],
-        [int(position[1]) - 1] if position and int(position[1]) - 1 in there else [],
+        [int(position[1]) - 1] if position and int(position[1]) - 1 in columns else [],
     )
     places = next((found for found in ways if found), [])
     if len(places) == 1:
@@ -210,7 +210,7 @@ def find_column(header: Header, name: str, *, without: int | None = None) -> int
     fault, remedy = f'there is no column "{short(plain(name))}"', ""
     if places:
         fault, remedy = f'there are {len(places)} columns "{short(plain(name))}"', f' Say which: "{name}#1" or "{name}#2".'
-    raise RecordError(f"{header.location}: {fault}; the columns are {short(plain(', '.join(there.values())))}.{remedy}")
+    raise RecordError(f"{header.location}: {fault}; the columns are {short(plain(', '.join(columns.values())))}.{remedy}")
 
 
 def _decimal_sign(header: Header, rows: Iterable[Sequence[str]]) -> str:
@@ -301,9 +301,9 @@ def require_cells(header: Header, location: str, cells: Sequence[str]) -> None:
     message = f"{location}: {count} cells where the header has {columns} columns."
     if count > columns and header.delimiter == ",":
         message += " Decimals are written with a point: here every comma separates two cells."
-    elif count == 1 and (other := next((sign for sign in ";\t," if sign in cells[0]), None)):
+    elif count == 1 and (used := next((sign for sign in ";\t," if sign in cells[0]), None)):
         message += (
-            f" The header's cells are separated by {DELIMITERS[header.delimiter]}, those of this row by {DELIMITERS[other]}."
+            f" The header's cells are separated by {DELIMITERS[header.delimiter]}, those of this row by {DELIMITERS[used]}."
         )
     raise RecordError(message)
 

@@ -304,8 +304,8 @@ class Law(ABC):
                 entries = list(whole.get(key, getattr(self, key)))
                 entries[int(index[:-1])] = value
                 whole[key] = tuple(entries)
-        told = [(name, leader) for name, leader in self.leaders.items() if leader in whole and name not in whole]
-        follow = {name: whole[leader] for name, leader in told if getattr(self, name) == getattr(self, leader)}
+        followers = [(name, leader) for name, leader in self.leaders.items() if leader in whole and name not in whole]
+        follow = {name: whole[leader] for name, leader in followers if getattr(self, name) == getattr(self, leader)}
         return {**whole, **follow}
 
     def to_dict(self) -> Entries:

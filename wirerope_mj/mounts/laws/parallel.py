@@ -29,7 +29,7 @@ def _of_laws(name: str, combine: Callable[[Iterator[Any]], Any], doc: str) -> An
 
 def _numbered(texts: Iterable[Iterable[str]]) -> tuple[str, ...]:
     """Return texts of each law with its number counted from 1."""
-    return tuple(f"{text}_{number}" for number, own in enumerate(texts, 1) for text in own)
+    return tuple(f"{text}_{number}" for number, of_law in enumerate(texts, 1) for text in of_law)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +98,7 @@ class Parallel(Law):
             return super().unchecked(values)
         varied = object.__new__(type(self))
         parts = zip(self.laws, self.composed(values), strict=True)
-        vars(varied)["laws"] = tuple(law.unchecked(own) for law, own in parts)
+        vars(varied)["laws"] = tuple(law.unchecked(changes) for law, changes in parts)
         return varied
 
     @property
@@ -127,8 +127,8 @@ class Parallel(Law):
         """Return whether each law is certainly valid with what the columns make of its parameters; False says nothing."""
         if not all(law.force_powers for law in self.laws):  # a law around another one is tried entry by entry
             return False
-        for law, own in zip(self.laws, self.composed(columns), strict=True):
-            whole = law.completed(own)
+        for law, changes in zip(self.laws, self.composed(columns), strict=True):
+            whole = law.completed(changes)
             for name in FACTORS:
                 factor = np.asarray(columns.get(name, 1.0))
                 if not (np.isfinite(factor) & (factor > 0.0)).all():
@@ -147,7 +147,7 @@ class Parallel(Law):
         if len({type(law) for law in self.laws}) > 1:
             return FACTORS
         values = [{field.name: getattr(law, field.name) for field in fields(law)} for law in self.laws]
-        numbers = [{name: value for name, value in own.items() if isinstance(value, float)} for own in values]
+        numbers = [{name: value for name, value in of_law.items() if isinstance(value, float)} for of_law in values]
         shared = [key for key in numbers[0] if all(key in one for one in numbers) and any(one[key] for one in numbers)]
         return (*FACTORS, *shared)
 
@@ -155,29 +155,29 @@ class Parallel(Law):
         """Return a parameter of one of the laws, "laws[0].alpha", or 1 for a factor on all of them."""
         if name in self.factors:
             return 1.0
-        number, own = part_of(name)
-        return self.laws[number].parameter(own)
+        number, key = part_of(name)
+        return self.laws[number].parameter(key)
 
     def completed(self, values: Entries) -> Entries:
         """Return the laws with new values of parameters and factors, named as in `parameter`."""
-        own = self.composed(values)
-        pairs = zip(self.laws, own, strict=True)
-        varied = replace(self, laws=tuple(replace(law, **law.completed(mine)) for law, mine in pairs))
+        changes = self.composed(values)
+        pairs = zip(self.laws, changes, strict=True)
+        varied = replace(self, laws=tuple(replace(law, **law.completed(change)) for law, change in pairs))
         for name in FACTORS:
             varied = varied.multiplied(name, values[name]) if name in values else varied
         return {"laws": varied.laws}
 
     def composed(self, values: Entries) -> list[Entries]:
         """Compose the new parameters of each law from values of single parameters and of factors on all laws."""
-        own: list[Entries] = [{} for _ in self.laws]
+        changes: list[Entries] = [{} for _ in self.laws]
         for name, value in values.items():
             if name not in self.factors:
                 number, key = part_of(name)
-                own[number][key] = value
+                changes[number][key] = value
         for name in set(values) & (set(self.factors) - set(FACTORS)):
-            for law, mine in zip(self.laws, own, strict=True):
-                mine[name] = values[name] * mine.get(name, law.parameter(name))
-        return own
+            for law, change in zip(self.laws, changes, strict=True):
+                change[name] = values[name] * change.get(name, law.parameter(name))
+        return changes
 
     def to_dict(self) -> Entries:
         return {"laws": [law.to_dict() for law in self.laws]}

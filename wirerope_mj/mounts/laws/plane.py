@@ -53,12 +53,12 @@ class PlaneLaw(ABC):
 
     def mount_parameters(self) -> Array:
         """Return what the kernel of a mount takes: those of the rates, of the energy, and of what stands on brackets."""
-        own = [self.rate_parameters(), self.coupling_parameters()]
+        parameters = [self.rate_parameters(), self.coupling_parameters()]
         if self.brackets is not None:
             pairs = zip(*(law.components for law in self.laws), strict=True)
-            own += [1.0 / np.array(self.brackets)]
-            own += [np.array([*elastic_of(one), *elastic_of(other), asymmetry_of(other)]) for one, other in pairs]
-        return np.concatenate(own)
+            parameters += [1.0 / np.array(self.brackets)]
+            parameters += [np.array([*elastic_of(first), *elastic_of(second), asymmetry_of(second)]) for first, second in pairs]
+        return np.concatenate(parameters)
 
     def own_deflection(self, deflection: Array, states: Array) -> Array:
         """Find the laws' share of deflections [m], (2,), in hysteretic states [N], those of roll, then the other's."""
@@ -120,9 +120,9 @@ def require_couplable(axis: str, law: Law, allowed: tuple[int, ...], kind: str) 
         raise ValueError(f"`{axis}` must have `beta` + `gamma` > 0 to be coupled: without a bound it has no scale.")
 
 
-def require_alike(names: tuple[str, str], one: Law, other: Law) -> None:
+def require_alike(names: tuple[str, str], first_law: Law, second_law: Law) -> None:
     """Raise ValueError unless two laws have the same n and sigma."""
-    (s1, n1, _, _), (s2, n2, _, _) = form_of(one), form_of(other)
+    (s1, n1, _, _), (s2, n2, _, _) = form_of(first_law), form_of(second_law)
     for name, first, second in (("n", n1, n2), ("sigma = beta / (beta + gamma)", s1, s2)):
         if not math.isclose(first, second, rel_tol=SAME):
             raise ValueError(
@@ -142,9 +142,9 @@ def form_of(law: Law) -> Form:
     return beta / (beta + gamma), n, bound, bound / alpha
 
 
-def rates_in_plane(one: Form, other: Form) -> tuple[float, ...]:
+def rates_in_plane(first: Form, second: Form) -> tuple[float, ...]:
     """Return sigma, n, the bounds and the yield deflections of two laws' forms in the order of the kernel."""
-    return one[0], one[1], one[2], other[2], one[3], other[3]
+    return first[0], first[1], first[2], second[2], first[3], second[3]
 
 
 def elastic_of(law: Law) -> Array:

@@ -108,9 +108,9 @@ class Stop(Law):
         """Return what `wirerope_mj.mounts.laws.stop_kernels.stop` reads."""
         inverse = 1.0 if self.reversal is None else 1.0 / self.reversal
         gaps = [NEVER if gap is None else gap for gap in (self.gap_below, self.gap_above)]
-        own = [inverse, inverse, 0.0, 1.0, self.loss, self.c, *gaps, self.rounding]
+        head = [inverse, inverse, 0.0, 1.0, self.loss, self.c, *gaps, self.rounding]
         if self.k is not None:
-            return np.array([*own, self.k, self.exponent, 0.0])
+            return np.array([*head, self.k, self.exponent, 0.0])
         table = packed(self._curve, level_cubics((), (), 0.0), 1.0, 1.0)[4:]
         depths = []  # of all knots, the constant's too; what lies before the touch stays there
         for counted in table[1 : 1 + int(table[0])].tolist():
@@ -120,7 +120,7 @@ class Stop(Law):
                     lambda d, counted=counted: seated(d, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300
                 ))  # fmt: skip
             depths.append(depth)
-        return np.array([*own, 0.0, 1.0, *table, *depths])
+        return np.array([*head, 0.0, 1.0, *table, *depths])
 
     @property
     def _curve(self) -> "scipy.interpolate.PPoly":

@@ -119,15 +119,15 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
 
 def _of_table(part: VendorPart, axis: str) -> list[ComparedValue]:
     """Return both stiffnesses of an axis as the other one and the median ratio of the table's other parts give them."""
-    own = part.modes[axis]
-    if own.vibration is None or own.shock is None or own.vibration == own.shock:  # one number, printed twice
+    stated = part.modes[axis]
+    if stated.vibration is None or stated.shock is None or stated.vibration == stated.shock:  # one number, printed twice
         return []
     ratio = median(_ratios(part.series.file, axis, part.name))
     return [
         ComparedValue(axis=axis, name=name, unit="N/mm", vendor=1e-3 * vendor, fitted=1e-3 * found)
         for name, vendor, found in (
-            ("vibration stiffness", own.vibration, own.shock / ratio),
-            ("shock stiffness", own.shock, own.vibration * ratio),
+            ("vibration stiffness", stated.vibration, stated.shock / ratio),
+            ("shock stiffness", stated.shock, stated.vibration * ratio),
         )
     ]
 
@@ -145,5 +145,5 @@ def _nine_in_ten(file: str, axis: str) -> float:
     ratios = np.array(_ratios(file, axis))
     if len(ratios) < 2:
         return math.nan
-    errors = [abs(np.median(np.delete(ratios, number)) / own - 1.0) for number, own in enumerate(ratios)]
+    errors = [abs(np.median(np.delete(ratios, number)) / ratio - 1.0) for number, ratio in enumerate(ratios)]
     return float(np.quantile(errors, 0.9))

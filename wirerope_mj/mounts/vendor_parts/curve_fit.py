@@ -178,13 +178,13 @@ def curve_values(sheet: CurveSheet, isolator: Isolator) -> list[ComparedValue]:
     return rows
 
 
-def _law(sheet: CurveSheet, side: Side, other: Side | None) -> Tabulated:
-    """Return the law of one axis; `other` is the side of tension, by default the mirrored one."""
+def _law(sheet: CurveSheet, side: Side, tension: Side | None) -> Tabulated:
+    """Return the law of one axis; without a side of `tension` it is mirrored."""
     points = [(0.0, 0.0), *side.curves[sheet.curve]]
-    if other is not None:
-        points = [(-x, -f) for x, f in points[:0:-1]] + [(0.0, 0.0), *other.curves[sheet.curve]]
+    if tension is not None:
+        points = [(-x, -f) for x, f in points[:0:-1]] + [(0.0, 0.0), *tension.curves[sheet.curve]]
     deflection, force = ([row[column] for row in points] for column in (0, 1))
-    values: Entries = {"deflection": deflection, "force": force, "symmetric": other is None}
+    values: Entries = {"deflection": deflection, "force": force, "symmetric": tension is None}
     stated = np.array(side.areas or side.damping).reshape(-1, 2).T
     law = Tabulated(**values)
     if not stated.size:
