@@ -10,34 +10,9 @@ from dataclasses import dataclass
 
 from wirerope_mj.foundation.directions import Direction, directions_in
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.units import (
-    ACCELERATION_UNITS,
-    FORCE_UNITS,
-    FREQUENCY_UNITS,
-    LENGTH_UNITS,
-    TIME_UNITS,
-    VELOCITY_UNITS,
-    in_si,
-)
+from wirerope_mj.foundation.units import PHRASE_UNITS, in_si
 
-# quantities that a unit tells apart, and what one of each unit is in SI; of a sweep rate in octaves/min
-UNITS: dict[str, Mapping[str, float]] = {
-    "acceleration": ACCELERATION_UNITS,
-    "velocity": VELOCITY_UNITS,
-    "displacement": LENGTH_UNITS,
-    "time": TIME_UNITS,
-    "frequency": FREQUENCY_UNITS,
-    "sweep rate": {"oct/min": 1.0, "octaves/min": 1.0, "oct/s": 60.0},
-    "ratio": {"%": 0.01},
-    "force": FORCE_UNITS,
-    "moment": {"N.m": 1.0, "Nm": 1.0, "kN.m": 1e3, "kNm": 1e3},
-    "impulse": {"N.s": 1.0, "Ns": 1.0, "kN.s": 1e3, "kNs": 1e3},
-    "pressure": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5, "psi": 6894.757293168},
-    "areal mass": {"kg/m2": 1.0, "kg/m^2": 1.0},
-    "mass": {"kg": 1.0, "t": 1e3},
-    "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
-}
-_OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}
+_OF_UNIT = {unit: (quantity, factor) for quantity, units in PHRASE_UNITS.items() for unit, factor in units.items()}
 NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")
 
@@ -134,7 +109,7 @@ def _number(part: str) -> tuple[float, str]:
 
 def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
     """Return quantity and factor into SI of a unit; ValueError if it is unknown, or of another quantity than expected."""
-    known = UNITS[expected] if expected else _OF_UNIT
+    known = PHRASE_UNITS[expected] if expected else _OF_UNIT
     if unit not in known:
         bare = not unit or NUMBER.match(unit) or directions_in(unit)
         fault = f'"{short(part)}" has no unit' if bare else f'"{short(unit)}" is no unit known here'

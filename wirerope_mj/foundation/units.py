@@ -52,6 +52,16 @@ UNITS: dict[str, Mapping[str, float]] = {
     "acceleration": ACCELERATION_UNITS,
     "density": PSD_UNITS,
 }  # fmt: skip
+# quantities that a phrase tells apart by their units, which hold no spaces; sweep rates in octaves/min
+PHRASE_UNITS: dict[str, Mapping[str, float]] = {
+    "acceleration": ACCELERATION_UNITS, "velocity": VELOCITY_UNITS, "displacement": LENGTH_UNITS, "time": TIME_UNITS,
+    "frequency": FREQUENCY_UNITS, "sweep rate": {"oct/min": 1.0, "octaves/min": 1.0, "oct/s": 60.0}, "ratio": {"%": 0.01},
+    "force": FORCE_UNITS, "moment": {unit: factor for unit, factor in MOMENT_UNITS.items() if " " not in unit},
+    "impulse": {"N.s": 1.0, "Ns": 1.0, "kN.s": 1e3, "kNs": 1e3},
+    "pressure": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5, "psi": 6894.757293168},
+    "areal mass": {"kg/m2": 1.0, "kg/m^2": 1.0}, "mass": {"kg": 1.0, "t": 1e3},
+    "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
+}  # fmt: skip
 # what else a logger writes as a unit beside the quantities that are read: enough to know a row of units, or what stands in
 # parentheses, for one
 _ELSEWHERE = (

@@ -18,11 +18,12 @@ from wirerope_mj.foundation.arguments import nonzero
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, ModelWarning
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.quantities import UNITS, Phrase, parse_phrase
+from wirerope_mj.foundation.quantities import Phrase, parse_phrase
 from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.foundation.resources import scenarios_folder
 from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.foundation.units import PHRASE_UNITS
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
 from wirerope_mj.motions.drop import Drop
 from wirerope_mj.motions.harmonic import Sine, Sweep
@@ -144,7 +145,7 @@ def _check(spoken: SpokenMotion, phrase: Phrase) -> None:
         if there < needed:
             article = "an" if quantity[0] in "au" else "a"
             counted = f"{article} {quantity}" if needed == 1 else f"{needed} values of {quantity}"
-            raise ValueError(f"{counted} must stand there ({', '.join(UNITS[quantity])}), and there {are}.")
+            raise ValueError(f"{counted} must stand there ({', '.join(PHRASE_UNITS[quantity])}), and there {are}.")
         if there > needed:
             raise ValueError(f"there {are} of {quantity}, and {needed or 'none'} is expected.")
     for word in spoken.needed_words:

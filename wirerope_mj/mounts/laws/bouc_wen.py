@@ -76,19 +76,19 @@ class Hysteresis(Law):
         return Normalised(z_max=self.z_max, x_y=self.z_max / self.alpha, sigma=self.beta / self._total, n=self.n)
 
     @property
-    def normal_form(self) -> Normalised | None:
+    def normal_form(self) -> Normalised | None:  # type: ignore[override]
         return self.normalised if self._total > 0.0 else None
 
     @property
-    def bouc_wen_parameters(self) -> Array | None:
+    def bouc_wen_parameters(self) -> Array | None:  # type: ignore[override]
         return self.kernel_parameters()[:4] if self.n_states == 1 else None
 
     @property
-    def is_steep(self) -> bool:
+    def is_steep(self) -> bool:  # type: ignore[override]
         return self.n < 1.0
 
     @property
-    def yield_rate(self) -> float:
+    def yield_rate(self) -> float:  # type: ignore[override]
         return self.n * self.alpha / self.z_max
 
     @property

@@ -55,12 +55,10 @@ class EnhancedDryFriction(Law):
         """The normalised form of the Bouc-Wen law that it is."""
         return Normalised(z_max=self.d, x_y=self.u_c, sigma=1.0, n=1.0)
 
-    @property
-    def normal_form(self) -> Normalised:
-        return self.normalised
+    normal_form = normalised
 
     @property
-    def bouc_wen_parameters(self) -> Array:
+    def bouc_wen_parameters(self) -> Array:  # type: ignore[override]
         return self.kernel_parameters()[:4]
 
     @property

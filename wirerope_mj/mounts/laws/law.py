@@ -81,6 +81,16 @@ class Law(ABC):
     yield_powers: ClassVar[Mapping[str, float]] = {}
     leaders: ClassVar[Mapping[str, str]] = {}  # the parameter that another one is equal to unless it is stated itself
     factors: ClassVar[tuple[str, ...]] = ()  # names of factors on all of several laws in parallel
+    stops: ClassVar[tuple[Any, ...]] = ()  # the stops among its components
+    parameters_before: ClassVar[int] = 0  # kernel parameters before those of its first component
+    bracket_stiffness: ClassVar[float] = math.inf  # of what it stands on [N/m]
+    normal_form: ClassVar[Normalised | None] = None  # Bouc-Wen's; None of a law without one, or whose z has no bound
+    # alpha, beta, gamma, n of the Bouc-Wen equation of its only state, smoothed or not; None of other states
+    bouc_wen_parameters: ClassVar[Array | None] = None
+    # Whether the slope of a state has no limit as its deflections vanish: Bouc-Wen's n is below 1.
+    is_steep: ClassVar[bool] = False
+    # Rate over deflection at which a Bouc-Wen state near its bound goes back there, n alpha / z_max [1/m].
+    yield_rate: ClassVar[float] = 0.0
     faint_parameters: ClassVar[Mapping[str, float]] = {}  # of a law that has failed, see `faint`
     # `wirerope_mj.mounts.laws.timed.trace`, which knows the kernels of all laws and so stands above them.
     _trace: ClassVar[Callable[..., Loop]]
@@ -123,18 +133,9 @@ class Law(ABC):
         return (self,)
 
     @property
-    def stops(self) -> tuple[Any, ...]:
-        """The stops among its components."""
-        return ()
-
-    @property
     def only_stops(self) -> bool:
         """True if it is a stop, or several."""
         return len(self.stops) == len(self.components)
-
-    @property
-    def parameters_before(self) -> int:
-        return 0
 
     @property
     def behind_bracket(self) -> "Law":
@@ -142,34 +143,9 @@ class Law(ABC):
         return self
 
     @property
-    def bracket_stiffness(self) -> float:
-        """Stiffness of the bracket that it stands on [N/m]; infinite without one."""
-        return math.inf
-
-    @property
     def unsmoothed(self) -> "Law":
         """The law whose slopes are blended; itself where none are."""
         return self
-
-    @property
-    def normal_form(self) -> Normalised | None:
-        """Bouc-Wen's normalised form; None of a law without one, or whose z has no bound."""
-        return None
-
-    @property
-    def bouc_wen_parameters(self) -> Array | None:
-        """Numbers alpha, beta, gamma, n of the Bouc-Wen equation of its only state, smoothed or not; None of other states."""
-        return None
-
-    @property
-    def is_steep(self) -> bool:
-        """True if the slope of a state has no limit as its deflections vanish: Bouc-Wen's n is below 1."""
-        return False
-
-    @property
-    def yield_rate(self) -> float:
-        """Rate over deflection at which a Bouc-Wen state near its bound goes back there, n alpha / z_max [1/m]."""
-        return 0.0
 
     @property
     def coordinates(self) -> dict[str, float]:

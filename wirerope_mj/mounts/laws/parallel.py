@@ -74,15 +74,15 @@ class Parallel(Law):
         return self.laws
 
     @property
-    def stops(self) -> tuple[Any, ...]:
+    def stops(self) -> tuple[Any, ...]:  # type: ignore[override]
         return tuple(stop for law in self.laws for stop in law.stops)
 
     @property
-    def parameters_before(self) -> int:
+    def parameters_before(self) -> int:  # type: ignore[override]
         return 1 + 3 * len(self.laws)
 
     @property
-    def is_steep(self) -> bool:
+    def is_steep(self) -> bool:  # type: ignore[override]
         return any(law.is_steep for law in self.laws)
 
     def faint(self) -> Self:

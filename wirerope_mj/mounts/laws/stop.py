@@ -93,7 +93,7 @@ class Stop(Law):
             raise ValueError("`rounding` must be > 0 with `c`: the force would jump at the touch.")
 
     @property
-    def stops(self) -> tuple[Self]:
+    def stops(self) -> tuple[Self]:  # type: ignore[override]
         return (self,)
 
     @property

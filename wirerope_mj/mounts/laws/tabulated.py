@@ -185,7 +185,7 @@ class Tabulated(AsCall, Law):
         return packed(*self._curves, self.yield_deflection or 1.0)  # without hysteresis any length will do
 
     @property
-    def bouc_wen_parameters(self) -> Array:
+    def bouc_wen_parameters(self) -> Array:  # type: ignore[override]
         return self._parameters[:4]
 
     def faint(self) -> Law:

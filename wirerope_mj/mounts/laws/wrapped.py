@@ -70,7 +70,7 @@ class Smoothed(_Wrapped):
 
     initial_stiffness = _of_law("initial_stiffness", "Tangent of the law at its unloaded state [N/m].")
     bouc_wen_parameters = _of_law("bouc_wen_parameters", "Those of the law.")
-    unsmoothed: Any = property(attrgetter("law"))
+    unsmoothed: ClassVar[Any] = property(attrgetter("law"))
 
     def __post_init__(self) -> None:
         if not isinstance(self.law, Law) or not smoothable(self.law):
@@ -118,8 +118,8 @@ class OnBracket(_Wrapped):
 
     stiffness: float  # K [N/m]
 
-    behind_bracket: Any = property(attrgetter("law"))
-    bracket_stiffness: Any = property(attrgetter("stiffness"))
+    behind_bracket: ClassVar[Any] = property(attrgetter("law"))
+    bracket_stiffness: ClassVar[Any] = property(attrgetter("stiffness"))
 
     def __post_init__(self) -> None:
         refused = [part.name for part in self.law.components if not part.smoothable or part.stops]
