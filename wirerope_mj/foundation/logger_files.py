@@ -14,11 +14,9 @@ from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.parquet_files import read_table
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import encoding_of, regular
-from wirerope_mj.foundation.table_header import is_missing
+from wirerope_mj.foundation.table_header import Header, is_missing
 from wirerope_mj.foundation.units import split_unit
 
-# names and units of columns, their numbers (n, n_columns), and the line that names them, 0 where there is none
-Columns = tuple[tuple[str, ...], tuple[str | None, ...], Array, int]
 _REMEDY = "Export it again, or as CSV."
 _HEAD = 200  # lines in which a record says what it is
 # names of a scalar that is a sampling rate [Hz], and of one that is an interval [s], in small letters without signs
@@ -30,8 +28,8 @@ _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _LAID = r"[(]\s*(\d+)\s*[xX]?\s*[FfEeGgIi]\s*(\d+)(?:\.\d+)?"  # format of Fortran: numbers in a line, characters of each
 
 
-def columns_of_array_file(path: Path) -> Columns | None:
-    """Read the columns of a MATLAB or Parquet file; None of others.
+def columns_of_array_file(path: Path) -> Header | None:
+    """Read a MATLAB or Parquet file, its header without a line; None of others.
 
     A matrix of MATLAB is so many columns, the fields of a struct are called test.acc, and beside a vector without time a scalar
     fs, or dt, is its rate, or interval.
@@ -58,7 +56,7 @@ def columns_of_array_file(path: Path) -> Columns | None:
     return None
 
 
-def _of_columns(path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float]) -> Columns:
+def _of_columns(path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float]) -> Header:
     """Return the columns that have the most common length; without time among them, with that of a rate or an interval."""
     lengths = [column.size for column in columns.values() if column.size > 1]
     if not lengths:
@@ -73,15 +71,16 @@ def _of_columns(path: Path, columns: Mapping[str, Array], scalars: Mapping[str, 
     timed = any(re.search(r"(?:^|[._ ])(?:time|t|zeit)(?:$|[._ ])", name.lower()) for name in names)
     if len(set(steps.values())) == 1 and not timed:
         step = next(iter(steps.values()))
-        return ("time", *names), ("s", *units), np.column_stack([step * np.arange(usual), numbers]), 0
-    return names, units, numbers, 0
+        names, units = ("time", *names), ("s", *units)
+        numbers = np.column_stack([step * np.arange(usual), numbers])
+    return Header(path, 0, names, units, content=numbers)
 
 
 def _bare(name: str) -> str:
     return re.sub(r"[^a-z]", "", name.rpartition(".")[2].lower())
 
 
-def _matlab(path: Path) -> Columns:
+def _matlab(path: Path) -> Header:
     from scipy.io import loadmat
 
     try:
@@ -156,7 +155,7 @@ def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[s
     return {renamed.get(name, name): column for name, column in columns.items()}
 
 
-def columns_of_logger(path: Path) -> Columns | None:
+def columns_of_logger(path: Path) -> Header | None:
     """Read a text of LabVIEW (.lvm), PEER (.AT2), CSMIP or COSMOS (.V2), known by what it says of itself; None of others.
 
     Raises:
@@ -193,7 +192,7 @@ _VOLUME = re.compile(
 )
 
 
-def _peer(path: Path, lines: list[str]) -> Columns:
+def _peer(path: Path, lines: list[str]) -> Header:
     """Read a record of PEER: "NPTS= 400, DT= 0.001 SEC" below "ACCELERATION TIME SERIES IN UNITS OF G", and numbers."""
     stated = next(i for i, line in enumerate(lines) if re.search(r"\bNPTS\b", line, re.IGNORECASE))
     what = re.search(r"(\w+) TIME (?:SERIES|HISTORY) IN UNITS OF\s+(\S+)", "".join(lines[: stated + 1]), re.IGNORECASE)
@@ -208,7 +207,7 @@ def _peer(path: Path, lines: list[str]) -> Columns:
     return _equally_spaced(path, {what[1].lower(): (what[2], values)}, int(counts[1]), float(counts[2]), stated + 1)
 
 
-def _strong_motion(path: Path, lines: list[str]) -> Columns:
+def _strong_motion(path: Path, lines: list[str]) -> Header:
     """Read the channels of a record of CSMIP or COSMOS, Volume 2: so many values in a line, each so many characters wide."""
     found: dict[str, tuple[str | None, list[float]]] = {}
     channels, step, count, first = 0, math.nan, 0, 0
@@ -262,7 +261,7 @@ def _value(path: Path, line: int, cell: str) -> float:
 
 def _equally_spaced(
     path: Path, columns: Mapping[str, tuple[str | None, list[float]]], count: int, step: float, line: int
-) -> Columns:
+) -> Header:
     """Return columns with their time before them; RecordError unless each has so many values."""
     for name, (_, values) in columns.items():
         if len(values) != count:
@@ -272,10 +271,11 @@ def _equally_spaced(
     if not 0.0 < step < math.inf:
         raise RecordError(f"{path}, line {line}: the interval between samples must be > 0 s, got {step:g}.")
     numbers = np.column_stack([step * np.arange(count), *(values for _, values in columns.values())])
-    return ("time", *columns), ("s", *(unit for unit, _ in columns.values())), numbers, line
+    units = [unit for unit, _ in columns.values()]
+    return Header(path, line, ("time", *columns), ("s", *units), last=line, content=numbers)
 
 
-def _labview(path: Path, lines: list[str]) -> Columns:
+def _labview(path: Path, lines: list[str]) -> Header:
     """Read a LabVIEW measurement file: a header, then a segment with its own and a row of names that begins with X_Value."""
     said = dict(re.split(r"[\t,]", line.rstrip("\r\n"), maxsplit=1) for line in lines[:_HEAD] if re.match(r"\w+[\t,]", line))
     separator = "," if said.get("Separator", "Tab").strip().lower().startswith("comma") else "\t"
@@ -324,4 +324,5 @@ def _labview(path: Path, lines: list[str]) -> Columns:
     else:
         time = numbers[:, times[0]]
     kept = np.column_stack([time, numbers[:, places]])
-    return ("time", *(names[i] for i in places)), ("s", *units), kept, heads[0] + 1
+    called, at = [names[i] for i in places], heads[0] + 1
+    return Header(path, at, ("time", *called), ("s", *units), last=at, content=kept)

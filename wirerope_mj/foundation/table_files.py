@@ -19,7 +19,6 @@ from wirerope_mj.foundation.regular_files import encoding_of, foreign_kind, regu
 from wirerope_mj.foundation.table_header import (
     DELIMITERS,
     SHEET_ERROR,
-    FoundHeader,
     Header,
     Rows,
     find_header,
@@ -63,11 +62,8 @@ def read_header(path: Path, *, kind: str, example: str, sheet: str = "") -> Head
             raise RecordError(f"{path}: {foreign}")
         if is_workbook(path):
             return _of_workbook(path, sheet, wanted)
-        columns = columns_of_array_file(path) or columns_of_logger(path)
-        if columns is not None:
-            names, units, numbers, line = columns
-            return _checked(Header(path, line, names, units, last=line, content=numbers))
-        return _of_text(path, wanted)
+        header = columns_of_array_file(path) or columns_of_logger(path)
+        return _of_text(path, wanted) if header is None else _checked(header)
     except OSError as error:
         raise RecordError(f"{path}: the {kind} cannot be read: {why_unread(error)}") from None
 
@@ -78,7 +74,7 @@ def _of_workbook(path: Path, sheet: str, wanted: str) -> Header:
     for order in (chosen, chosen[:1]):
         for name in order:
             title, filled = xlsx_rows(path, name)
-            found = find_header(filled[:_ABOVE])
+            found = find_header(path, filled[:_ABOVE])
             if found is not None and found.surety > 0:
                 break
         else:
@@ -89,7 +85,7 @@ def _of_workbook(path: Path, sheet: str, wanted: str) -> Header:
     if found is None:
         raise _without_header(f"{path}, sheet {short(plain(title))}, row {filled[0][0]}", wanted)
     below = [row for row in filled if row[0] > found.last]
-    header = Header(path, found.line, found.names, found.units, sheet=title, last=found.last, content=below)
+    header = replace(found, sheet=title, content=below)
     return _checked(replace(header, decimal=_decimal_sign(header, (cells for _, cells in below[:_LOOKED_AT]))))
 
 
@@ -101,12 +97,12 @@ def _of_text(path: Path, wanted: str) -> Header:
         raise RecordError(
             f"{path}: the file is empty. Expected {wanted.partition('with ')[2].rstrip('.')} and rows of numbers."
         )
-    tried: list[tuple[int, int, str, FoundHeader]] = []
+    tried: list[tuple[int, int, str, Header]] = []
     for order, delimiter in enumerate(DELIMITERS):
         if delimiter == " " and tried and max(tried)[0] > 0:
             break  # spaces stand within names and beside other separators
         rows = [(number, split_cells(text, delimiter)) for number, text in lines]
-        if found := find_header(rows) or _in_comments(comments, rows):
+        if found := find_header(path, rows) or _in_comments(path, comments, rows):
             several = len(found.names) > 1 or (found.surety > 0 and delimiter == ",")
             tried.append((found.surety if several else -1, -order, delimiter, found))
     if not tried:
@@ -119,7 +115,7 @@ def _of_text(path: Path, wanted: str) -> Header:
         if not found_by:  # a file of numbers alone
             raise _without_header(f"{path}, line {lines[0][0]}", wanted)
         found = found_by[0]
-    header = Header(path, found.line, found.names, found.units, delimiter, encoding=encoding, last=found.last)
+    header = replace(found, delimiter=delimiter, encoding=encoding)
     with open_rows(header) as file:
         rows_of_cells = (header.cells(text) for _, text in zip(range(_LOOKED_AT), file, strict=False))
         return _checked(replace(header, decimal=_decimal_sign(header, rows_of_cells)))
@@ -152,7 +148,7 @@ def _first_lines(path: Path, file: TextIO) -> tuple[list[tuple[int, str]], list[
     return lines, comments
 
 
-def _in_comments(comments: Sequence[tuple[int, str]], rows: Rows) -> FoundHeader | None:
+def _in_comments(path: Path, comments: Sequence[tuple[int, str]], rows: Rows) -> Header | None:
     """Find a header in the last comment that has as many cells as the numbers below, whatever separates them."""
     width = len(rows[0][1])
     for number, text in reversed([one for one in comments if one[0] < rows[0][0]]):
@@ -160,7 +156,7 @@ def _in_comments(comments: Sequence[tuple[int, str]], rows: Rows) -> FoundHeader
             cells = split_cells(text, delimiter)
             if len(cells) == width and (width > 1 or split_unit(cells[0])[1]) and not any(map(is_number, cells)):
                 names, units = zip(*map(split_unit, cells), strict=True)
-                return FoundHeader(1, number, number, names, units)
+                return Header(path, number, names, units, last=number, surety=1)
     return None
 
 

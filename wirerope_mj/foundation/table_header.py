@@ -40,6 +40,9 @@ class Header:
     encoding: str = "utf-8"  # of a text
     last: int = 0  # number of the last row of the header, where units or other names stand below the first
     unnamed: frozenset[int] = frozenset()  # columns without a name
+    # how sure it is, where it was found among rows: 3 with two units at least, 2 above a row of units, 1 with as many names as
+    # there are numbers below, 0 as the first row
+    surety: int = 0
     # rows below the header of a workbook; numbers of all columns of another file, (n, n_columns); None of a text
     content: Rows | Array | None = field(default=None, repr=False)
 
@@ -94,17 +97,6 @@ class Header:
         return cells
 
 
-@dataclass(frozen=True)
-class FoundHeader:
-    """Where a header stands among rows, and what it says."""
-
-    surety: int  # 3: two units at least; 2: a row of units; 1: as many names as the numbers below; 0: the first row
-    line: int
-    last: int
-    names: tuple[str, ...]
-    units: tuple[str | None, ...]
-
-
 def split_cells(text: str, delimiter: str) -> list[str]:
     """Split a line at a delimiter, " " being any run of spaces; quotation marks hold a cell together and are taken off."""
     if delimiter == " ":
@@ -137,7 +129,7 @@ def is_number(cell: str) -> bool:
     return "_" not in cell
 
 
-def find_header(rows: Rows) -> FoundHeader | None:
+def find_header(path: Path, rows: Rows) -> Header | None:
     """Find the header among the first rows of a table; None where numbers begin at once, or there is no row.
 
     It is the first row with two units, else that above a row of units, else the last one above the numbers that has as many
@@ -178,7 +170,7 @@ def find_header(rows: Rows) -> FoundHeader | None:
     if data < len(rows):
         kept = max(kept, min(len(headings), len(rows[data][1])))  # a column without a name may hold something
     found, units = zip(*(headings[:kept] or headings[:1]), strict=True)
-    return FoundHeader(surety, line, rows[last][0], tuple(found), tuple(units))
+    return Header(path, line, tuple(found), tuple(units), last=rows[last][0], surety=surety)
 
 
 def _is_data(cells: Sequence[str]) -> bool:
