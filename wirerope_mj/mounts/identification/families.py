@@ -214,7 +214,8 @@ FAMILIES: dict[type[Law], Family] = {
         coordinates=lambda s: [
             *_hysteresis(s),
             *_elastic(s, "k1", "k2", "k3"),
-            Coordinate(  # exp(10) between the ends of the travel is beyond any isolator
+            # exp(10) between the ends of the travel is beyond any isolator
+            Coordinate(
                 "c_ln_b",
                 "1/m",
                 -5.0 / s.deflection,

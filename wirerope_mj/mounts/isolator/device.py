@@ -100,6 +100,7 @@ class Isolator(Brief):
 
     @property
     def axes(self) -> dict[str, Law | None]:
+        """The laws by axis in the order roll (x), shear (y), axial (z)."""
         return {"roll": self.roll, "shear": self.shear, "axial": self.axial}
 
     @cached_property
@@ -184,11 +185,9 @@ class Isolator(Brief):
             temporary.write_text(text, encoding="utf-8")
 
     def to_dict(self) -> Entries:
-        content: Entries = {"name": self.name}
-        if self.coupling is not None:
-            content["coupling"] = self.coupling
-        if self.free:
-            content["free"] = list(self.free)
+        """Return the isolator as it stands in its file."""
+        stated = {"name": self.name, "coupling": self.coupling, "free": list(self.free)}
+        content: Entries = {name: value for name, value in stated.items() if value}
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
         parts = {item.name: getattr(self, item.name) for item in fields(self)}
         tables = {name: part.to_dict() for name, part in parts.items() if isinstance(part, Part | LoopCoupling)}

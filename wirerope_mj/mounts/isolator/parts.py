@@ -97,6 +97,7 @@ class Stiffening(Part):
 
     @property
     def description(self) -> str:
+        """The values and the factor that they amount to, as text."""
         values = f"after_50 = {self.after_50:.6g}, cycles = {self.cycles:.6g}"
         return f"{values}: all forces are {self.factor:.6g} times those of the laws"
 
@@ -183,6 +184,7 @@ class Rotation(Part):
     axial: Annotated[float, bounds("N m/rad", ge=0.0)] = 0.0
 
     def scaled(self, factor: float) -> Self:
+        """Return `factor` times these stiffnesses."""
         return replace(self, roll=factor * self.roll, shear=factor * self.shear, axial=factor * self.axial)
 
 

@@ -48,6 +48,7 @@ class EnhancedDryFriction(Law):
 
     @property
     def z_max(self) -> float:
+        """Bound d of the friction force [N]."""
         return self.d
 
     @property
@@ -59,6 +60,7 @@ class EnhancedDryFriction(Law):
 
     @property
     def bouc_wen_parameters(self) -> Array:  # type: ignore[override]
+        """Those of Bouc-Wen's law that it is."""
         return self.kernel_parameters()[:4]
 
     @property
@@ -124,6 +126,7 @@ class Masing(Law):
 
     @property
     def z_max(self) -> float:
+        """Bound of the sliders' force, the sum of the slip forces [N]."""
         return float(sum(self.slip_force))
 
     @property

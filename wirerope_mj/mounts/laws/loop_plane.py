@@ -81,6 +81,7 @@ class LoopCoupling:
         return replace(self, coefficients=tuple(tuple(factor * value for value in row) for row in self.coefficients))
 
     def to_dict(self) -> Entries:
+        """Return the coupling as it stands in an isolator file."""
         ends = {name: getattr(self, name) for name in ("roll", "compression", "tension")}
         return {**ends, "coefficients": [list(row) for row in self.coefficients]}
 

@@ -4,7 +4,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from itertools import accumulate
+from itertools import accumulate, chain
+from operator import attrgetter
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -52,6 +53,9 @@ class Parallel(Law):
     rate_independent = _of_laws("rate_independent", all, "True if all of them are.")
     remembers_slow_paths = _of_laws("remembers_slow_paths", any, "True if any of them does.")
     relaxation_rate = _of_laws("relaxation_rate", max, "Fastest decay of an internal state at rest [1/s].")
+    is_steep = _of_laws("is_steep", any, "True if any of them is.")
+    stops = _of_laws("stops", lambda each: tuple(chain.from_iterable(each)), "The stops among the laws.")
+    components: ClassVar[Any] = property(attrgetter("laws"))
     damping_parameters = _of_laws("damping_parameters", _numbered, "Those of each law, with its number.")
     state_names = _of_laws("state_names", _numbered, "Names of the states of each law, with its number.")
 
@@ -70,20 +74,8 @@ class Parallel(Law):
         return np.concatenate([[float(len(self.laws))], rows, *parameters])
 
     @property
-    def components(self) -> tuple[Law, ...]:
-        return self.laws
-
-    @property
-    def stops(self) -> tuple[Any, ...]:  # type: ignore[override]
-        return tuple(stop for law in self.laws for stop in law.stops)
-
-    @property
     def parameters_before(self) -> int:  # type: ignore[override]
         return 1 + 3 * len(self.laws)
-
-    @property
-    def is_steep(self) -> bool:  # type: ignore[override]
-        return any(law.is_steep for law in self.laws)
 
     def faint(self) -> Self:
         return replace(self, laws=tuple(law.faint() for law in self.laws))

@@ -186,6 +186,7 @@ class Tabulated(AsCall, Law):
 
     @property
     def bouc_wen_parameters(self) -> Array:  # type: ignore[override]
+        """z_max / x_y, 1 / x_y, 0, 1."""
         return self._parameters[:4]
 
     def faint(self) -> Law:

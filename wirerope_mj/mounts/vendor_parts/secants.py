@@ -159,7 +159,12 @@ def fit_secants(secants: Sequence[Secant], curve: ElasticShape, yielding: float,
 
 def _sizes(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
     """Return friction [N] and spring [N/m] of these secants; ConvergenceError unless both are positive."""
-    friction, spring = _nearest(np.array([_row(secant, curve, yielding, rule) for secant in secants]))
+    exponent, rows = curve.asymmetry or 0.0, []  # secants of 1 N of friction and of 1 N/m of the spring, over the stated ones
+    for secant in secants:
+        a, steady = secant.deflection, secant.steady
+        factor = (math.cosh(exponent * a) if steady else math.exp(-exponent * a)) / secant.stiffness
+        rows.append((factor * rule.friction(a, yielding, steady=steady) / a, factor * (1.0 + curve.cubic * a * a)))
+    friction, spring = _nearest(np.array(rows))
     if friction <= 0.0 or spring <= 0.0:
         stated = ", ".join(f"{1e-3 * s.stiffness:.6g} N/mm at {1e3 * s.deflection:.4g} mm" for s in secants)
         raise ConvergenceError(
@@ -218,11 +223,3 @@ def _nearest(rows: Array) -> tuple[float, float]:
     best = scipy.optimize.linprog([0.0, 0.0, 1.0], A_ub=sides, b_ub=bounds, bounds=[(None, None)] * 3)
     friction, spring = (best.x[:2] / sizes).tolist()
     return friction, spring
-
-
-def _row(secant: Secant, curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
-    """Return the secants of 1 N of friction and of 1 N/m of the spring, as fractions of a stated secant."""
-    a, exponent = secant.deflection, curve.asymmetry or 0.0
-    factor = (math.cosh(exponent * a) if secant.steady else math.exp(-exponent * a)) / secant.stiffness
-    friction = rule.friction(a, yielding, steady=secant.steady)
-    return factor * friction / a, factor * (1.0 + curve.cubic * a * a)
