@@ -8,6 +8,7 @@ from dataclasses import MISSING, fields, replace
 import numpy as np
 from hypothesis import strategies as st
 
+from wirerope_mj.foundation.structure import bounds_of
 from wirerope_mj.mounts.laws import LAWS, Law, Parallel
 
 PARAMETERS = {name: law.example for name, law in LAWS.items()}
@@ -129,8 +130,8 @@ STRATEGIES = {
 
 def _declared(law):
     """Return laws of a class whose required parameters are drawn within what it declares."""
-    drawn = {name: positive for name, meta in law.limits().items() if meta.gt is not None}
-    drawn |= {name: small for name, meta in law.limits().items() if meta.ge is not None}
+    drawn = {name: positive for name, meta in bounds_of(law).items() if meta.gt is not None}
+    drawn |= {name: small for name, meta in bounds_of(law).items() if meta.ge is not None}
     required = [field.name for field in fields(law) if field.default is MISSING]
     return _laws(law.name, **{name: drawn.get(name, any_sign) for name in required})
 

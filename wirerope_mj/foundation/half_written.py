@@ -55,7 +55,6 @@ _written: list[tuple[Path, int | None]] = []
 
 
 def _let_go(folder: Path, handle: int | None) -> None:
-    """Forget what stood in `folder`, and give its lock back."""
     with suppress(ValueError):
         _written.remove((folder, handle))
     if handle is not None:
@@ -263,7 +262,6 @@ def _lock_handle(handle: int, path: Path) -> str:
 
 
 def _names(path: Path, handle: int) -> bool:
-    """Return whether `path` names the open file or folder."""
     try:
         return os.path.samestat(os.fstat(handle), os.stat(path))
     except FileNotFoundError:

@@ -250,7 +250,6 @@ def _is_class(option: Any) -> bool:
 
 
 def _plain(value: object) -> object:
-    """Return numbers of NumPy as Python's, in lists, too."""
     if isinstance(value, list | tuple):
         return type(value)(map(_plain, value)) if type(value) in (list, tuple) else value
     return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
@@ -275,7 +274,6 @@ def options_of(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[
 
 
 def _is_number_within(value: float, hint: Any) -> bool:
-    """Tell whether a type is that of a number, and its bounds hold a finite one: so are most fields."""
     return hint is float or any(
         option is float and all(_holds(value, mark) for mark in marks if isinstance(mark, msgspec.Meta))
         for option, marks in options_of(hint)
@@ -296,6 +294,13 @@ def marks_of(hint: Any) -> tuple[Any, ...]:
 def _hints(kind: Any) -> dict[str, Any]:
     hints = get_type_hints(kind, include_extras=True)
     return {item.name: hints[item.name] for item in fields(kind) if item.init}
+
+
+@cache
+def bounds_of(kind: Any) -> dict[str, msgspec.Meta]:
+    """Return what `bounds` marked of the fields of a class, by their names; of those that state nothing none."""
+    metas = {name: [m for m in marks_of(hint) if isinstance(m, msgspec.Meta)] for name, hint in _hints(kind).items()}
+    return {name: found[0] for name, found in metas.items() if found}
 
 
 @dataclass(frozen=True)
@@ -385,7 +390,6 @@ def tables_in(hint: Any) -> tuple[Any, Any]:
 
 
 def _in_si(value: Any, factor: float | tuple[float, ...] | None) -> Any:
-    """Return a number, or those of a list or of columns, in SI; a text as it is."""
     if factor is None or isinstance(value, str):
         return value
     if isinstance(factor, tuple):

@@ -74,7 +74,6 @@ def _stretched(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping
 
 
 def _forces(family: Family, values: Mapping[str, float], loops: Sequence[MeasuredLoop]) -> Array:
-    """Evaluate the law's forces on all loops without their means, over the loops' weights."""
     law = family.make(dict(values))
     parts = [loop.model_force(law) for loop in loops]
     return np.concatenate([(part - part.mean()) / loop.weight for part, loop in zip(parts, loops, strict=True)])

@@ -114,7 +114,6 @@ class Hysteresis(Law):
 
     @property
     def _total(self) -> float:
-        """Sum of beta and gamma: what bends the loading branch."""
         return self.beta + self.gamma
 
     @property

@@ -4,15 +4,13 @@ import math
 from abc import ABC
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
-from functools import cache
-from typing import Annotated, Any, ClassVar, Self, get_type_hints
+from typing import Annotated, Any, ClassVar, Self
 
-import msgspec
 import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Entries
-from wirerope_mj.foundation.structure import bounds, check, marks_of, unit_of
+from wirerope_mj.foundation.structure import bounds, bounds_of, check, unit_of
 from wirerope_mj.mounts.laws.loop import Loop
 
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
@@ -103,17 +101,9 @@ class Law(ABC):
         """Raise ValueError if the parameters, each within its bounds, are not those of a passive law."""
 
     @classmethod
-    @cache
-    def limits(cls) -> Mapping[str, msgspec.Meta]:
-        """Unit and bounds of the parameters that state any."""
-        hints = get_type_hints(cls, include_extras=True)
-        found = {name: [m for m in marks_of(hint) if isinstance(m, msgspec.Meta)] for name, hint in hints.items()}
-        return {name: metas[0] for name, metas in found.items() if metas}
-
-    @classmethod
     def units(cls) -> dict[str, str]:
         """Units of the parameters; those without have none."""
-        return {name: unit for name, meta in cls.limits().items() if (unit := unit_of(meta))}
+        return {name: unit for name, meta in bounds_of(cls).items() if (unit := unit_of(meta))}
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -213,11 +203,8 @@ class Law(ABC):
         they cannot say of many numbers at once NumPy refuses to take for true or false. A parameter that is several numbers
         has a tuple of columns.
         """
-        for name, column in columns.items():
+        for column in columns.values():
             if not all(np.isfinite(one).all() for one in (column if isinstance(column, tuple) else (column,))):
-                return False
-            meta = self.limits().get(name, msgspec.Meta())
-            if (meta.gt is not None and anywhere(column <= meta.gt)) or (meta.ge is not None and anywhere(column < meta.ge)):
                 return False
         many = object.__new__(type(self))
         for field in fields(self):
@@ -225,9 +212,14 @@ class Law(ABC):
         try:
             # Entries that the law has no number for divide by zero, or lie beyond the largest one: they are not infinite.
             with np.errstate(all="ignore"):
+                limits = {name: meta for name, meta in bounds_of(type(self)).items() if name in columns}
+                if any(meta.gt is not None and anywhere(columns[name] <= meta.gt) for name, meta in limits.items()):
+                    return False
+                if any(meta.ge is not None and anywhere(columns[name] < meta.ge) for name, meta in limits.items()):
+                    return False
                 many._validate()
                 return bool(np.all(many.finite_travel == math.inf))
-        except (ArithmeticError, TypeError, ValueError):
+        except (ArithmeticError, NameError, TypeError, ValueError):  # a program's law may be annotated as it likes
             return False
 
     def powers_of(self, name: str) -> Mapping[str, float]:

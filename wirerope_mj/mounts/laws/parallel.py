@@ -24,12 +24,10 @@ def part_of(name: str) -> tuple[int, str]:
 
 
 def _of_laws(name: str, combine: Callable[[Iterator[Any]], Any], doc: str) -> Any:
-    """Make a property of what each law has by that name."""
     return property(lambda self: combine(getattr(law, name) for law in self.laws), doc=doc)
 
 
 def _numbered(texts: Iterable[Iterable[str]]) -> tuple[str, ...]:
-    """Return texts of each law with its number counted from 1."""
     return tuple(f"{text}_{number}" for number, of_law in enumerate(texts, 1) for text in of_law)
 
 

@@ -236,7 +236,6 @@ class Tabulated(AsCall, Law):
 
 
 def _require_increasing(name: str, values: Array) -> None:
-    """Raise ValueError unless values increase strictly."""
     if (np.diff(values) <= 0.0).any():
         at = int(np.argmax(np.diff(values) <= 0.0))
         raise ValueError(f"`{name}` must increase strictly, got {values[at]:.6g} before {values[at + 1]:.6g}.")

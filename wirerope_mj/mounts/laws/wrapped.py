@@ -18,7 +18,6 @@ HEAD = 2  # parameters of a bracketed law before those of the laws, which stand 
 
 
 def _of_law(name: str, doc: str) -> Any:
-    """Make a property that is that of `self.law`."""
     return property(lambda self: getattr(self.law, name), doc=doc)
 
 

@@ -187,7 +187,6 @@ class _Window:
         self.freedom = self._measured.size - 2 * sum(degrees) - self._counts.size - 1  # samples left over for the noise
 
     def _centred(self, values: Array) -> Array:
-        """Take off the mean of values over each reversal's window."""
         means = (np.add.reduceat(values, self._starts, axis=0).T / self._counts).T
         return np.asarray(values - np.repeat(means, self._counts, axis=0))
 

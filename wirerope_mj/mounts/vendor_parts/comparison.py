@@ -19,9 +19,10 @@ from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Law
+from wirerope_mj.mounts.vendor_parts.by_name import shipped_file
 from wirerope_mj.mounts.vendor_parts.curve_fit import curve_values, read_curve_sheet
 from wirerope_mj.mounts.vendor_parts.law_values import compression_sag, damping_ratio, secant, virgin_force
-from wirerope_mj.mounts.vendor_parts.parts import VendorPart, shipped_file, vendor_parts
+from wirerope_mj.mounts.vendor_parts.parts import VendorPart, vendor_parts
 from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, read_datasheet
 from wirerope_mj.mounts.vendor_parts.sheet_fit import DIAGONAL, axis_of, diagonal_values, fit_sheet
 

@@ -210,7 +210,6 @@ def _law(sheet: CurveSheet, side: Side, tension: Side | None) -> Tabulated:
 
 
 def _fitted_to(sheet: CurveSheet) -> str:
-    """Return the text on what the laws reproduce."""
     sides = []
     for name, side in sheet.sides.items():
         end, force = side.curves[sheet.curve][-1]

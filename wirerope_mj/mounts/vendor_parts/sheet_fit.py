@@ -196,7 +196,6 @@ def diagonal_values(stated: AxisValues | None, isolator: Isolator) -> list[Compa
 
 
 def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
-    """Return the comparison at 45 degrees for the provenance."""
     units = {"N/mm": "N_per_mm", "N": "N"}
     table: dict[str, float] = {}
     for row in diagonal_values(sheet.diagonal, isolator):
