@@ -19,7 +19,7 @@ from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.laws.registry import evaluate
 from wirerope_mj.studies.vary.quantity import without_force
 from wirerope_mj.views.recording import record_rerun
-from wirerope_mj.views.recording.mounts import CLOSED, OPEN
+from wirerope_mj.views.recording.scene import CLOSED, OPEN
 
 pytestmark = pytest.mark.quick
 

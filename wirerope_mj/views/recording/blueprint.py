@@ -15,10 +15,10 @@ from wirerope_mj.views.recording.drawn_runs import BANNER, BELOW, Drawn, DrawnRu
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
 from wirerope_mj.views.recording.ghosts import ghost_factor
 from wirerope_mj.views.recording.loops import LoopPlot, drawn_loops, grid_shape, loop_plots
-from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
 from wirerope_mj.views.recording.now import CURSOR, PLAN, plan_bounds
 from wirerope_mj.views.recording.panels import lane_paths, over_frequency_view, panel_view
 from wirerope_mj.views.recording.paths import entity
+from wirerope_mj.views.recording.scene import BESIDE, close_up_of
 from wirerope_mj.views.recording.views import (
     GROUND,
     Pane,

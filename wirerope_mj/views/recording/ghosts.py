@@ -11,9 +11,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.animation import with_values
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
-from wirerope_mj.views.recording.mounts import devices_of
 from wirerope_mj.views.recording.paths import Below, Stream, child, entity
-from wirerope_mj.views.recording.scene import log_pose, scene_rows
+from wirerope_mj.views.recording.scene import devices_of, log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import Frame, conjugate, draw_geoms, grown, log_bending, multiply, rotate, see_through
 
 FRACTION = 0.3  # of a mount's height, that the largest deflection may take in the picture

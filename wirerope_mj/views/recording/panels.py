@@ -17,9 +17,9 @@ from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.motions import Sweep
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.drawn_runs import COLORS
-from wirerope_mj.views.recording.mounts import CLOSED, changes, closed_at
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.paths import Stream, at, child, entity, known_letters
+from wirerope_mj.views.recording.scene import CLOSED, changes, closed_at
 from wirerope_mj.views.recording.views import GROUND, HEIGHT, Plot, log_frame, time_axis
 from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
 

@@ -1,17 +1,235 @@
-"""The 3D scene: bodies as a tree of frames that rides on the base, their geoms, the mounts, the base's acceleration."""
+"""The 3D scene: bodies as a tree of frames that rides on the base, their geoms, mounts and stops, the base's acceleration."""
+
+from dataclasses import dataclass
 
 import numpy as np
+import pyarrow as pa
 import rerun as rr
 
+from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.recording.camera import reach, scene_extent
-from wirerope_mj.views.recording.mounts import log_mounts, log_stops
-from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
-from wirerope_mj.views.recording.shapes import Frame, conjugate, draw_geoms, log_bending, quaternion, rotate, see_through
+from wirerope_mj.views.colours import DARK, colour_of
+from wirerope_mj.views.recording.camera import Camera, close_up, reach, scene_extent, whole_scene
+from wirerope_mj.views.recording.now import heat, used_by
+from wirerope_mj.views.recording.paths import AXIAL, Rows, Stream, at, child, entity
+from wirerope_mj.views.recording.shapes import (
+    Frame,
+    bending_at,
+    block,
+    coil,
+    conjugate,
+    draw_geoms,
+    drawn_size,
+    log_bending,
+    multiply,
+    quaternion,
+    quaternion_of,
+    rotate,
+    see_through,
+)
 from wirerope_mj.views.thin import rows_of_steps
+
+_STEEL = (176, 184, 194)
+_RUBBER = (64, 66, 72)
+_FLAT = 0.08  # least height of a drawn rope over its modelled height: a crushed mount is not turned inside out
+_MOST_LABELS = 12  # With more mounts only those whose loops are shown first get a label
+# Entities of a body that would stand in front of a mount seen from near.
+BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring")
+_NEAR = (240, 180, 40)
+_RING = 48  # corners of the ring about the worst mount
+
+
+@dataclass(frozen=True, kw_only=True)
+class Device:
+    """A mount as it is drawn: the scene's mount, the size of the device [m], and whether it is a rope or a block."""
+
+    mount: SceneMount
+    height: float
+    width: float
+    rope: bool
+
+
+def devices_of(response: Response, extent: float) -> list[Device]:
+    """Size the mounts in a scene of `extent` [m]."""
+    devices = []
+    for mount in response.scene.isolating:
+        height, width = drawn_size(mount, extent)
+        # What does not carry along its axis is a rubber block that acts sideways only.
+        rope = bool(response.mounts[mount.name].force[:, AXIAL].any())
+        devices.append(Device(mount=mount, height=height, width=width, rope=rope))
+    return devices
+
+
+def close_up_of(response: Response, mount: str, *, wide: bool = False) -> Camera:
+    """See a mount from near where it is deflected most; `wide` for a low pane."""
+    devices = devices_of(response, scene_extent(response.scene)[1])
+    device = next(device for device in devices if device.mount.name == mount)
+    row = int(np.abs(response.mounts[mount].deflection).max(axis=1).argmax())
+    return close_up(response, mount, height=device.height, width=device.width, row=row, wide=wide)
+
+
+def log_mounts(
+    rec: Stream, response: Response, selection: Selection, frames: dict[str, Frame], rows: Rows, *, extent: float
+) -> None:
+    """Log bars, ropes, labels and forces of all mounts at some rows, in a scene of `extent` [m]."""
+    devices = devices_of(response, extent)
+    _log_bars(rec, response, selection, frames, devices)
+    few = len(devices) <= _MOST_LABELS or not selection.axes
+    labelled = selection.mounts if few else tuple(selection.numbers)
+    for base in dict.fromkeys(device.mount.base_body for device in devices):
+        on_base = [device for device in devices if device.mount.base_body == base]
+        path = frames[base].path
+        others = [d for d in on_base if d.mount.name in labelled and d.mount.name != selection.governing]
+        if others:
+            spots = rr.Points3D(
+                [device.mount.base_point for device in others], labels=[device.mount.name for device in others],
+                colors=[colour_of(selection, device.mount.name) for device in others], radii=rr.Radius.ui_points(0.0),
+                show_labels=True,
+            )  # fmt: skip
+            rec.log(child(path, "labels"), spots, static=True)
+        for device in on_base:
+            if device.mount.name == selection.governing:
+                _log_worst(rec, path, response, selection, device)
+        _log_forces(rec, path, response, selection, on_base, rows, extent)
+        for kind in dict.fromkeys((d.mount.isolator, d.height, d.width, d.rope) for d in on_base):
+            same = [d for d in on_base if (d.mount.isolator, d.height, d.width, d.rope) == kind]
+            _log_ropes(rec, child(path, "mounts", kind[0]), response, same, rows)
+
+
+def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device], rows: Rows) -> None:
+    first = devices[0]
+    vertices, triangles, normals = coil(first.width) if first.rope else block(first.width)
+    color = _STEEL if first.rope else _RUBBER
+    mesh = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals, albedo_factor=color)
+    rec.log(path, mesh, static=True)
+    maps = np.empty((rows.size, len(devices), 3, 3), dtype=np.float32)  # columns first, as rerun stores them
+    feet = np.empty((rows.size, len(devices), 3))
+    for number, device in enumerate(devices):
+        mount, axes = device.mount, device.mount.axes
+        foot = mount.base_point - 0.5 * device.height * axes[:, AXIAL]
+        feet[:, number] = foot + bending_at(response, mount, mount.base_body, rows)
+        reach = response.mounts[mount.name].deflection[rows] + np.array([0.0, 0.0, device.height])
+        reach[:, AXIAL] = np.maximum(reach[:, AXIAL], _FLAT * device.height)
+        maps[:, number, 0], maps[:, number, 1] = axes[:, 0], axes[:, 1]
+        maps[:, number, 2] = reach @ axes.T
+    kind = pa.list_(pa.field("item", pa.float32(), nullable=False), 9)
+    columns = pa.FixedSizeListArray.from_arrays(pa.array(maps.ravel()), type=kind)
+    poses = rr.InstancePoses3D.columns(translations=feet.reshape(-1, 3), mat3x3=columns)
+    rec.send_columns(path, at(response.time[rows]), poses.partition(np.full(rows.size, len(devices))))
+
+
+def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]) -> None:
+    """Log the two bars of every mount; of a run alone in the colour of what it uses of its limits."""
+    bodies = {body.name: body for body in response.scene.bodies}
+    bars: dict[str, list[tuple[Array, Array, Array, str]]] = {}
+    for device in devices:
+        mount, axes = device.mount, device.mount.axes
+        thick = 0.05 * device.height
+        half = np.array([0.17 * device.width, 0.95 * device.width, thick])
+        half = half if device.rope else np.array([0.6 * device.width, 0.6 * device.width, thick])
+        up = (0.5 * device.height - thick) * np.array([0.0, 0.0, 1.0])
+        back = multiply(conjugate(bodies[mount.payload_body].orientation), bodies[mount.base_body].orientation)
+        for body, point, turn, side in (
+            (mount.base_body, mount.base_point, axes, -1.0),
+            (mount.payload_body, mount.payload_point, rotate(back, axes.T).T, 1.0),
+        ):
+            bar = (point + side * turn @ up, quaternion_of(turn), half, mount.name)
+            bars.setdefault(body, []).append(bar)
+    for body, parts in bars.items():
+        centers, turns, halves, names = zip(*parts, strict=True)
+        quaternions = [quaternion(turn) for turn in turns]
+        look = {"half_sizes": halves, "centers": centers, "quaternions": quaternions, "fill_mode": "Solid"}
+        path = child(frames[body].path, "bars")
+        if selection.run_color or not selection.used:
+            rec.log(path, rr.Boxes3D(**look, colors=[colour_of(selection, name) for name in names]), static=True)
+            continue
+        rec.log(path, rr.Boxes3D(**look), static=True)
+        colors = heat(used_by(selection, list(names)))
+        rows = np.flatnonzero(np.append(True, (np.diff(colors.astype(int), axis=0) != 0).any(axis=(1, 2))))
+        columns = rr.Boxes3D.columns(colors=colors[rows].reshape(-1, 3)).partition(np.full(rows.size, len(names)))
+        rec.send_columns(path, at(response.time[rows]), columns)
+
+
+def _log_worst(rec: Stream, path: str, response: Response, selection: Selection, device: Device) -> None:
+    mount = device.mount
+    worst = by_use(selection.verdicts).get(mount.name)
+    used = None if worst is None else worst.utilisation
+    color = DARK.limit if used is not None and used > 1.0 else _NEAR
+    camera, extent = whole_scene(response, mount=mount.name), scene_extent(response.scene)[1]
+    toward = camera.eye - mount.base_point
+    across = np.cross([0.0, 0.0, 1.0], toward / np.linalg.norm(toward))
+    across /= np.linalg.norm(across)
+    up = np.cross(toward / np.linalg.norm(toward), across)
+    angle = np.linspace(0.0, 2.0 * np.pi, _RING)[:, None]
+    radius = max(1.1 * max(device.height, device.width), 0.03 * extent)
+    circle = mount.base_point + radius * (np.cos(angle) * across + np.sin(angle) * up)
+    ring = rr.LineStrips3D([circle], colors=color, radii=rr.Radius.ui_points(1.8))
+    rec.log(child(path, "ring"), ring, static=True)
+    name = mount.name if used is None else f"{mount.name} {in_unit(used, '%'):.0f} %"
+    spot = {"labels": [name], "colors": color, "radii": rr.Radius.ui_points(0.0), "show_labels": True}
+    rec.log(child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.8 * device.height]], **spot), static=True)
+
+
+def _log_forces(
+    rec: Stream, path: str, response: Response, selection: Selection, devices: list[Device], rows: Rows, extent: float
+) -> None:
+    forces = [-response.mounts[device.mount.name].force[rows] @ device.mount.axes.T for device in devices]
+    vectors = np.stack(forces, axis=1)
+    largest = np.sqrt((vectors**2).sum(axis=-1)).max()
+    if largest == 0.0:
+        return
+    feet = [d.mount.base_point + 0.5 * d.height * d.mount.axes[:, AXIAL] for d in devices]
+    colors = [colour_of(selection, device.mount.name) for device in devices]
+    rec.log(child(path, "forces"), rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent), static=True)
+    arrows = rr.Arrows3D.columns(vectors=(vectors * (0.16 * extent / largest)).reshape(-1, 3))
+    rec.send_columns(child(path, "forces"), at(response.time[rows]), arrows.partition(np.full(rows.size, len(devices))))
+
+
+OPEN, CLOSED = (150, 158, 168), (240, 96, 30)
+_COVER = 1.02  # of the radius of a ball that is covered: seen, and too thin to look like another size
+
+
+def closed_at(response: Response, stops: tuple[SceneMount, ...]) -> Booleans:
+    """Find whether any of some stops presses at each sample, (n_t,)."""
+    pressing = [response.mounts[stop.name].force.any(axis=1) for stop in stops]
+    return np.asarray(np.any(pressing, axis=0))
+
+
+def changes(state: AnyArray) -> Rows:
+    return np.flatnonzero(np.diff(state.astype(int), prepend=-1))
+
+
+def log_stops(rec: Stream, response: Response, frames: dict[str, Frame], *, extent: float) -> None:
+    """Log every stop as a bumper that changes colour.
+
+    A ball that the model draws about the stop's point on the payload is covered, so that the colour is seen where the pad is
+    met. Without one the bumper is a cylinder about its point on the base; one whose device states no size suits a scene of
+    `extent` [m].
+    """
+    scene = response.scene
+    look: dict[str, object] = {"show_labels": False, "fill_mode": "Solid"}  # the lanes and the report name them
+    for stop in scene.stops:
+        geoms = next((body.geoms for body in scene.bodies if body.name == stop.payload_body), ())
+        near = [geom for geom in geoms if np.allclose(geom.position, stop.payload_point, rtol=0.0, atol=1e-6)]
+        radius = max((float(geom.size[0]) for geom in near if geom.shape == "sphere"), default=None)
+        if radius is None:
+            height, width = drawn_size(stop, extent)
+            size = {"lengths": [height], "radii": [0.5 * width], "quaternions": [quaternion(quaternion_of(stop.axes))]}
+            shape, body, center = rr.Cylinders3D, stop.base_body, stop.base_point
+        else:
+            size = {"half_sizes": [[_COVER * radius] * 3]}
+            shape, body, center = rr.Ellipsoids3D, stop.payload_body, stop.payload_point
+        path = child(frames[body].path, "stops", stop.name)
+        rec.log(path, shape(centers=[center], labels=[stop.name], **size, **look), static=True)
+        closed = closed_at(response, (stop,))
+        rows = changes(closed)
+        colors = [CLOSED if closed[row] else OPEN for row in rows]
+        rec.send_columns(path, at(response.time[rows]), shape.columns(colors=colors))
+
 
 _STILL = 1 / 50  # of the largest travel, by which something moves before poses are drawn anew
 _MOST_POSES = 3000  # Poses of a long run at the most; those of all peaks are among them
