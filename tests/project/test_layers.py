@@ -203,6 +203,9 @@ def test_the_map_names_what_exists():
     named = set(re.findall(r"`((?:wirerope_mj|tests|models|scenarios)/[\w/.]*)`", page))
     assert len(named) > 20
     assert not [name for name in named if not (PACKAGE.parent / name).exists()]
+    beside = set(re.findall(r"`(\w+\.(?:py|js|jinja))`", page))  # files beside one that is named with its folder
+    root = PACKAGE.parent
+    assert beside <= {path.name for path in (*PACKAGE.rglob("*"), *(root / "tests").rglob("*"), *root.glob("*"))}
     for wing, floors in HOUSE.items():
         assert f"| `{wing}` |" in page
         assert all(f"`{room}`" in page for rooms in floors for room in rooms)
