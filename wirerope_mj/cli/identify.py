@@ -27,7 +27,7 @@ from wirerope_mj.mounts.identification.records import (
     turned_round,
 )
 from wirerope_mj.mounts.identification.result import fitted_loops
-from wirerope_mj.mounts.isolator import Isolator, read_law
+from wirerope_mj.mounts.isolator import read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.runs.page import REPORT, write_page
@@ -98,7 +98,9 @@ def identify_records(
     if beside is not None and join is not None:
         raise ValueError("`--beside` already keeps the other axes of its isolator; `--join` is for a law alone.")
     known = None if beside is None else load_isolator(beside)
-    known_law = None if known is None else _known_law(known, f"{beside}: [{axis}]", axis)
+    known_law = None if known is None else known.conditioned.axes[axis]
+    if known is not None and known_law is None:
+        raise ModelError(f"{beside}: [{axis}] is missing; nothing is known beside what the tests moved.")
     whole = None if join is None else load_isolator(join)
     target, name = report or out.with_name(f"{out.stem}-report"), name or out.stem
     _check_outputs(out, target, force=force, pdf=pdf)
@@ -162,14 +164,6 @@ def _kind(name: str, elements: int | None) -> type[Law]:
     if elements is not None and LAWS[name] is not Masing:
         raise ValueError(f"`--elements` counts the Jenkin elements of a masing law; {name} has none.")
     return LAWS[name]
-
-
-def _known_law(known: Isolator, location: str, axis: str) -> Law:
-    """Return the law of a known isolator on the axis of the tests."""
-    law = known.conditioned.axes[axis]
-    if law is None:
-        raise ModelError(f"{location} is missing; nothing is known beside what the tests moved.")
-    return law
 
 
 def _fixed(options: Sequence[str]) -> dict[str, float]:

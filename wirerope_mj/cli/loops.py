@@ -10,7 +10,6 @@ from wirerope_mj.cli.options import Integer, Texts
 
 if TYPE_CHECKING:
     from wirerope_mj.mounts.isolator import Isolator
-    from wirerope_mj.mounts.laws import Law
 
 # Default amplitudes as fractions of the rated travel: enough to see where softening ends.
 _FRACTIONS = (0.05, 0.1, 0.25, 0.5, 1.0)
@@ -47,7 +46,7 @@ def loops(
     from wirerope_mj.content.cyclic_tests import CyclicTests, loops_content
     from wirerope_mj.foundation.arguments import positive
     from wirerope_mj.foundation.atomic_files import check_writable
-    from wirerope_mj.mounts.isolator.device import amplitudes_of
+    from wirerope_mj.mounts.isolator.device import amplitudes_of, distinct_axes
     from wirerope_mj.mounts.test_rig import cyclic_test, save_cyclic_test
     from wirerope_mj.views.pictures import save_pictures
     from wirerope_mj.views.terminal import show
@@ -55,7 +54,12 @@ def loops(
     device, stem, rated = _load(source, axis)
     picture = Path(f"{stem}-loops.png") if out is None else out
     check_picture(picture)
-    laws = _chosen(device, axis)
+    laws = {title: (one, law) for title, one, law in distinct_axes(device)}
+    if axis is not None:
+        if (law := device.axes[axis]) is None:
+            present = ", ".join(name for name, other in device.axes.items() if other is not None)
+            raise ValueError(f"`--axis {axis}`: {device.name} has no force on this axis, only on {present}.")
+        laws = {axis: (axis, law)}
     if csv is not None:
         if len(laws) > 1:
             raise ValueError(f"`--csv` holds the loops of one axis: name it with --axis; here are {', '.join(laws)}.")
@@ -107,19 +111,6 @@ def _load(source: str, axis: str | None) -> "tuple[Isolator, str, bool]":
         travel = Travel(compression=ends, tension=ends, shear=ends, roll=ends)
         return Isolator(name=path.stem, limits=Limits(travel=travel), **axes), path.stem, False
     return load_isolator(path), path.stem, True
-
-
-def _chosen(device: "Isolator", axis: str | None) -> "dict[str, tuple[str, Law]]":
-    """Return axis and law by title of what is tested."""
-    from wirerope_mj.mounts.isolator.device import distinct_axes
-
-    if axis is None:
-        return {title: (one, law) for title, one, law in distinct_axes(device)}
-    law = device.axes[axis]
-    if law is None:
-        present = ", ".join(name for name, other in device.axes.items() if other is not None)
-        raise ValueError(f"`--axis {axis}`: {device.name} has no force on this axis, only on {present}.")
-    return {axis: (axis, law)}
 
 
 def laws(*files: Path, elements: int = 5, law: Texts = None) -> int:

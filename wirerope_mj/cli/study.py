@@ -19,10 +19,19 @@ from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.runs.folder import SCENARIO
-from wirerope_mj.runs.from_scenario import VARIANTS, limits_of, load_study_file, shipped_studies, study_of, what_can_vary
+from wirerope_mj.runs.from_scenario import (
+    VARIANTS,
+    limits_of,
+    load_study_file,
+    shipped_studies,
+    study_job,
+    study_of,
+    what_can_vary,
+)
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, defines, load_scenario, shipped_scenarios
 from wirerope_mj.runs.scenario_file import is_run, stored_scenario
+from wirerope_mj.runs.study import checked_count, result_content, write_content, write_worst
 from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
@@ -172,8 +181,6 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
     kept = [option for option in _RUN if option.name not in ("by", "limit", "open_worst")]
 
     def action(_: Entries, own: Entries) -> None:
-        from wirerope_mj.runs.from_scenario import study_job
-
         drawn = {name: own.pop(name) for name in ("variants", "sampling", "seed", "timestep", "accuracy")}
         folder, varied = own.pop("out") or Path("runs") / f"{path.stem}-study", own.pop("vary")
         if (deck := own.pop("deck")) is not None:
@@ -227,8 +234,6 @@ def compute_and_print(
     become runs and are opened; how often a `limit` is exceeded is printed, and stands in the folder's summary. `how` are other
     arguments of `Study.run`.
     """
-    from wirerope_mj.runs.study import checked_count
-
     if resume and out is None:
         raise ValueError("--resume goes on with the study in a folder; say which one with --out FOLDER.")
     checked_count(open_worst)
@@ -247,8 +252,14 @@ def compute_and_print(
     def show(result: StudyResult) -> None:
         if limits:
             write_stated(result, limits)
-        if len(result.failed) < result.table.num_rows:
-            worst.extend(_show(result, by, open_worst))
+        if len(result.failed) == result.table.num_rows:
+            return
+        content = result_content(result, by)
+        console().print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
+        show_answer(content, "results", "inputs", "worst")
+        write_content(content, result.folder)
+        written = write_worst(result, by, open_worst) if open_worst else []
+        worst.extend(path.relative_to(result.folder) for path in written)
 
     _computed(study, folder, resume=resume, when_done=show, **how)
     print()
@@ -274,18 +285,6 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")
     return result
-
-
-def _show(result: StudyResult, by: str | None, open_worst: int) -> list[Path]:
-    """Print a study or a search, write its pictures and worst variants, and return these by their paths in its folder."""
-    from wirerope_mj.runs.study import result_content, write_content, write_worst
-
-    content = result_content(result, by)
-    console().print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
-    show_answer(content, "results", "inputs", "worst")
-    write_content(content, result.folder)
-    worst = write_worst(result, by, open_worst) if open_worst else []
-    return [path.relative_to(result.folder) for path in worst]
 
 
 def _open(paths: Sequence[Path]) -> None:

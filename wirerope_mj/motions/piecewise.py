@@ -97,8 +97,13 @@ class UniformSpline:
         knots = np.clip((t - self._start) / self._h, 0.0, float(self._intervals))
         i = np.minimum(knots.astype(np.intp), self._intervals - 1)
         u, c = knots - i, [self._c[i + k] for k in range(self._degree + 1)]
-        if self._degree == 3:
-            return self._of_cubic(u, c, order)
+        if self._degree == 3:  # in the order of operations of the versions that stored motions of it, to the last bit
+            w, (c0, c1, c2, c3) = 1 - u, c
+            if order == 2:
+                return (w * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
+            if order == 1:
+                return (w**2 * (c1 - c0) + (1 + 2 * u * w) * (c2 - c1) + u**2 * (c3 - c2)) / (2 * self._h)
+            return (w**3 * c0 + (1 + 3 * w * (1 + u * w)) * c1 + (1 + 3 * u * (1 + u * w)) * c2 + u**3 * c3) / 6
         for _ in range(order):
             c = [after - before for before, after in itertools.pairwise(c)]
         weights = [np.ones_like(u)]
@@ -106,12 +111,3 @@ class UniformSpline:
             inner = [np.zeros_like(u), *weights, np.zeros_like(u)]
             weights = [((u + degree - k) * inner[k] + (1 - u + k) * inner[k + 1]) / degree for k in range(degree + 1)]
         return np.asarray(sum(weight * value for weight, value in zip(weights, c, strict=True))) / self._h**order
-
-    def _of_cubic(self, u: Array, c: list[Array], order: int) -> Array:
-        """Evaluate the cubic in the order of operations of the versions that stored motions of it, to the last bit."""
-        w, (c0, c1, c2, c3) = 1 - u, c
-        if order == 2:
-            return (w * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
-        if order == 1:
-            return (w**2 * (c1 - c0) + (1 + 2 * u * w) * (c2 - c1) + u**2 * (c3 - c2)) / (2 * self._h)
-        return (w**3 * c0 + (1 + 3 * w * (1 + u * w)) * c1 + (1 + 3 * u * (1 + u * w)) * c2 + u**3 * c3) / 6

@@ -32,8 +32,33 @@ from wirerope_mj.mounts.vendor_parts import load_isolator
 
 def use_all_kernels() -> None:
     """Call every kernel that Python calls, by computations that are as brief as serves: what is not at hand is compiled."""
-    _use_laws()
-    _use_systems()
+    law, plane = _law(), load_isolator("enidine_wr16_400").coupled
+    assert plane is not None
+    deflection = np.repeat([0.005, 0.01], 800) * np.sin(np.linspace(0.0, 8.0 * np.pi, 1600))
+    identify(steady_loops(deflection, law.trace(deflection).force), law=BoucWen)
+    plane.trace([[0.0, 0.0], [0.001, 0.001]])
+    replace(plane, brackets=(1e6, 1e6)).own_deflection(np.zeros(2), np.zeros(4))
+    for one in (law, Zener(k0=2e4, k1=4e4, c=50.0)):
+        equivalent_linear(one, mass=100.0, frequencies=[5.0], acceleration=1.0)
+        harmonic_balance(one, mass=100.0, frequency=5.0, acceleration=1.0)
+    Stop(gap_below=0.005, k=5e5, loss=0.3, reversal=5e-4).pressed(0.01)
+    VaianaRosati(kb=0.2, f0=0.4, alpha=2.0).kernel_parameters()
+    Tabulated(
+        deflection=[0.0, 0.01], force=[0.0, 1000.0], symmetric=True, amplitudes=[0.01], areas=[5.0], yield_deflection=0.001,
+    ).kernel_parameters()  # fmt: skip
+    system = load_system("sdof_shaker")
+    shock = HalfSine(peak=STANDARD_GRAVITY, duration=0.011, direction="z")
+    for engine in ("mujoco", "kernel"):
+        response = simulate(system, shock, duration=0.02, timestep=1e-3, engine=engine)
+    acceleration = response.bodies["mass"].acceleration[:, 2]
+    shock_response_spectrum(response.time, acceleration, frequencies=[5.0, 10.0])
+    modes(system, amplitude=0.001)
+    upwards = Sweep(start=20.0, stop=20.5, rate=10.0, direction="z", acceleration=1.0)
+    frequency_sweep(system, upwards, payload="mass", timestep=1e-3)
+    with system.assembly.scratch.data(system.model) as data:
+        Loading(system, "virgin", data).solve()  # as where the kernel finds no rest
+    cabinet = load_system("cabinet")  # of enough unknowns for the variational equation
+    follow_branch(cabinet, start=60.0, stop=60.5, acceleration=0.01, direction="z", payload="rack")
 
 
 def compile_beside_a_command() -> None:
@@ -54,39 +79,6 @@ def _law() -> Law:
     law = load_isolator("enidine_wr16_400").axial
     assert law is not None
     return law
-
-
-def _use_laws() -> None:
-    law, plane = _law(), load_isolator("enidine_wr16_400").coupled
-    assert plane is not None
-    deflection = np.repeat([0.005, 0.01], 800) * np.sin(np.linspace(0.0, 8.0 * np.pi, 1600))
-    identify(steady_loops(deflection, law.trace(deflection).force), law=BoucWen)
-    plane.trace([[0.0, 0.0], [0.001, 0.001]])
-    replace(plane, brackets=(1e6, 1e6)).own_deflection(np.zeros(2), np.zeros(4))
-    for one in (law, Zener(k0=2e4, k1=4e4, c=50.0)):
-        equivalent_linear(one, mass=100.0, frequencies=[5.0], acceleration=1.0)
-        harmonic_balance(one, mass=100.0, frequency=5.0, acceleration=1.0)
-    Stop(gap_below=0.005, k=5e5, loss=0.3, reversal=5e-4).pressed(0.01)
-    VaianaRosati(kb=0.2, f0=0.4, alpha=2.0).kernel_parameters()
-    Tabulated(
-        deflection=[0.0, 0.01], force=[0.0, 1000.0], symmetric=True, amplitudes=[0.01], areas=[5.0], yield_deflection=0.001,
-    ).kernel_parameters()  # fmt: skip
-
-
-def _use_systems() -> None:
-    system = load_system("sdof_shaker")
-    shock = HalfSine(peak=STANDARD_GRAVITY, duration=0.011, direction="z")
-    for engine in ("mujoco", "kernel"):
-        response = simulate(system, shock, duration=0.02, timestep=1e-3, engine=engine)
-    acceleration = response.bodies["mass"].acceleration[:, 2]
-    shock_response_spectrum(response.time, acceleration, frequencies=[5.0, 10.0])
-    modes(system, amplitude=0.001)
-    upwards = Sweep(start=20.0, stop=20.5, rate=10.0, direction="z", acceleration=1.0)
-    frequency_sweep(system, upwards, payload="mass", timestep=1e-3)
-    with system.assembly.scratch.data(system.model) as data:
-        Loading(system, "virgin", data).solve()  # as where the kernel finds no rest
-    cabinet = load_system("cabinet")  # of enough unknowns for the variational equation
-    follow_branch(cabinet, start=60.0, stop=60.5, acceleration=0.01, direction="z", payload="rack")
 
 
 def copy_kernels(folder: Path) -> None:

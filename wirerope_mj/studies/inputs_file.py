@@ -103,8 +103,22 @@ class StudyInputs:
     files: Entries = field(default_factory=dict)  #: digests of model and records; the first format has none
 
     def __post_init__(self) -> None:
-        for number, one in enumerate(self.vary):
-            _check_distribution(f"vary.{number}", one)
+        for number, table in enumerate(self.vary):
+            name = f"vary.{number}"
+            if not isinstance(table.get("name"), str):
+                raise ValueError(f"`{name}` must be a table with the `name` of what varies, got {quoted(table)}.")
+            one_of(f"{name}.kind", table.get("kind"), _KINDS)
+            given = {key: value for key, value in table.items() if key not in ("name", "kind", "choices")}
+            choices = table.get("choices", [])
+            if not isinstance(choices, list):
+                raise ValueError(f"`{name}.choices` must be a list, got {quoted(choices)}.")
+            for flag in ("relative", "each"):
+                if not isinstance(given.get(flag, False), bool):
+                    raise ValueError(f"`{name}.{flag}` must be true or false, got {quoted(given[flag])}.")
+            try:
+                inspect.signature(_KINDS[table["kind"]]).bind(*choices, **given)
+            except TypeError as error:
+                raise ValueError(f"`{name}`: {str(error).replace('an unexpected keyword', 'an unknown')}.") from None
         for number, motion in enumerate(self.motions):
             check_motion(f"motions.{number}", motion)
 
@@ -205,23 +219,6 @@ def _difference(key: str, old: Entries, new: Entries) -> str:
         f"{new.get(key, 'absent')!r} here); nothing in it was touched. Choose another folder, or replace it with --force "
         "(`force=True`)."
     )
-
-
-def _check_distribution(name: str, table: Entries) -> None:
-    if not isinstance(table.get("name"), str):
-        raise ValueError(f"`{name}` must be a table with the `name` of what varies, got {quoted(table)}.")
-    one_of(f"{name}.kind", table.get("kind"), _KINDS)
-    given = {key: value for key, value in table.items() if key not in ("name", "kind", "choices")}
-    choices = table.get("choices", [])
-    if not isinstance(choices, list):
-        raise ValueError(f"`{name}.choices` must be a list, got {quoted(choices)}.")
-    for flag in ("relative", "each"):
-        if not isinstance(given.get(flag, False), bool):
-            raise ValueError(f"`{name}.{flag}` must be true or false, got {quoted(given[flag])}.")
-    try:
-        inspect.signature(_KINDS[table["kind"]]).bind(*choices, **given)
-    except TypeError as error:
-        raise ValueError(f"`{name}`: {str(error).replace('an unexpected keyword', 'an unknown')}.") from None
 
 
 def todays_name(name: str) -> str:

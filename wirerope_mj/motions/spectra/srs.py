@@ -201,6 +201,9 @@ def ramp_steps(angles: Array, damping: float) -> Array:
     """Return what u, v and the accelerations at both ends of a step give for u and v at its end, (n_f, 2, 4).
 
     From the exponential of the oscillator with the ramp as two more states: no coefficient is a difference of large numbers.
+    Its norm is at most about 10, and it is the series of a sixteenth, squared four times: as exact as SciPy's `expm` to a few
+    roundings, without the threads of a linear algebra library, which wait for each other for far longer than this takes where
+    all cores are busy.
     """
     rates = np.zeros((angles.size, 4, 4))
     rates[:, 0, 1] = 1.0
@@ -208,25 +211,15 @@ def ramp_steps(angles: Array, damping: float) -> Array:
     rates[:, 1, 1] = -2.0 * damping * angles
     rates[:, 1, 2] = -1.0
     rates[:, 2, 3] = 1.0  # the acceleration and its rise over the step
-    steps = _exponentials(rates)[:, :2, :]
-    steps[:, :, 2] -= steps[:, :, 3]
-    return np.ascontiguousarray(steps)
-
-
-def _exponentials(matrices: Array) -> Array:
-    """Return the exponentials of small matrices whose norms are at most about 10, (n, m, m).
-
-    By the series of a sixteenth, squared four times: as exact as SciPy's `expm` to a few roundings, without the threads of
-    a linear algebra library, which wait for each other for far longer than this takes where all cores are busy.
-    """
-    one = np.eye(matrices.shape[-1])
-    small = matrices / 2.0**HALVINGS
-    total = one + small / TERMS
+    small = rates / 2.0**HALVINGS
+    total = np.eye(4) + small / TERMS
     for term in range(TERMS - 1, 0, -1):
-        total = one + np.einsum("nij,njk->nik", small, total) / term
+        total = np.eye(4) + np.einsum("nij,njk->nik", small, total) / term
     for _ in range(HALVINGS):
         total = np.einsum("nij,njk->nik", total, total)
-    return total
+    steps = total[:, :2, :]
+    steps[:, :, 2] -= steps[:, :, 3]
+    return np.ascontiguousarray(steps)
 
 
 _HELD = 0.01  # error of a line that samples hold

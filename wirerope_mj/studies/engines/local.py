@@ -102,18 +102,14 @@ class _Pool(Generic[Question, Answer]):
                 else:
                     yield result
         finally:
-            self._end(threads)
-
-    def _end(self, threads: list[threading.Thread]) -> None:
-        self._stop.set()
-        for thread in threads:
-            while thread.is_alive():
-                for process in self._processes:
-                    if process is not None:
+            self._stop.set()
+            for thread in threads:
+                while thread.is_alive():
+                    for process in filter(None, self._processes):
                         process.end()
-                while not self._done.empty():  # a thread may wait for a place
-                    self._done.get_nowait()
-                thread.join(timeout=0.05)
+                    while not self._done.empty():  # a thread may wait for a place
+                        self._done.get_nowait()
+                    thread.join(timeout=0.05)
 
     def _serve(self, number: int) -> None:
         try:

@@ -253,18 +253,15 @@ class Evolving:
                 return  # every design that the best can be crossed to is among them
             new = {self._key(design): design for design in designs if self._key(design) not in self._known}
             for table in self._tables(list(new.values()), generation):
-                self._remember(table)
+                values = objectives(table, search.minimise), violations(table, search.limits)
+                for design, *result in zip(table.select(list(search.variables)).to_pylist(), *values, strict=True):
+                    self._known[self._key(design)] = (result[0], result[1])
             results = [self._known[self._key(design)] for design in designs]
             evolution.tell(np.array([one for one, _ in results]), np.array([one for _, one in results]))
             self._report(generation + 1)
 
     def _key(self, design: Design) -> tuple[object, ...]:
         return tuple(design[name] for name in self._search.variables)
-
-    def _remember(self, table: pa.Table) -> None:
-        values = objectives(table, self._search.minimise), violations(table, self._search.limits)
-        for design, *result in zip(table.select(list(self._search.variables)).to_pylist(), *values, strict=True):
-            self._known[self._key(design)] = (result[0], result[1])
 
     def _tables(self, designs: Sequence[Design], generation: int) -> list[pa.Table]:
         """Return the rows of new designs: of the parts that are done already, and of those that are computed now."""

@@ -2,7 +2,7 @@
 
 import ast
 import inspect
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import get_args
 
 import numpy as np
@@ -27,8 +27,12 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
 
     Mounts whose laws have the same parameters stand together, with their values where these are equal.
     """
-    lines = []
-    for mounts, laws in _identical(system):
+    lines, groups = [], dict[tuple[Law | None, ...], list[str]]()
+    for name, mount in system.mounts.items():
+        groups.setdefault(tuple(mount.written.axes.values()), []).append(name)
+    for mounts in groups.values():
+        axes = system.mounts[mounts[0]].written.axes
+        laws = {axis: law for axis, law in axes.items() if law is not None}
         lines.append(f"mounts {', '.join(mounts)}:")
         for axis, law in laws.items():
             if law.factors:
@@ -73,16 +77,6 @@ def _law_line(name: str, law: Law) -> str:
     values = ", ".join(f"{key} = {_text(value)}" for key, value in law.to_dict().items() if key != "law")
     values += " (what is 0 takes no factors)" if 0.0 in law.to_dict().values() else ""
     return f"  mount/NAME/{name}  value [SI] or factor; {law.name}: {values}"
-
-
-def _identical(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:
-    """Yield the mounts that have the same laws, and these."""
-    groups: dict[tuple[Law | None, ...], list[str]] = {}
-    for name, mount in system.mounts.items():
-        groups.setdefault(tuple(mount.written.axes.values()), []).append(name)
-    for names in groups.values():
-        axes = system.mounts[names[0]].written.axes
-        yield names, {axis: law for axis, law in axes.items() if law is not None}
 
 
 def _text(value: object) -> str:
