@@ -29,8 +29,8 @@ import wirerope_mj as wr
 from wirerope_mj.studies.engines.compute import compute
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import prepare, write_part
+from wirerope_mj.studies.inputs_file import PEAKS
 from wirerope_mj.studies.measures import measures
-from wirerope_mj.studies.responses import PEAKS
 from wirerope_mj.studies.study import CHUNK, chunk_size, chunks
 from wirerope_mj.studies.vary.variants import Maker
 

@@ -21,7 +21,7 @@ import wirerope_mj as wr
 from wirerope_mj.runs.from_scenario import load_study_file
 from wirerope_mj.studies.engines.compute import compute
 from wirerope_mj.studies.folder import finish, prepare, write_part
-from wirerope_mj.studies.responses import PEAKS
+from wirerope_mj.studies.inputs_file import PEAKS
 from wirerope_mj.studies.results.varied import summary
 from wirerope_mj.studies.study import CHUNK, chunks, load_study
 

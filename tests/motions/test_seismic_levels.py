@@ -6,7 +6,7 @@ import scipy.signal
 
 from wirerope_mj.cli import main
 from wirerope_mj.motions.registry import motion_of_levels
-from wirerope_mj.motions.seismic_levels import ac156_levels, en1998_levels
+from wirerope_mj.motions.target_spectra import ac156_levels, en1998_levels
 
 G = 9.80665
 

@@ -106,7 +106,7 @@ def levels(
     from wirerope_mj.foundation.errors import RecordError
     from wirerope_mj.foundation.toml_file import read_toml
     from wirerope_mj.motions.registry import level_templates
-    from wirerope_mj.motions.seismic_levels import LEVELS, WRITERS
+    from wirerope_mj.motions.target_spectra import LEVELS, WRITERS
 
     templates = level_templates()
     if name is None:

@@ -1,4 +1,4 @@
-"""The folder of a study: the parts that are done, and the table that they make."""
+"""The folder of a study: the parts that are done, the table that they make, and whole responses that are kept on request."""
 
 import shutil
 import tempfile
@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import tomli_w
 
+from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder, place_named, worked_on_alone, write_json
 from wirerope_mj.foundation.errors import DiskFullError, RecordError, SimulationError
@@ -18,8 +19,7 @@ from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import DONE, Part
-from wirerope_mj.studies.inputs_file import STUDY, check_same, read_inputs, write_inputs
-from wirerope_mj.studies.responses import RESPONSES, write_response
+from wirerope_mj.studies.inputs_file import RESPONSES, STUDY, check_same, read_inputs, write_inputs
 
 TABLE, SUMMARY, PARTS = "variants.parquet", "summary.json", "parts"
 MARKS = (STUDY,)  # By these files a folder is known as that of a study
@@ -151,7 +151,10 @@ def dead(folder: Path) -> set[int]:
 def write_part(folder: Path, part: Part) -> None:
     """Write the part of one chunk, each file atomically, the part itself last."""
     for variant, content in part.responses.items():
-        write_response(folder, variant, content)
+        path = _response_file(folder, variant)
+        path.parent.mkdir(exist_ok=True)
+        with atomic_file(path, clear=False) as beside:
+            beside.write_bytes(content)
     with atomic_file(part_path(folder, part.number, _DIED if part.died else ""), clear=False) as temporary_path:
         pq.write_table(part.table, temporary_path)
     if not part.died:
@@ -239,3 +242,24 @@ def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
 
 def part_path(folder: Path, number: int, ending: str = "") -> Path:
     return folder / PARTS / f"{number:06d}{ending}.parquet"
+
+
+def kept_response(folder: Path, variant: int) -> Response | None:
+    """Return the response of a variant as it was kept in the study's `folder`; None if it was not.
+
+    RecordError if its file is damaged.
+    """
+    path = _response_file(folder, variant)
+    try:
+        return load_response(path) if path.is_file() else None
+    except RecordError as error:
+        raise RecordError(f"{error} It was kept by a study: remove it, and it is simulated when it is asked for.") from None
+
+
+def kept_numbers(folder: Path) -> set[int]:
+    """Return the numbers of the variants whose responses are kept in the study's `folder`."""
+    return {int(path.stem) for path in (folder / RESPONSES).glob("*.parquet") if path.stem.isdigit()}
+
+
+def _response_file(folder: Path, variant: int) -> Path:
+    return folder / RESPONSES / f"{variant:06d}.parquet"

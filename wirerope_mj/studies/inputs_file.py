@@ -22,7 +22,6 @@ from wirerope_mj.foundation.structure import Place, keys_of, structure
 from wirerope_mj.foundation.toml_file import flat_entries, read_toml
 from wirerope_mj.motions.registry import copy_records
 from wirerope_mj.studies.definition import StudyDefinition
-from wirerope_mj.studies.responses import PEAKS
 from wirerope_mj.studies.vary.distributions import Distribution, distribution_to_dict
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")  # Packages on which the last bit of a number may depend
@@ -44,6 +43,8 @@ def versions() -> dict[str, str]:
 
 
 STUDY = "study.toml"
+PEAKS, RESPONSES = "peaks", "responses"  # Kept of each variant: the measures of its peaks, or its whole response, too
+KEPT = (PEAKS, RESPONSES)
 FIRST = 1  # The format in which "body/NAME/centre/x" and "mount/NAME/position/x" were shifts
 _SHIFT = re.compile(r"^(body/.+/centre|mount/.+/position)(?=/[xyz]$)")
 FORMAT = 2  # Of these files; those of format 1 are read, too, but such a study does not resume

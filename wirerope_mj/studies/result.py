@@ -20,9 +20,8 @@ from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import FAILED, nominal
-from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_table
-from wirerope_mj.studies.inputs_file import STUDY, todays_table
-from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response
+from wirerope_mj.studies.folder import dead, done, kept_numbers, kept_response, parts, read_schema, read_table
+from wirerope_mj.studies.inputs_file import RESPONSES, STUDY, todays_table
 from wirerope_mj.studies.results.measure import (
     ALL,
     Exceedance,

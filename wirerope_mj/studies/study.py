@@ -7,14 +7,15 @@ from pathlib import Path
 from time import perf_counter
 
 from wirerope_mj.engine.simulation.progress import share_bar
+from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.run import warn_of_aliasing, warn_of_missing_modes
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import TABLE, done, finish, study_folder, write_part
+from wirerope_mj.studies.inputs_file import KEPT, PEAKS, RESPONSES
 from wirerope_mj.studies.measures import needs_samples
-from wirerope_mj.studies.responses import KEPT, PEAKS, RESPONSES, most_together
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.varied import summary
 from wirerope_mj.studies.search.result import read_result
@@ -135,6 +136,9 @@ def load_study(folder: str | Path) -> StudyResult:
 CHUNK, _LARGEST_CHUNK = 32, 512  # variants, at the least and at the most: enough that stepping costs more than handing over
 STEPS = 1_000_000  # mounts times steps of a chunk, about: half a second of a processor, which a kill may cost each worker
 _FEWEST_CHUNKS = 16  # Chunks that a small study has, so that all workers have something to do until the end
+# Samples of a chunk that are kept in memory [bytes]: 32 variants of a floor on 24 mounts with 400 samples each. The response
+# of one variant may be larger; it is then alone.
+MEMORY = 64 * 2**20
 _ENGINES = ("local", "dask")
 
 
@@ -142,7 +146,10 @@ def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
     """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
     each = max(len(study.base.mounts), 1) * study.work.duration / study.work.timestep
     size = min(max(CHUNK, min(int(STEPS / each), _LARGEST_CHUNK)), math.ceil(study.size / _FEWEST_CHUNKS))
-    return min(size, most_together(study.work)) if keep == RESPONSES or needs_samples(study.base) else size
+    if keep != RESPONSES and not needs_samples(study.base):
+        return size
+    samples = (int(study.work.duration * study.work.sample_rate) + 1) * len(column_plan(study.base).names)
+    return min(size, max(MEMORY // (8 * samples), 1))
 
 
 def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:

@@ -3,11 +3,14 @@
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.assessment.criteria.ended import GROWTH, growth_note
+from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
@@ -15,7 +18,6 @@ from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.ended import Lengths, growth_text
 from wirerope_mj.studies.engines.together import NONE, Together, go_alone, together, together_again
 from wirerope_mj.studies.measures import NAN, late, measure_names, measures, needs_samples
-from wirerope_mj.studies.responses import packed
 from wirerope_mj.studies.vary.variants import Maker, Work
 
 UNLOADED = "unloaded"  # The start of a variant that does not begin at rest
@@ -123,7 +125,9 @@ def _outcomes(work: Work, rows: Sequence[Entries], responses: dict[int, bytes] |
     for index, system, result in zip(indices, systems, results, strict=True):
         outcomes[index] = _outcome(work, system, result)
         if responses is not None and isinstance(result, BatchResult) and result.response is not None:
-            responses[int(rows[index]["variant"])] = packed(result.response)
+            with TemporaryDirectory() as folder:  # the content of its file is a fraction of the samples
+                result.response.save(folder)
+                responses[int(rows[index]["variant"])] = (Path(folder) / FILE).read_bytes()
     return [outcomes[index] for index in range(len(rows))]
 
 

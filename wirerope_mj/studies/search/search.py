@@ -19,8 +19,8 @@ from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import TABLE, finish, part_path, read_part, study_folder, write_part
+from wirerope_mj.studies.inputs_file import KEPT, RESPONSES
 from wirerope_mj.studies.measures import measure_names
-from wirerope_mj.studies.responses import KEPT, RESPONSES
 from wirerope_mj.studies.results.measure import kinds_of, unknown_measure
 from wirerope_mj.studies.results.varied import head
 from wirerope_mj.studies.search.result import (
