@@ -18,7 +18,7 @@ from pathlib import Path
 from study import floor_study
 
 import wirerope_mj as wr
-from wirerope_mj.runs.from_scenario import load_study_file
+from wirerope_mj.runs.study import load_study_file
 from wirerope_mj.studies.engines.compute import compute
 from wirerope_mj.studies.folder import finish, prepare, write_part
 from wirerope_mj.studies.inputs_file import PEAKS

@@ -160,10 +160,10 @@ from .runs import load_job as load_job
 from .runs import replay as replay
 from .runs import run_job as run_job
 from .runs import run_scenario as run_scenario
-from .runs.from_scenario import study_of as study_of
 from .runs.report import write_report as write_report
 from .runs.scenario import Scenario as Scenario
 from .runs.scenario import load_scenario as load_scenario
+from .runs.study import study_of as study_of
 from .studies import Choice as Choice
 from .studies import Isotropic as Isotropic
 from .studies import Normal as Normal

@@ -12,7 +12,7 @@ from wirerope_mj.assessment.criteria import judge_random, random_verdicts
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions import motion_from_dict
-from wirerope_mj.runs.summary import read_summary
+from wirerope_mj.runs.write import read_summary
 
 RATE, F, Q, DENSITY = 1000.0, 20.0, 10.0, 0.5
 MILES = math.sqrt(0.5 * math.pi * F * Q * DENSITY)  # 12.5 m/s^2

@@ -13,7 +13,7 @@ from wirerope_mj.assessment.criteria.verdict import Amplification, by_use
 from wirerope_mj.content.job import job_headline
 from wirerope_mj.content.verdicts import headline as verdicts_headline
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.summary import read_summary
+from wirerope_mj.runs.write import read_summary
 
 HALF = "most critical m1, 50 % of rated travel in roll"
 

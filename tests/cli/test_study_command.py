@@ -8,8 +8,7 @@ from small_study import STUDY_FILE, write_study
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.runs.from_scenario import load_study_file, shipped_studies
-from wirerope_mj.runs.study import write_study_report, write_worst
+from wirerope_mj.runs.study import load_study_file, shipped_studies, write_study_report, write_worst
 from wirerope_mj.studies.results.measure import row_of, worst
 from wirerope_mj.studies.vary.quantities import direction
 

@@ -13,8 +13,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import identify as identify_command
 from wirerope_mj.cli import main
 from wirerope_mj.content import part_selection
-from wirerope_mj.runs.from_scenario import shipped_studies
-from wirerope_mj.runs.study import CONTENT, result_content, write_study_report
+from wirerope_mj.runs.study import CONTENT, result_content, shipped_studies, write_study_report
 from wirerope_mj.studies.study import load_study
 from wirerope_mj.views import terminal
 

@@ -9,8 +9,8 @@ from writing_commands import files
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.runs import from_scenario
-from wirerope_mj.runs.from_scenario import limits_of, study_job
 from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.study import limits_of, study_job
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import died
 

@@ -10,9 +10,8 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.cli import study as command
 from wirerope_mj.foundation.resources import models_folder
-from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.scenario import load_scenario
-from wirerope_mj.runs.study import write_worst
+from wirerope_mj.runs.study import what_can_vary, write_worst
 from wirerope_mj.studies.results.measure import row_of
 from wirerope_mj.studies.vary.vary_option import available_lines, read_vary
 from wirerope_mj.views.recording import viewer

@@ -15,8 +15,7 @@ from table_study import rows, table_study
 import wirerope_mj as wr
 from wirerope_mj.content.study import varied_table
 from wirerope_mj.content.study_statements import statements
-from wirerope_mj.runs.from_scenario import what_can_vary
-from wirerope_mj.runs.study import write_study_report
+from wirerope_mj.runs.study import what_can_vary, write_study_report
 from wirerope_mj.studies.folder import TABLE
 from wirerope_mj.studies.inputs_file import STUDY, identity
 from wirerope_mj.studies.results.study_summary import summary_of

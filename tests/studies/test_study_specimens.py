@@ -13,7 +13,7 @@ from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.identification import joint_spread
 from wirerope_mj.mounts.identification.specimens import own_parameters
 from wirerope_mj.mounts.laws import LAWS, Masing
-from wirerope_mj.runs.from_scenario import load_study_file
+from wirerope_mj.runs.study import load_study_file
 from wirerope_mj.studies.vary.quantities import quantities
 from wirerope_mj.studies.vary.sampling import deviation_bounds, known_specimens, rank, specimen_messages
 

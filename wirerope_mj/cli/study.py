@@ -19,19 +19,22 @@ from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.runs.folder import SCENARIO
-from wirerope_mj.runs.from_scenario import (
+from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.scenario import Scenario, ScenarioFile, defines, load_scenario, shipped_scenarios
+from wirerope_mj.runs.scenario_file import is_run, stored_scenario
+from wirerope_mj.runs.study import (
     VARIANTS,
+    checked_count,
     limits_of,
     load_study_file,
+    result_content,
     shipped_studies,
     study_job,
     study_of,
     what_can_vary,
+    write_content,
+    write_worst,
 )
-from wirerope_mj.runs.job_file import load_job
-from wirerope_mj.runs.scenario import Scenario, ScenarioFile, defines, load_scenario, shipped_scenarios
-from wirerope_mj.runs.scenario_file import is_run, stored_scenario
-from wirerope_mj.runs.study import checked_count, result_content, write_content, write_worst
 from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names

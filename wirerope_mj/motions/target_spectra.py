@@ -1,4 +1,4 @@
-"""Spectra that standards ask for: of earthquakes, for `match_spectrum` and as files of levels; of naval shock, with its pulses."""
+"""Spectra that standards ask for: of earthquakes, for `match_spectrum` and as files of levels; of naval shock, its pulses."""
 
 import math
 from collections.abc import Callable, Sequence

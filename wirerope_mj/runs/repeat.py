@@ -21,8 +21,7 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import flat_entries
 from wirerope_mj.runs.folder import SUMMARY, Alterations, alterations
 from wirerope_mj.runs.scenario_file import check_one_run, scenario_content, system_and_motion
-from wirerope_mj.runs.summary import read_summary, summary_content
-from wirerope_mj.runs.write import is_streamed
+from wirerope_mj.runs.write import is_streamed, read_summary, summary_content
 
 # A difference, relative to what its kind of number is compared with, and where it is; infinite for texts and NaN.
 Difference = tuple[float, str]

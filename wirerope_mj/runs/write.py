@@ -1,4 +1,4 @@
-"""A scenario simulated into one folder."""
+"""A scenario simulated into one folder, and summary.json of it, written and read back."""
 
 import math
 import os
@@ -16,8 +16,11 @@ from time import perf_counter
 
 import tomli_w
 
+from wirerope_mj.assessment.criteria import summary
+from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.content.blocks import Chart
 from wirerope_mj.content.judged_run import JudgedRun, judged_run
+from wirerope_mj.content.run import run_content
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.run import aliasing, missing_modes
@@ -29,15 +32,53 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, json_text
-from wirerope_mj.foundation.errors import FontWarning, ModelError
+from wirerope_mj.foundation.errors import Absent, FontWarning, ModelError, RecordError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.foundation.processes import run_beside
+from wirerope_mj.foundation.summary import json_values
+from wirerope_mj.foundation.toml_file import read_json
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.registry import copy_records
 from wirerope_mj.runs.folder import CHECKSUMS, FORMAT, KIND, MARKS, SCENARIO, SUMMARY, write_checksums
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judge_table, judged_by, scenario_content, system_and_motion
-from wirerope_mj.runs.summary import read_summary, summary_content
+
+_REMEDY = "Take the file from another copy of the folder, or repeat the run."
+
+
+def summary_content(judged: JudgedRun, *, seconds: float) -> Entries:
+    """Return the content of summary.json; `seconds` is how long the simulation took."""
+    response, content = judged.response, run_content(judged)
+    numerics = response.numerics
+    names = ("criterion", "subject", "value", "unit", "note")  # standard errors of random vibration are in its notes
+    random = (
+        [] if isinstance(judged.random, Absent) else [{name: getattr(row, name) for name in names} for row in judged.random]
+    )
+    return {
+        "format": FORMAT, "name": str(judged.inputs["name"]), "motion": judged.motion.description,
+        "record_warnings": list(judged.record_warnings),
+        **({"model_warnings": list(judged.model_warnings)} if judged.model_warnings else {}),
+        **summary(response, judged.verdicts),
+        **({"random": random} if random else {}),
+        **({"untested": judged.untested} if judged.untested else {}),
+        "content": content.to_dict(*content.sections_of("headline", "summary")),
+        "numerics": {
+            "timestep_s": numerics.timestep, "steps": numerics.steps, "samples": int(response.time.size),
+            "samples_hold": samples_hold(response), "callback": numerics.callback, "engine": numerics.engine,
+            "why_not_kernel": numerics.why, "accuracy": json_values(numerics.accuracy),
+            "estimated_error": json_values(numerics.error_estimate), "limited_by": numerics.limited_by,
+            "seconds": seconds, "versions": numerics.versions,
+        },
+    }  # fmt: skip
+
+
+def read_summary(folder: str | Path) -> Entries:
+    """Return the content of a run's summary.json; RecordError if there is none, or it cannot be read."""
+    path = Path(folder) / SUMMARY
+    if not path.exists():
+        raise RecordError(f"{folder}: there is no {SUMMARY} here. {_REMEDY}")
+    return read_json(path, "the summary of a run", _REMEDY)
+
 
 _REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing that can be measured
 
