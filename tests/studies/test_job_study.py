@@ -8,7 +8,7 @@ from writing_commands import files
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.runs import from_scenario
+from wirerope_mj.runs import study as studies_of_runs
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.study import limits_of, study_job
 from wirerope_mj.studies.engines import local
@@ -47,7 +47,7 @@ def test_a_study_of_a_job_stays_whole_until_the_one_that_replaces_it_is(tmp_path
         return limits_of(scenario)
 
     with monkeypatch.context() as patch:
-        patch.setattr(from_scenario, "limits_of", interrupted)
+        patch.setattr(studies_of_runs, "limits_of", interrupted)
         with pytest.raises(KeyboardInterrupt):
             compute(2.0, force=True)
     assert files(folder) == before

@@ -8,7 +8,7 @@ from house import calls
 from kills import killed_at_call
 
 import wirerope_mj as wr
-from wirerope_mj.studies import responses
+from wirerope_mj.studies import study as study_module
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import compute
 from wirerope_mj.studies.study import chunk_size, chunks
@@ -89,9 +89,9 @@ def test_workers_hand_them_over_and_small_memory_makes_small_chunks(alone, tmp_p
     study = table_study(variants=40)
     assert chunk_size(study, "responses") == chunk_size(study) == 3  # of 51 samples there is room for more
     one = 8 * 51 * len(alone.response(0).samples.names)
-    monkeypatch.setattr(responses, "MEMORY", 2.5 * one)
+    monkeypatch.setattr(study_module, "MEMORY", 2.5 * one)
     assert chunk_size(study, "responses") == 2
-    monkeypatch.setattr(responses, "MEMORY", one / 2.0)
+    monkeypatch.setattr(study_module, "MEMORY", one / 2.0)
     assert chunk_size(study, "responses") == 1
     result = table_study().run(tmp_path / "two", keep="responses", workers=2)
     assert (result.folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()
