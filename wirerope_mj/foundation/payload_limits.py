@@ -1,4 +1,4 @@
-"""Limits of a payload: the acceleration of a body or a point, and the clearance around it."""
+"""Limits of a payload: acceleration of a body or a point, clearance around it, load of a mount, force of its stops."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,7 @@ from typing import NamedTuple
 from wirerope_mj.foundation.arguments import finite, one_of
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.quantities import values_with_unit
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS
 
 
 class LimitKind(NamedTuple):
@@ -20,17 +20,23 @@ class LimitKind(NamedTuple):
     units: Mapping[str, float]  # in which texts may say it, each in `unit`
     least: float  # from the stillness of an optical table
     largest: float  # to what no equipment and no room has
+    subject: str = "body of the payload and no point"  # what a limit of this kind is on, behind "there is no"
 
 
 KINDS = {
     "acceleration": LimitKind((1, 3), "m/s^2", ACCELERATION_UNITS, 1e-6, 1e7),
     "clearance": LimitKind((3, 6), "m", LENGTH_UNITS, 1e-7, 1e3),
+    "load": LimitKind((1, 1), "N", FORCE_UNITS, 1e-6, 1e9, "mount"),
+    "force": LimitKind((1, 1), "N", FORCE_UNITS, 1e-6, 1e9, "mount with a stop"),
 }
 
 # Stands between two points in the name of the clearance between them.
 BETWEEN = " to "
 
-_EXAMPLES = '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g" or "clearance/rack_top = 30 30 20 mm"'
+_EXAMPLES = (
+    '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g", "clearance/rack_top = 30 30 20 mm", "load/m3 = 5 kN" or '
+    '"force/s1 = 10 kN"'
+)
 
 # Ways that a clearance limits, in the order of its six values.
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
@@ -40,23 +46,26 @@ _LABELS = {1: ("",), 3: ("x", "y", "z"), 6: SIDES}
 
 @dataclass(frozen=True, kw_only=True)
 class PayloadLimit:
-    """A limit that the model states for one of its bodies or points, along the axes of the world."""
+    """A limit that the model states for one of its bodies, points or mounts, along the axes of the world."""
 
-    # "acceleration" (fragility of what stands there, absolute acceleration) or "clearance" (rattle space: how far a point, or
-    # any corner of a body, may move from its modelled position relative to the base)
+    # "acceleration" (fragility of what stands there, absolute acceleration), "clearance" (rattle space: how far a point, or
+    # any corner of a body, may move from its modelled position relative to the base), "load" (size of the force that a mount
+    # hands on to what it stands on) or "force" (of each stop of a mount)
     kind: str
-    # the body or the point; of a clearance also two points, "rack_1 to rack_2": how far the first moves relative to the second
+    # the body, the point or the mount; of a clearance also two points, "rack_1 to rack_2": how far the first moves relative to
+    # the second
     name: str
     # acceleration [m/s^2]: one value for the norm, or three along x, y, z; clearance [m]: three values along x, y, z, both
-    # ways, or six along -x, +x, -y, +y, -z, +z. Zero: not judged there.
+    # ways, or six along -x, +x, -y, +y, -z, +z; load and force [N]. Zero: not judged there.
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, KINDS)
-        (few, many), unit, _, low, high = KINDS[self.kind]
+        (few, many), unit, _, low, high, _ = KINDS[self.kind]
         values = tuple(finite("values", value) for value in self.values)
         if len(values) not in (few, many):
-            raise ValueError(f"`values` of {self.kind} must be {few} or {many} numbers, got {len(values)}.")
+            expected = "one number" if few == many else f"{few} or {many} numbers"
+            raise ValueError(f"`values` of {self.kind} must be {expected}, got {len(values)}.")
         if not all(math.isfinite(value) and value >= 0.0 for value in values) or not any(values):
             raise ValueError(f"`values` must be finite and >= 0, one of them > 0, got {values}.")
         if (odd := next((value for value in values if value and not low <= value <= high), None)) is not None:
@@ -80,7 +89,7 @@ def limits_by_patterns(limits: Sequence[PayloadLimit], known: Mapping[str, Seque
 
     Args:
         limits: of any kind; one whose name matches nothing stays as it is.
-        known: names of the bodies and points that a limit of each kind may be on.
+        known: names of the bodies, points and mounts that a limit of each kind may be on.
     """
     own = {(limit.kind, limit.name) for limit in limits}
     return [

@@ -21,7 +21,7 @@ from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.foundation.payload_limits import PayloadLimit, limits_by_patterns
+from wirerope_mj.foundation.payload_limits import KINDS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.structure import Place, Positive, bounds, keys_of, structure
 from wirerope_mj.foundation.toml_file import flat_entries, read_toml
 from wirerope_mj.motions.motion import BaseMotion
@@ -34,15 +34,15 @@ def judged_by(system: System, *, combined_travel: bool, limits: Sequence[Payload
     """Return the system with a scenario's limits in place of its model's for the same subjects.
 
     A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a limit
-    names no body of the payload and no point, or one thing is limited twice.
+    names no body of the payload, no point and no mount, or one thing is limited twice.
     """
     known = subjects_of(system) if limits else {}
     limits = limits_by_patterns(limits, known) if limits else ()
     for number, limit in enumerate(limits):
         if not is_subject(limit.name, limit.kind, known):
             raise ModelError(
-                f"limit {limit.kind}/{limit.name}: there is no body of the payload and no point {limit.name!r} that has "
-                f"this. There are {', '.join(known[limit.kind]) or 'none'}."
+                f"limit {limit.kind}/{limit.name}: there is no {KINDS[limit.kind].subject} {limit.name!r} that has this. "
+                f"There are {', '.join(known[limit.kind]) or 'none'}."
             )
         if any((other.kind, other.name) == (limit.kind, limit.name) for other in limits[:number]):
             raise ModelError(f"limit {limit.kind}/{limit.name}: it is given twice.")
@@ -66,7 +66,9 @@ def read_judge_table(content: Entries) -> Entries:
 
 
 def subjects_of(system: System) -> dict[str, list[str]]:
-    return limit_subjects(system.model, system.model.body(system.base).id if system.base else 0)
+    """Name the bodies, points and mounts that a limit of each kind may be on."""
+    stops = [name for name, mount in system.mounts.items() if mount.isolator.stops]
+    return limit_subjects(system.model, system.model.body(system.base).id if system.base else 0) | {"force": stops}
 
 
 _REMEDY = "Put it right, or take the file from another copy of the folder."

@@ -20,6 +20,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     BOTTOMING,
     CLEAR,
     COMBINED,
+    LOAD,
     NOT_JUDGED,
     RATTLE_SPACE,
     TRAVEL,
@@ -85,6 +86,8 @@ def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
         body = next(body for body in response.scene.bodies if body.name == subject)
         corners = corner_displacements(response, body, body_corners(body))
         value = np.max([_along(corner, criterion) for corner in corners], axis=0)
+    elif mount is not None and criterion.kind == LOAD:
+        value = _along(read_columns(response, f"mounts/{mount.name}/force/roll", 3), criterion)
     elif mount is not None and criterion.kind in (TRAVEL, COMBINED, BOTTOMING):
         deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
         rating = "compression" if criterion == BOTTOMING else criterion.sense

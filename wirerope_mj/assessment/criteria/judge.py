@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, require_over
 from wirerope_mj.assessment.criteria.loads import (
     contact_verdicts,
+    force_verdicts,
     missing_load_verdicts,
     rested_verdicts,
     starting_load_verdicts,
@@ -17,10 +18,12 @@ from wirerope_mj.assessment.criteria.verdict import (
     BOTTOMING,
     COMBINED,
     EXCEEDED,
+    LOAD,
     RATTLE_SPACE,
     RESTED,
     STATIC_LOAD,
     STOP,
+    STOP_FORCE,
     STRUCK,
     TRAVEL,
     WITHIN,
@@ -129,7 +132,7 @@ def limit_of(criterion: Criterion) -> str:
 
 
 _RATED = (TRAVEL, STATIC_LOAD)
-OF_MOUNTS = (RESTED, *_RATED, COMBINED.kind, BOTTOMING.kind)
+OF_MOUNTS = (RESTED, *_RATED, COMBINED.kind, BOTTOMING.kind, LOAD, STOP_FORCE)
 
 
 class Verdicts(tuple[Verdict, ...]):
@@ -150,7 +153,7 @@ def judge(
 
     Args:
         response: of the run.
-        limits: of the payload; without them the model's own.
+        limits: of the payload and of mounts; without them the model's own.
         statics: of the system; with it static loads are judged on the first loading and relaxed, last of all, and not those
             at the start of the run.
     """
@@ -158,7 +161,7 @@ def judge(
         response,
         (
             *acceleration_verdicts(response, limits), *travel_verdicts(response), *bottoming_verdicts(response),
-            *rattle_verdicts(response, limits),
+            *rattle_verdicts(response, limits), *force_verdicts(response, limits),
         ),
     )  # fmt: skip
     contacts = require_over(response, contact_verdicts(response))

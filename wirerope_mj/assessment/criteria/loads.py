@@ -10,13 +10,16 @@ from wirerope_mj.assessment.criteria.sampled import read_start
 from wirerope_mj.assessment.criteria.verdict import (
     CLEAR,
     CONTACT,
+    LOAD,
     RESTED,
     STATIC_LOAD,
     STOP,
+    STOP_FORCE,
     STRUCK,
     TOUCHING,
     Criterion,
     Verdict,
+    limits_by_name,
     payload_bodies,
 )
 from wirerope_mj.engine.response import ContactPeak, Response, Scene
@@ -24,6 +27,7 @@ from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
+from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text, force_text, instant_text
 from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
@@ -104,6 +108,37 @@ def _static(
     compression = max(-float(force[2]), 0.0)
     limit = None if note else rated
     return Verdict(criterion=criterion, subject=name, value=compression, limit=limit, unit="N", note=note)
+
+
+def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
+    """Judge the largest force [N] of the mounts and stops that have a limit of it; () without one.
+
+    Args:
+        response: of a run.
+        limits: of kind "load" (a mount) and "force" (each stop of a mount); without them the model's own.
+
+    Raises:
+        ValueError: a limit names no mount, or one of forces a mount without a stop.
+    """
+    contacts = response.peaks.contacts or {}
+    stops = [(contact.mount, name, contact) for name, contact in contacts.items() if contact.mount]
+    loads = limits_by_name(response, limits, "load", list(response.peaks.mounts))
+    forces = limits_by_name(response, limits, "force", [mount for mount, _, _ in stops])
+    peaks = ((name, response.peaks.mounts[name].force, limit) for name, limit in loads.items())
+    return (
+        *(
+            Verdict(criterion=Criterion(LOAD), subject=name, value=peak.value, limit=limit.values[0], unit="N", time=peak.time)
+            for name, peak, limit in peaks
+        ),
+        *(
+            Verdict(
+                criterion=Criterion(STOP_FORCE), subject=name, value=stop.force, limit=forces[mount].values[0], unit="N",
+                time=stop.force_time,
+            )
+            for mount, name, stop in stops
+            if mount in forces
+        ),
+    )  # fmt: skip
 
 
 def contact_verdicts(response: Response) -> tuple[Verdict, ...]:

@@ -13,11 +13,13 @@ from wirerope_mj.assessment.criteria.verdict import (
     COMBINED,
     CONTACT,
     EXCEEDED,
+    LOAD,
     NOT_JUDGED,
     RATTLE_SPACE,
     RESTED,
     STATIC_LOAD,
     STOP,
+    STOP_FORCE,
     TRAVEL,
     WITHIN,
     Verdict,
@@ -115,7 +117,7 @@ OWN_RULE = (
     "--no-combined-travel`, or 0 for limit/combined_travel in the model, leaves it out."
 )
 _NAMED = 4  # contact pairs that a sentence names
-_LIMITS = 8  # limits of the payload that have lines of their own
+_LIMITS = 8  # limits of payload, loads and stops that have lines of their own
 
 
 def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
@@ -123,12 +125,13 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     early = too_short(response)  # whose reason stands in the headline
     lines = ["What is not exceeded yet is not judged."] if early else []
     kinds = (ACCELERATION, RATTLE_SPACE)
-    rows = [row for row in verdicts if row.criterion.kind not in OF_MOUNTS and not row.contact]
+    elsewhere = set(OF_MOUNTS) - {LOAD, STOP_FORCE}
+    rows = [row for row in verdicts if row.criterion.kind not in elsewhere and not row.contact]
     judged = sorted((row for row in rows if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
     lines += [f"{row.verdict.capitalize()}: {against_limit(row)}{_at(row)}." for row in judged[:_LIMITS]]
     if more := judged[_LIMITS:]:
         over = sum(row.verdict == EXCEEDED for row in more)
-        lines.append(f"Of the payload's other limits {over or 'none'} of {len(more)} is exceeded.")
+        lines.append(f"Of the other limits {over or 'none'} of {len(more)} is exceeded.")
     unjudged = [kind for kind in kinds if not any(row.criterion.kind == kind for row in judged)]
     if unjudged and rows and not early:
         lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")

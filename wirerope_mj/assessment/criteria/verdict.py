@@ -18,6 +18,8 @@ RMS: Final = "rms acceleration"
 SIGMA: Final = "3-sigma acceleration"
 LARGEST: Final = "largest acceleration"
 AMPLIFIED = 1.005  # Ratio to the base from which an amplification is said: less is 1.00
+LOAD: Final = "load"
+STOP_FORCE: Final = "stop force"
 STATIC_LOAD: Final = "static load in compression"
 RESTED: Final = "weight on stops"
 

@@ -14,6 +14,7 @@ from wirerope_mj.engine.response.scene import Geom, Scene
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.payload_limits import BETWEEN
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.structure import Place, keys_of, structure
 from wirerope_mj.motions import RandomVibration, motion_from_dict
@@ -71,8 +72,10 @@ class Metadata:
                 one_of(f"scene.mounts.{mount.name}.{key}", getattr(mount, key), (*bodies, "world"))
             for rating in mount.travel:
                 one_of(f"scene.mounts.{mount.name}.travel", rating, RATINGS)
+        known = (*bodies, *self.points, *mounts)
         for limit in self.scene.limits:
-            one_of("scene.limits", limit.name, (*bodies, *self.points))
+            for end in [limit.name] if limit.name in known else limit.name.split(BETWEEN):
+                one_of("scene.limits", end, known)
         for body in self.scene.bodies:
             for orientation in (body.orientation, *(geom.orientation for geom in body.geoms)):
                 if abs(math.hypot(*orientation) - 1.0) > _UNIT:

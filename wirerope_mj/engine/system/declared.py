@@ -210,7 +210,7 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
     """Return the limits in the order of the model; the name is what stands before and after `limit/KIND/`, joined.
 
     Raises:
-        ModelError: a limit names no body of the payload and no point, is of an unknown kind, or has the wrong number of values.
+        ModelError: a limit names nothing that may have it, is of an unknown kind, or has the wrong number of values.
     """
     known = limit_subjects(model, base)
     limits: list[PayloadLimit] = []
@@ -228,7 +228,7 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
         subject = prefix + subject
         if not is_subject(subject, kind, known):
             raise ModelError(
-                f"numeric {name!r}: there is no body of the payload and no point/ site {subject!r} with {kind}. "
+                f"numeric {name!r}: there is no {KINDS[kind].subject} {subject!r} that has this. "
                 f"There are {known_there or 'none'}."
             )
         try:
@@ -250,10 +250,13 @@ def is_subject(name: str, kind: str, known: Mapping[str, Sequence[str]]) -> bool
 
 
 def limit_subjects(model: mujoco.MjModel, base: int) -> dict[str, list[str]]:
-    """Return the names of the bodies and points that a limit of each kind may be on, and all points as "point"."""
+    """Return the names of the bodies, points and mounts that a limit of each kind may be on, and all points as "point"."""
     points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
     modal = {mode.body for mode in declared_modes(model)}
     bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base) and b not in modal]
     shaped = [b for b in bodies if model.body_geomnum[b]]  # a body without geoms has no corners
     every = [*(model.body(b).name for b in bodies), *points]
-    return dict.fromkeys(KINDS, every) | {"clearance": [*(model.body(b).name for b in shaped), *points], "point": points}
+    tuples = (model.tuple(number).name for number in range(model.ntuple))
+    mounts = [name.replace(MOUNT, "", 1) for name in tuples if MOUNT in name]
+    corners = [*(model.body(b).name for b in shaped), *points]
+    return dict.fromkeys(KINDS, every) | {"clearance": corners, "load": mounts, "force": mounts, "point": points}
