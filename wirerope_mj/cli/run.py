@@ -19,8 +19,8 @@ _OWN = (
     own_option("combined_travel", bool, True, "judge mounts on all axes at once, by this program's own rule"),
     own_option(
         "limit", list[str] | None, None, negative=(),
-        help_text='"acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm" of the payload, "load/m3 = 5 kN" of a mount '
-        'or "force/s1 = 10 kN" of its stops: a limit in place of the model\'s',
+        help_text='"acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm" of the payload, "load/m3 = 5 kN" of a '
+        'mount or "force/s1 = 10 kN" of its stops: a limit in place of the model\'s',
     ),
 )  # fmt: skip
 _LIST = own_option("list", bool, False, "print the scenarios that ship with the package, and nothing else", negative=())
