@@ -21,7 +21,8 @@ STIFFNESS_UNITS = {"N/mm": 1e3, "lb/in": 175.12683524647636}  # of vendors' tabl
 VELOCITY_UNITS = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254, "ft/s": 0.3048}
 ACCELERATION_UNITS = {
     "m/s^2": 1.0, "m/s2": 1.0, "m/s²": 1.0, "g": STANDARD_GRAVITY, "mm/s^2": 1e-3, "mm/s2": 1e-3, "cm/s^2": 1e-2, "cm/s2": 1e-2,
-    "gal": 1e-2, "in/s^2": 0.0254, "ft/s^2": 0.3048, "mg": 1e-3 * STANDARD_GRAVITY,
+    "gal": 1e-2, "in/s^2": 0.0254, "in/s2": 0.0254, "ft/s^2": 0.3048, "ft/s2": 0.3048,
+    "mg": 1e-3 * STANDARD_GRAVITY,
 }  # fmt: skip
 FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
 MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
@@ -60,7 +61,7 @@ PHRASE_UNITS: dict[str, Mapping[str, float]] = {
     "impulse": {"N.s": 1.0, "Ns": 1.0, "kN.s": 1e3, "kNs": 1e3},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5, "psi": 6894.757293168},
     "areal mass": {"kg/m2": 1.0, "kg/m^2": 1.0}, "mass": {"kg": 1.0, "t": 1e3},
-    "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
+    "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.cm": 1e-5, "g.mm": 1e-6},
 }  # fmt: skip
 # what else a logger writes as a unit beside the quantities that are read: enough to know a row of units, or what stands in
 # parentheses, for one
