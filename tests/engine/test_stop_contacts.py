@@ -11,7 +11,7 @@ from recordings import entities
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import contact_verdicts, headline, judge, mount_peaks, verdict_lines
 from wirerope_mj.content.events import events_of
-from wirerope_mj.content.model import provenance_statement
+from wirerope_mj.content.isolator import provenance_statement
 from wirerope_mj.content.selection import select
 from wirerope_mj.engine.simulation.timestep import ACCURACY
 from wirerope_mj.engine.statics import static_table

@@ -13,7 +13,7 @@ from table_study import PULSE, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.content.model import provenance_statement
+from wirerope_mj.content.isolator import provenance_statement
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.laws import KelvinVoigt, OnBracket, Parallel, Zener, on_bracket
 from wirerope_mj.mounts.vendor_parts import load_isolator

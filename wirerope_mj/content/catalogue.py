@@ -6,7 +6,7 @@ from functools import partial
 
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.cyclic_tests import measures_table
-from wirerope_mj.content.model import RATING_COLUMNS, isolator_blocks, provenance_statement, ratings
+from wirerope_mj.content.isolator import RATING_COLUMNS, isolator_blocks, provenance_statement, ratings
 from wirerope_mj.foundation.tables import Column, Row, Table, left
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.estimate import LoopEstimate

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.content.blocks import BASE, LIMIT, Block, Chart, Content, Curve, Panel, Section, Statement
-from wirerope_mj.content.model import law_text
+from wirerope_mj.content.isolator import law_text
 from wirerope_mj.foundation.tables import Cell, Column, Table, left
 from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.identification.choice import LawComparison

@@ -3,114 +3,14 @@
 from collections.abc import Iterator, Sequence
 
 from wirerope_mj.content.blocks import Block, SceneView, Statement
+from wirerope_mj.content.isolator import provenance_statement, ratings_table
 from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.numbers import ABSENT, fixed, number, several, with_unit
+from wirerope_mj.content.numbers import fixed, several
 from wirerope_mj.content.scene_outline import axial_direction, crowded_label, flexible_bodies, mount_labels, mount_position
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.tables import Column, Row, Table, left
-from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.mounts.isolator import AXES, Isolator
-from wirerope_mj.mounts.isolator.travel import RATINGS
-from wirerope_mj.mounts.laws import Law
-
-_SOFTER = 0.05  # fraction of a mount's stiffness that a bracket takes before its figure is stated
-
-
-def ratings_table(devices: Sequence[Isolator]) -> Table:
-    laws = [dict.fromkeys(law.name for law in device.axes.values() if law is not None) for device in devices]
-    rows = [
-        (device.name, device.provenance.kind, ", ".join(names), *ratings(device))
-        for device, names in zip(devices, laws, strict=True)
-    ]
-    return Table(
-        "isolators", "Isolators and their ratings", [*left("isolator", "figures are", "laws"), *RATING_COLUMNS], rows,
-        note=f"{ABSENT}: not stated, and so not judged.",
-    )  # fmt: skip
-
-
-RATING_COLUMNS = (
-    Column("height", "mm", ".4g"), Column("width", "mm", ".4g"), Column("static\nload", "kN", 4),
-    *(Column({"compression": "compr."}.get(rating, rating), "mm", ".4g") for rating in RATINGS),
-)  # fmt: skip
-
-
-def ratings(device: Isolator) -> tuple[float | None, ...]:
-    """List the cells of an isolator below `RATING_COLUMNS`."""
-    size, limits = device.geometry, device.limits
-    sizes = (size.height, size.width) if size else (None, None)
-    return *sizes, limits.static_load, *(getattr(limits.travel, rating) for rating in RATINGS)
-
-
-def provenance_statement(device: Isolator) -> Statement:
-    """State where an isolator's figures come from, its stops and stiffening, and what is assumed."""
-    stated = device.provenance
-    text = f"{device.name}: {stated.kind} figures. "
-    text += f"Source: {stated.source.rstrip('.')}. " if stated.source else "No source is stated. "
-    text += f"Fitted to: {stated.fitted_to.rstrip('.')}." if stated.fitted_to else "Nothing is said of a fit."
-    for axis, law in device.axes.items():
-        for stop in law.stops if law is not None else ():
-            sides = ((stop.gap_below, "below"), (stop.gap_above, "above"))
-            gaps = " and ".join(f"{with_unit(gap, 'm')} {side}" for gap, side in sides if gap is not None)
-            if stop.k is None:
-                force = f"points up to {with_unit(stop.forces[-1], 'N')} at {with_unit(stop.depths[-1], 'm')} beyond it"
-            elif stop.exponent == 1.0:
-                force = f"{with_unit(stop.k, 'kN/m')} beyond it"
-            else:
-                force = f"exponent {number(stop.exponent)} beyond it"
-            text += f" Stop, {axis}: gap {gaps}, {force}."
-    if device.stiffening is not None:
-        text += f" Stiffened by its first cycles, {device.stiffening.description}."
-    for axis, stiffness in device.bracket.stated.items() if device.bracket is not None else ():
-        law = device.axes[axis]
-        softer = law.initial_stiffness / (law.initial_stiffness + stiffness) if law is not None else 0.0
-        much = f"by {100.0 * softer:.0f} %" if softer > _SOFTER else f"by less than {100.0 * _SOFTER:.0f} %"
-        text += f" Along {axis} on a bracket of {1e-6 * stiffness:.4g} kN/mm, softer {much} at small amplitudes."
-    assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
-    return Statement(f"source-{device.name}", text, items=assumed)
-
-
-def isolator_blocks(device: Isolator) -> Iterator[Block]:
-    yield provenance_statement(device)
-    laws = [f"{axis}: {'no force' if law is None else law_text(law)}" for axis, law in device.axes.items()]
-    yield Statement("laws", "Laws, in SI units:", items=(*laws, *_joint_lines(device)))
-    if device.geometry is not None:
-        sizes = {"height": device.geometry.height, "width": device.geometry.width, "bar": device.geometry.bar}
-        known = ", ".join(f"{name} {in_unit(size, 'mm'):.4g} mm" for name, size in sizes.items() if size is not None)
-        if known:
-            text = f"Envelope: {known}; a mount's position in a table is its mid-height."
-            yield Statement("envelope", text)
-
-
-def law_text(law: Law) -> str:
-    texts = []
-    for values in (part.to_dict() for part in law.components):
-        parameters = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
-        texts.append(f"{values['law']}: {', '.join(parameters)}")
-    return " and ".join(texts)
-
-
-def _value(value: object) -> str:
-    if isinstance(value, list):
-        return f"[{', '.join(map(_value, value))}]"
-    return f"{value:.6g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value).lower()
-
-
-def _joint_lines(device: Isolator) -> Iterator[str]:
-    if device.coupling is not None:
-        both = " and ".join(AXES[axis] for axis in device.coupled_axes)
-        yield f"coupling: {device.coupling}, {both} share one hysteretic force"
-    if device.loop is not None:
-        values = device.loop.to_dict()
-        rows = "; ".join(", ".join(f"{value:.6g}" for value in row) for row in values.pop("coefficients"))
-        ends = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
-        yield f"loop: {ends}, coefficients = [{rows}] J"
-    if device.rotation is not None:
-        stiffness = ", ".join(f"{axis} = {value:.6g}" for axis, value in device.rotation.to_dict().items())
-        yield f"rotation: {stiffness} N m/rad"
-    if device.stiffening is not None:
-        yield f"stiffening: {device.stiffening.description}, which the table does not count"
-
+from wirerope_mj.mounts.isolator import Isolator
 
 _FEW = 12  # Mounts and stops that are listed in any case
 
