@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 import wirerope_mj as wr
 from verification.case import LAST_DIGIT, Case, Comparison, printed, series, single_values
 from verification.models import deck, mjcf, mounts, oscillator
-from wirerope_mj.assessment.selection.worksheet import Worksheet
+from wirerope_mj.assessment.selection import Worksheet
 from wirerope_mj.mounts.vendor_parts import vendor_parts
 
 GRAVITY = wr.STANDARD_GRAVITY

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
-from wirerope_mj.assessment.comfort import exposure
-from wirerope_mj.assessment.comfort.standards import WEIGHTINGS, weighted
+from wirerope_mj.assessment.comfort import WEIGHTINGS, exposure, weighted
 
 pytestmark = pytest.mark.quick
 

@@ -5,8 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from wirerope_mj.assessment.comfort import iso_6954_1984, iso_6954_2000, iso_6954_2000_of_history, velocity_lines
-from wirerope_mj.assessment.comfort.standards import RMS_2000, WEIGHTINGS
+from wirerope_mj.assessment.comfort import (
+    RMS_2000,
+    WEIGHTINGS,
+    iso_6954_1984,
+    iso_6954_2000,
+    iso_6954_2000_of_history,
+    velocity_lines,
+)
 
 pytestmark = pytest.mark.quick
 

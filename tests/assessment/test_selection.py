@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.selection import select_isolators
-from wirerope_mj.assessment.selection.worksheet import Rejected
+from wirerope_mj.assessment.selection import Rejected, select_isolators
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.vendor_parts import shipped_file, vendor_parts

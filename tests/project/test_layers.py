@@ -36,7 +36,7 @@ HOUSE = {
         ("simulation",),
     ),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
-    "assessment": (("criteria",), ("comfort", "comparison", "correlation", "selection", "durability")),
+    "assessment": (("criteria",), ("correlation", "durability")),
     "studies": (("vary",), ("engines",), ("results",), ("search", "calibration")),
     "content": (),
     "views": (("plots", "recording"), ("report",), ("explore",), ("share",)),

@@ -16,7 +16,7 @@ def comfort(folder: Path, /, *points: str, space: Literal["A", "B", "C"] | None 
         space: passenger cabins A, crew accommodation B, working spaces C of ISO 6954:2000; all three by default.
         discard: length at the beginning that does not count [s]; by default until random vibration is stationary, else nothing.
     """
-    from wirerope_mj.assessment.comfort.standards import RMS_2000
+    from wirerope_mj.assessment.comfort import RMS_2000
     from wirerope_mj.assessment.criteria.sampled import steady_interval
     from wirerope_mj.assessment.criteria.verdict import payload_bodies
     from wirerope_mj.content.comfort import comfort_content

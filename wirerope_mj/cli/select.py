@@ -160,8 +160,7 @@ def worksheet(
         loops: also try the parts with so many loops; load and stiffness in proportion.
         all: show the parts that do not meet it as well, with the reasons.
     """
-    from wirerope_mj.assessment.selection import select_isolators, shock_from_text
-    from wirerope_mj.assessment.selection.worksheet import WORKSHEET_GRAVITY
+    from wirerope_mj.assessment.selection import WORKSHEET_GRAVITY, select_isolators, shock_from_text
     from wirerope_mj.content.part_selection import selection_content
     from wirerope_mj.views.terminal import show_answer
 

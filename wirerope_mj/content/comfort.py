@@ -5,8 +5,15 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from wirerope_mj.assessment.comfort import Exposure, exposure, iso_6954_1984, iso_6954_2000_of_history, velocity_lines
-from wirerope_mj.assessment.comfort.standards import RMS_2000, WEIGHTINGS
+from wirerope_mj.assessment.comfort import (
+    RMS_2000,
+    WEIGHTINGS,
+    Exposure,
+    exposure,
+    iso_6954_1984,
+    iso_6954_2000_of_history,
+    velocity_lines,
+)
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import number

@@ -9,8 +9,10 @@ import numpy as np
 from wirerope_mj.assessment.comparison import (
     BASE,
     Comparison,
+    Component,
     HistoryDifference,
     PeakRow,
+    Subject,
     acceleration_rows,
     combined_rows,
     identical,
@@ -18,7 +20,6 @@ from wirerope_mj.assessment.comparison import (
     mount_rows,
     travel_rows,
 )
-from wirerope_mj.assessment.comparison.runs import Component, Subject
 from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED, STRUCK, WITHIN
 from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.assessment.criteria.verdict import TRAVEL, most_used

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
-from wirerope_mj.assessment.comparison import Comparison, Component, difference
-from wirerope_mj.assessment.comparison.runs import Subject, subjects_of
+from wirerope_mj.assessment.comparison import Comparison, Component, Subject, difference, subjects_of
 from wirerope_mj.content.blocks import BASE, Curve, Panel, short
 from wirerope_mj.content.numbers import number
 from wirerope_mj.content.selection import Selection, kind_of, or_other, travel_limits

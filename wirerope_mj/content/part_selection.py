@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, most_used
-from wirerope_mj.assessment.selection import PartSelection, Worksheet, mode_text
-from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY
+from wirerope_mj.assessment.selection import IMPULSE, WORKSHEET_GRAVITY, PartSelection, Worksheet, mode_text
 from wirerope_mj.content.base import amplified
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import listed, several

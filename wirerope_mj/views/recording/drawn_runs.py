@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
-from wirerope_mj.assessment.comparison.runs import Subject, subjects_of
+from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, Subject, compare_runs, subjects_of
 from wirerope_mj.assessment.correlation import Correlation
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.assessment.criteria.ended import Used

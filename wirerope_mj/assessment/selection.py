@@ -1,4 +1,7 @@
-"""The vendors' worksheet: load, shock and room of a payload, in the formulas of their sheets, and the parts that meet it."""
+"""The vendors' worksheet: load, shock and room of a payload, in the formulas of their sheets, and the parts that meet it.
+
+What a part does in a model is computed by `wirerope_mj.studies.catalogue`.
+"""
 
 import math
 from collections.abc import Sequence
