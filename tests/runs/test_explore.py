@@ -50,6 +50,12 @@ def test_a_direction_is_turned_only_where_that_does_something_and_the_base_follo
     assert "direction" in keys(FLOOR, ALONG_X + ALONG_Z)
 
 
+def test_a_drop_has_neither_level_nor_direction():
+    system = wr.load_system("cabinet")
+    assert not {"level", "direction"} & set(keys(system, wr.Drop(drop_height=0.3)))
+    assert "level" in keys(system, wr.VelocityStep(velocity=2.0, direction="z"))
+
+
 def test_nominal_sliders_leave_everything_as_it_is():
     system, motion = variant(FLOOR, ALONG_X, checked_values(sliders_of(FLOOR, ALONG_X), {}))
     assert system is FLOOR

@@ -59,11 +59,13 @@ class Slider:
 
 def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     """Return the sliders that act on a system under a motion: none that could do nothing."""
-    found = [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
+    # A fall has the level of its height, and the direction of gravity.
+    falls = motion.up is not None
+    found = [] if falls else [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
     drive = system.assembly.tables.drive
     reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
     # The base follows any horizontal motion, and there is one; 1e-9: rounding of unit vectors, as where simulations check it.
-    if np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9 < np.abs(motion.directions[:, :2]).max(initial=0.0):
+    if not falls and np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9 < np.abs(motion.directions[:, :2]).max(initial=0.0):
         found.append(Slider(
             key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0, nominal=0.0,
             note="Turns the motion about the vertical, from x towards y.",
@@ -228,6 +230,7 @@ class Exploration:
             ModelError: an argument is none of it.
             RecordError: a test was measured at what the model does not have.
         """
+        scenario = scenario.on_its_floor()
         self._scenario, self._tests = scenario, tests
         self._arguments = checked_arguments(scenario)
         system = load_system(scenario.model_source(), isolators=scenario.isolators)
