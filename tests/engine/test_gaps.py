@@ -7,7 +7,7 @@ from house import deck, mjcf
 
 import wirerope_mj as wr
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.simulation.gaps import Gaps
+from wirerope_mj.engine.simulation.recorder import Gaps
 
 GEOMS = {
     "plane": 'type="plane" size="1 1 1" quat="0.9 0.3 0.2 0.1"',

@@ -44,7 +44,10 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
     centre = np.array([0.0, 0.0, height + 0.5 * box[2]])
     half = box / 2.0 - _INSET * box
     level = 0.5 * height if size is not None else centre[2]
-    places = [(np.array([x, y, level]), np.array([0.0, 0.0, 1.0])) for x, y in _rows(below, *half[:2])]
+    longer, wide = float(max(half[:2])), half[0] >= half[1]
+    rows = [0.0] if below <= 2 else [-float(min(half[:2])), float(min(half[:2]))]
+    grid = [(along, across) for across in rows for along in _row(below // len(rows), longer)]
+    places = [(np.array([*(pair if wide else pair[::-1]), level]), np.array([0.0, 0.0, 1.0])) for pair in grid]
     top = centre[2] + half[2]
     places += [(np.array([x, 0.5 * box[1] + 0.5 * height, top]), np.array([0.0, -1.0, 0.0])) for x in _row(behind, half[0])]
     names = [f"below_{n + 1}" for n in range(below)] + [f"behind_{n + 1}" for n in range(behind)]
@@ -58,15 +61,6 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
         mounts=tuple(placed), points=tuple(Point(f"corner_{n + 1}", centre + 0.5 * sign * box) for n, sign in enumerate(signs)),
         isolators={part.name: part},
     )  # fmt: skip
-
-
-def _rows(count: int, x: float, y: float) -> list[tuple[float, float]]:
-    if count == 1:
-        return [(0.0, 0.0)]
-    if count == 2:
-        return [(-x, 0.0), (x, 0.0)] if x >= y else [(0.0, -y), (0.0, y)]
-    along = _row(count // 2, max(x, y))
-    return [(a, b) if x >= y else (b, a) for b in (-min(x, y), min(x, y)) for a in along]
 
 
 def _row(count: int, half: float) -> list[float]:

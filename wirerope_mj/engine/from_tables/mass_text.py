@@ -79,7 +79,9 @@ def read_mass_text(path: Path, *, products: str = "") -> list[tuple[str, MassPro
         lines = read_text(path).splitlines()
     except OSError as error:
         raise RecordError(f"{path}: the mass properties cannot be read: {why_unread(error)}") from None
-    text = _with_points(path, "\n".join(map(_folded, lines)))
+    # small letters of ASCII
+    folded = [unicodedata.normalize("NFKD", line.casefold()).encode("ascii", "ignore").decode() for line in lines]
+    text = _with_points(path, "\n".join(folded))
     program = next((name for words, name in _OTHERS.items() if re.search(words, text)), "")
     masses = list(_MASS.finditer(text))
     if program or not masses:
@@ -248,11 +250,6 @@ def _unit(where: str, name: str, known: Mapping[str, float]) -> float:
         listed = "grams, kilograms, tonnes, pounds" if known is _MASSES else "millimeters, centimeters, meters, inches, feet"
         raise RecordError(f'{where}: the unit "{name}" is unknown. Known units: {listed}.')
     return factor
-
-
-def _folded(line: str) -> str:
-    """Return a line in small letters of ASCII."""
-    return unicodedata.normalize("NFKD", line.casefold()).encode("ascii", "ignore").decode()
 
 
 def _with_points(path: Path, text: str) -> str:

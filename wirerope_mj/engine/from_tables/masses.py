@@ -11,7 +11,6 @@ from wirerope_mj.engine.flexible.panel import DAMPING
 from wirerope_mj.engine.from_tables.layout import Mass, MassProperties, Sprung, why_impossible
 from wirerope_mj.engine.from_tables.mass_text import POSITIVE, read_mass_text
 from wirerope_mj.engine.from_tables.sheet import TEXT, Row, read_sheet
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.plain_text import short
 
@@ -92,8 +91,14 @@ def _mass(row: Row, sign: float) -> Mass:
             "ixx, iyy and izz, or size_x, size_y and size_z of a box, or leave all empty: then it is a point mass."
         )
     tensor = np.zeros((3, 3))
-    if any(row.has(column) for column in SIZES):
-        tensor = _box(row, name, mass, given)
+    if any(row.has(column) for column in SIZES):  # a box that is filled evenly
+        if given:
+            raise row.error(f'columns "{given[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.')
+        sizes = np.array([row.number(column) for column in SIZES])
+        for column, size in zip(SIZES, sizes, strict=True):
+            if size < 0.0:
+                raise row.error(f'column "{column}" of "{short(name)}" must be >= 0, got {row.cells[column]}.')
+        tensor = np.diag(mass / 12.0 * (sizes @ sizes - sizes**2))
     elif given:
         tensor[np.diag_indices(3)] = [row.number(column) for column in MOMENTS]
         for column, (i, j) in zip(PRODUCTS, ((0, 1), (0, 2), (1, 2)), strict=True):
@@ -123,14 +128,3 @@ def _sprung(row: Row, name: str) -> Sprung | None:
     if "/" in name or any(character.isspace() for character in name) or name == "deck":
         raise row.error(f'"{short(name)}" is a body of its own and needs a name without spaces and "/".')
     return Sprung(frequency, damping, axis)
-
-
-def _box(row: Row, name: str, mass: float, moments: Sequence[str]) -> Array:
-    """Return the tensor of inertia of a box that is filled evenly [kg m^2]."""
-    if moments:
-        raise row.error(f'columns "{moments[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.')
-    sizes = np.array([row.number(column) for column in SIZES])
-    for column, size in zip(SIZES, sizes, strict=True):
-        if size < 0.0:
-            raise row.error(f'column "{column}" of "{short(name)}" must be >= 0, got {row.cells[column]}.')
-    return np.diag(mass / 12.0 * (sizes @ sizes - sizes**2))

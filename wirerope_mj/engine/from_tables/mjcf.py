@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed, Sprung
+from wirerope_mj.engine.from_tables.layout import Layout, Mass, Sprung
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.vendor_parts import load_isolator
@@ -31,39 +31,41 @@ def mjcf_of(layout: Layout, name: str | None = None) -> str:
     root = ET.Element("mujoco", model=name or layout.name)
     root.append(ET.Comment(_ABOUT))
     ET.SubElement(root, "option", gravity=f"0 0 {-STANDARD_GRAVITY}", integrator="RK4", timestep="0.0005")
-    _add_appearance(root, layout)
-    world = ET.SubElement(root, "worldbody")
-    ET.SubElement(world, "light", pos="2 -3 5", dir="-0.4 0.5 -1")
-    _add_deck(world, layout)
-    _add_payload(world, layout)
-    _add_mounts(root, layout)
-    ET.indent(root)
-    return ET.tostring(root, encoding="unicode") + "\n"
-
-
-def _add_appearance(root: ET.Element, layout: Layout) -> None:
-    low, high = _extent(layout)
+    positions = np.array([placed.position for placed in (*layout.mounts, *layout.stops)] + [layout.payload.centre])
+    low, high = positions.min(axis=0), positions.max(axis=0)
     ET.SubElement(root, "statistic", center=_numbers(0.5 * (low + high)), extent=_numbers([float(np.linalg.norm(high - low))]))
     visual = ET.SubElement(root, "visual")
     ET.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.5 0.5 0.5")
     default = ET.SubElement(root, "default")
     ET.SubElement(default, "geom", type="box", contype="0", conaffinity="0")
-    for name, colour in (("mount_site", "0.9 0.2 0.2 1"), ("point", "0.2 0.8 0.4 1")):
-        ET.SubElement(ET.SubElement(default, "default", {"class": name}), "site", size="0.015", rgba=colour)
-
-
-def _add_deck(world: ET.Element, layout: Layout) -> None:
+    for style, colour in (("mount_site", "0.9 0.2 0.2 1"), ("point", "0.2 0.8 0.4 1")):
+        ET.SubElement(ET.SubElement(default, "default", {"class": style}), "site", size="0.015", rgba=colour)
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(world, "light", pos="2 -3 5", dir="-0.4 0.5 -1")
     deck = ET.SubElement(world, "body", name="deck")
     for axis, along in zip("xyz", ("1 0 0", "0 1 0", "0 0 1"), strict=True):
         ET.SubElement(deck, "joint", name=f"deck_{axis}", type="slide", axis=along)
-    low, high = _extent(layout)
+    geometries = (load_isolator(layout.isolators[mount.isolator]).geometry for mount in layout.mounts)
+    heights = [geometry.height if geometry is not None and geometry.height else 0.0 for geometry in geometries]
+    top = min(mount.position[2] - 0.5 * h * abs(mount.axes[2, 2]) for mount, h in zip(layout.mounts, heights, strict=True))
     centre, half = 0.5 * (low + high), 0.5 * (high - low) + 0.1
-    top = min(_lower_end(mount, layout) for mount in layout.mounts)
     ET.SubElement(
         deck, "geom", name="deck_plate", size=_numbers([half[0], half[1], 0.01]), mass="1000", rgba="0.46 0.52 0.58 1",
         pos=_numbers([centre[0], centre[1], top - 0.01]),
     )  # fmt: skip
     _add_sites(deck, "deck", layout)
+    _add_payload(world, layout)
+    custom = ET.SubElement(root, "custom")
+    for isolator in dict.fromkeys(placed.device for placed in (*layout.mounts, *layout.stops)):
+        ET.SubElement(custom, "text", name=f"isolator/{isolator}", data=f"isolators/{isolator}.toml")
+    custom.append(ET.Comment(" A mount: its payload site, its base site, its isolator. Stops are mounts too. "))
+    for placed in (*layout.mounts, *layout.stops):
+        mount = ET.SubElement(custom, "tuple", name=f"mount/{placed.name}")
+        sites = ("site", f"{layout.name}/{placed.name}"), ("site", f"deck/{placed.name}")
+        for kind, element in (*sites, ("text", f"isolator/{placed.device}")):
+            ET.SubElement(mount, "element", objtype=kind, objname=element)
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
 
 
 def _add_payload(world: ET.Element, layout: Layout) -> None:
@@ -132,19 +134,6 @@ def _add_sites(body: ET.Element, owner: str, layout: Layout) -> None:
         )  # fmt: skip
 
 
-def _add_mounts(root: ET.Element, layout: Layout) -> None:
-    custom = ET.SubElement(root, "custom")
-    for isolator in dict.fromkeys(placed.device for placed in (*layout.mounts, *layout.stops)):
-        ET.SubElement(custom, "text", name=f"isolator/{isolator}", data=f"isolators/{isolator}.toml")
-    custom.append(ET.Comment(" A mount: its payload site, its base site, its isolator. Stops are mounts too. "))
-    for placed in (*layout.mounts, *layout.stops):
-        mount = ET.SubElement(custom, "tuple", name=f"mount/{placed.name}")
-        for kind, name in (
-            ("site", f"{layout.name}/{placed.name}"), ("site", f"deck/{placed.name}"), ("text", f"isolator/{placed.device}")
-        ):  # fmt: skip
-            ET.SubElement(mount, "element", objtype=kind, objname=name)
-
-
 def _drawn(mass: Mass) -> dict[str, str]:
     """Return the attributes of the geom that stands for a mass: the uniform box with its moments of inertia, or a ball."""
     properties = mass.properties
@@ -158,19 +147,6 @@ def _drawn(mass: Mass) -> dict[str, str]:
 
 def _box(centre: Array, half: Array) -> dict[str, str]:
     return {"size": _numbers(half), "pos": _numbers(centre)}
-
-
-def _lower_end(mount: Placed, layout: Layout) -> float:
-    """Return the height of a mount's lower bar, where its isolator states a height [m]."""
-    geometry = load_isolator(layout.isolators[mount.isolator]).geometry
-    height = geometry.height if geometry is not None and geometry.height else 0.0
-    return float(mount.position[2] - 0.5 * height * abs(mount.axes[2, 2]))
-
-
-def _extent(layout: Layout) -> tuple[Array, Array]:
-    """Return the lowest and highest coordinates (3,) of mounts, stops and the centre of mass [m]."""
-    positions = np.array([placed.position for placed in (*layout.mounts, *layout.stops)] + [layout.payload.centre])
-    return positions.min(axis=0), positions.max(axis=0)
 
 
 def _numbers(values: Iterable[float]) -> str:

@@ -115,23 +115,16 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
                 )
             law, isolator = None, _isolator(row, path, isolators)
         else:
-            law = _stop_law(row)
+            gap, stiffness = row.number("gap"), row.number("stiffness")
+            damping, rounding = row.number("damping", 0.0), row.number("rounding", _ROUNDING)
+            for column, value in (("gap", gap), ("stiffness", stiffness), ("damping", damping), ("rounding", rounding)):
+                least = ">" if column in {"stiffness", "rounding"} else ">="
+                if not (value > 0.0 if least == ">" else value >= 0.0):
+                    raise row.error(f'column "{column}" must be {least} 0, got {value:g} in SI units.')
+            law = StopLaw(gap, stiffness, damping, rounding)
             isolator = laws.setdefault(law, f"stop_of_table_{len(laws) + 1}")
         stops.append(Placed(name, _position(row), _axes(row), isolator, row.location, law))
     return tuple(stops)
-
-
-def _stop_law(row: Row) -> StopLaw:
-    gap, stiffness = row.number("gap"), row.number("stiffness")
-    damping, rounding = row.number("damping", 0.0), row.number("rounding", _ROUNDING)
-    for column, value, fine in (
-        ("gap", gap, gap >= 0.0), ("stiffness", stiffness, stiffness > 0.0),
-        ("damping", damping, damping >= 0.0), ("rounding", rounding, rounding > 0.0),
-    ):  # fmt: skip
-        if not fine:
-            least = ">" if column in {"stiffness", "rounding"} else ">="
-            raise row.error(f'column "{column}" must be {least} 0, got {value:g} in SI units.')
-    return StopLaw(gap, stiffness, damping, rounding)
 
 
 def _read_points(tables: Mapping[str, Path], kind: str) -> tuple[Point, ...]:

@@ -77,7 +77,11 @@ def read_sheet(path: Path, *, kind: str, needed: Mapping[str, str], further: Map
     ]
     if not rows:
         raise RecordError(f"{path}: the {kind} has a header and no rows.")
-    _require_distinct(rows)
+    first: dict[str, str] = {}
+    for row in rows:
+        if (name := row.text("name")) in first:
+            raise row.error(f'the name "{short(name)}" is given twice, first in {first[name]}.')
+        first[name] = row.location
     return rows
 
 
@@ -115,12 +119,3 @@ def _factors(header: Header, needed: Mapping[str, str], known: Mapping[str, str]
             raise RecordError(f'{header.location}: column "{name}" has no unit; write "{name}".')
         factors[name] = 1.0 if plain_kind else header.factor(number, UNITS[known[name]])
     return factors
-
-
-def _require_distinct(rows: list[Row]) -> None:
-    seen: dict[str, str] = {}
-    for row in rows:
-        name = row.text("name")
-        if name in seen:
-            raise row.error(f'the name "{short(name)}" is given twice, first in {seen[name]}.')
-        seen[name] = row.location

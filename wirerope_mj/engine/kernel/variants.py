@@ -212,14 +212,13 @@ class Group:
         lay = self.equations.lay
         return self.memory[lay[first] : lay[behind]]
 
-    @property
-    def _lanes(self) -> tuple[Array | Integers, ...]:
-        e = self.equations
-        return e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which
-
     def go(self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array) -> None:
         """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`."""
-        advance(*self._lanes, grid, positions, rates, table, ends, out, 0)
+        e = self.equations
+        advance(
+            e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which, grid, positions, rates, table, ends,
+            out, 0,
+        )  # fmt: skip
 
     def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array) -> None:
         """Observe the last instant; `out` takes its values, (n_kept, 1, n_values), or is `NOTHING`."""

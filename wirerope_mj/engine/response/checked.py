@@ -10,7 +10,7 @@ import numpy as np
 
 from wirerope_mj.engine.response.histories import ColumnPlan, Numerics
 from wirerope_mj.engine.response.peaks import KINDS, Peak, Peaks
-from wirerope_mj.engine.response.scene import Geom, Scene
+from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
@@ -81,33 +81,30 @@ class Metadata:
                 if abs(math.hypot(*orientation) - 1.0) > _UNIT:
                     raise ValueError(f"`scene` {body.name!r}: `orientation` must be a quaternion of length 1.")
             for geom in body.geoms:
-                _check_mesh(body.name, geom)
-
-
-def _check_mesh(body: str, geom: Geom) -> None:
-    if geom.faces.size and not (geom.faces.min() >= 0 and geom.faces.max() < len(geom.vertices)):
-        raise ValueError(f"`scene` {body!r}: `faces` must number vertices from 0 to {len(geom.vertices) - 1}.")
-    if geom.shape == "mesh" and not len(geom.vertices):
-        raise ValueError(f"`scene` {body!r}: `vertices` must not be empty: its shape is a mesh.")
+                if geom.faces.size and not (geom.faces.min() >= 0 and geom.faces.max() < len(geom.vertices)):
+                    last = len(geom.vertices) - 1
+                    raise ValueError(f"`scene` {body.name!r}: `faces` must number vertices from 0 to {last}.")
+                if geom.shape == "mesh" and not len(geom.vertices):
+                    raise ValueError(f"`scene` {body.name!r}: `vertices` must not be empty: its shape is a mesh.")
 
 
 def read_metadata(content: Entries, columns: Sequence[str], place: Place) -> Metadata:
     """Make all that `response_metadata` wrote of `content`; the error of `place` if it does not describe these columns."""
+
+    def peak(value: object, place: Place) -> Peak:
+        numbers = value if isinstance(value, list) and all(type(one) in (int, float) for one in value) else []
+        if len(numbers) != Peak.SIZE or not all(map(math.isfinite, numbers)):
+            raise place.fault(f"it must be {Peak.SIZE} finite numbers, got {quoted(value, 60)}.")
+        return Peak.from_list(numbers)
+
     known = {key: value for key, value in content.items() if key in keys_of(Metadata)}
-    metadata = structure(Metadata, known, place, {Peak: _peak})
+    metadata = structure(Metadata, known, place, {Peak: peak})
     if list(columns) != metadata.plan.names:
         missing = [name for name in metadata.plan.names if name not in columns]
         unknown = [name for name in columns if name not in metadata.plan.names]
         first = f"{missing[0]!r} is missing" if missing else f"{unknown[0]!r} is unknown" if unknown else "their order"
         raise place.fault(f"its columns are not those of its bodies, points and mounts: {first}.")
     return metadata
-
-
-def _peak(value: object, place: Place) -> Peak:
-    numbers = value if isinstance(value, list) and all(type(one) in (int, float) for one in value) else []
-    if len(numbers) != Peak.SIZE or not all(map(math.isfinite, numbers)):
-        raise place.fault(f"it must be {Peak.SIZE} finite numbers, got {quoted(value, 60)}.")
-    return Peak.from_list(numbers)
 
 
 def check_motion(key: str, motion: object) -> None:

@@ -222,12 +222,6 @@ class ColumnPlan:
         names += [f"contacts/{pair}/{part}" for part in CONTACT for pair in self.contacts]
         return names
 
-    @cached_property
-    def _hysteretic(self) -> list[list[list[int]]]:
-        """Per mount the positions of the hysteretic forces of roll, shear and axial among its states."""
-        axes = [f"{axis}.z" for axis in AXES]
-        return [[[i for i, s in enumerate(states) if s.startswith(z)] for z in axes] for _, states in self.mounts]
-
     @property
     def first_sensor(self) -> int:
         """Column of the first sensor value, after time and base."""
@@ -245,7 +239,8 @@ class ColumnPlan:
         for name in self.points:
             points[name] = PointResponse(samples, column)
             column += _size(_POINT)
-        for (name, states), z in zip(self.mounts, self._hysteretic, strict=True):
+        for name, states in self.mounts:
+            z = [[i for i, state in enumerate(states) if state.startswith(f"{axis}.z")] for axis in AXES]
             mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
         n = len(self.contacts)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wirerope_mj.engine.response.checked import Metadata, read_metadata
+from wirerope_mj.engine.response.checked import read_metadata
 from wirerope_mj.engine.response.histories import (
     BaseResponse,
     BodyResponse,
@@ -231,7 +231,14 @@ def load_response(folder: str | Path) -> Response:
         inside = sorted(str(one.parent.relative_to(folder)) for one in path.parent.glob(f"cases/*/{FILE}"))
         runs = f"; the runs of this job are {', '.join(inside[:5])}" if inside else ""
         raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one{runs}.")
-    names, stored = _read(path)
+    import pyarrow as pa
+
+    schema, content = read_content(path, kind="a response of wirerope_mj", remedy=_AGAIN, version=FORMAT)
+    names = schema.names
+    stored = read_metadata(content, names, Place(str(path), error=RecordError, remedy=_AGAIN))
+    strange = [field.name for field in schema if field.type != pa.float64()]
+    if strange:
+        raise RecordError(f"{path}: column {strange[0]!r} must hold float64 numbers. {_AGAIN}")
     initial, final = (State.from_plain(list(state)) for state in stored.states)
     response = response_of(
         stored.plan, FileSamples(names, path), peaks=stored.peaks, motion=stored.motion, scene=stored.scene,
@@ -240,15 +247,3 @@ def load_response(folder: str | Path) -> Response:
     if not response.time.size or (np.diff(response.time) <= 0.0).any():
         raise RecordError(f"{path}: column 'time' must hold instants that grow from sample to sample. {_AGAIN}")
     return response
-
-
-def _read(path: Path) -> tuple[list[str], Metadata]:
-    """Return the names of the columns and the metadata of a file; RecordError if they cannot be a response's."""
-    import pyarrow as pa
-
-    schema, content = read_content(path, kind="a response of wirerope_mj", remedy=_AGAIN, version=FORMAT)
-    metadata = read_metadata(content, schema.names, Place(str(path), error=RecordError, remedy=_AGAIN))
-    strange = [field.name for field in schema if field.type != pa.float64()]
-    if strange:
-        raise RecordError(f"{path}: column {strange[0]!r} must hold float64 numbers. {_AGAIN}")
-    return schema.names, metadata

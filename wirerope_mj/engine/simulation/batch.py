@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.control.install import Kind, check_callbacks
+from wirerope_mj.engine.control.install import check_callbacks
 from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
@@ -158,43 +158,36 @@ def simulate_batch(
             for text in soft_equalities(systems[0]):
                 warnings.warn(text, ModelWarning, stacklevel=2)
             came = [(one, v) for v in variants if isinstance(one := results[v.number], BatchResult)]
-            _judge_step(came, timestep=timestep, duration=duration, sample_rate=sample_rate, engine=engine)
+            if decays := [decay_over_step(variant.system, result.peaks, result.timestep) for result, variant in came]:
+                worst = came[int(np.argmax(decays))][1]  # in which friction yields most within a step
+                error_of_step = error_of_given(
+                    worst.system, worst.motion, worst.start, decay=max(decays), timestep=timestep, duration=duration,
+                    sample_rate=sample_rate, engine=engine,
+                )  # fmt: skip
+                warn_of_given_step(timestep, error_of_step)
     if responses:
         warn_of_aliasing({id(motion): motion for motion in motions}.values(), sample_rate)
     return [results[number] for number in range(len(systems))]
 
 
-def _judge_step(
-    came: Sequence[tuple[BatchResult, _Variant]], *, timestep: float, duration: float, sample_rate: float, engine: Engine
-) -> None:
-    """Warn of a given step [s] that is too long for friction in the variant in which it yields most."""
-    decays = [decay_over_step(variant.system, result.peaks, result.timestep) for result, variant in came]
-    if decays:
-        worst = came[int(np.argmax(decays))][1]
-        error = error_of_given(
-            worst.system, worst.motion, worst.start, decay=max(decays), timestep=timestep, duration=duration,
-            sample_rate=sample_rate, engine=engine,
-        )  # fmt: skip
-        warn_of_given_step(timestep, error, stacklevel=4)
-
-
 def _check_same_layout(systems: Sequence[System]) -> None:
     """Raise ModelError if one of the systems differs from the first in more than numbers of its model."""
-    first = _layout(systems[0])
+
+    def layout(system: System) -> dict[str, object]:
+        sizes = ("nq", "nv", "na", "nbody", "njnt", "ngeom", "nsite", "nuserdata")
+        return {
+            **{size: getattr(system.model, size) for size in sizes}, "subjects": system.assembly.subjects,
+            "mounts": list(system.mounts), "drive": system.assembly.tables.drive.tolist(),
+        }  # fmt: skip
+
+    first = layout(systems[0])
     for number, system in enumerate(systems):
-        differs = [part for part, value in _layout(system).items() if value != first[part]] if system is not systems[0] else []
+        differs = [part for part, value in layout(system).items() if value != first[part]] if system is not systems[0] else []
         if differs:
             raise ModelError(
                 f"`systems[{number}]` has another layout than `systems[0]` ({', '.join(differs)} differ): the systems of a "
                 "batch have the same bodies, joints, geoms, mounts and internal states. Give each layout a batch of its own."
             )
-
-
-def _layout(system: System) -> dict[str, object]:
-    """Collect what all systems of a batch have alike: sizes, subjects, mounts and driven axes."""
-    sizes = {size: getattr(system.model, size) for size in ("nq", "nv", "na", "nbody", "njnt", "ngeom", "nsite", "nuserdata")}
-    drive = system.assembly.tables.drive.tolist()
-    return {**sizes, "subjects": system.assembly.subjects, "mounts": list(system.mounts), "drive": drive}
 
 
 def _variants(
@@ -234,7 +227,7 @@ def _in_lanes(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
 ) -> tuple[dict[int, BatchResult | BatchFailure], dict[int, str]]:
     """Compute variants by the kernel: the results, and why it gave up the others, by number."""
-    recorders = _recorders(variants, grid, responses)
+    recorders = [Recorder(one.system, one.motion, grid, None) for one in variants] if responses else []
     states = np.array([variant.start.values[moving(variant.system)] for variant in variants])
     done = go_in_lanes(
         [equations(v.system) for v in variants], variants[0].system.assembly.tables.drive, [v.motion for v in variants],
@@ -258,28 +251,21 @@ def _by_mujoco(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, why: dict[int, str]
 ) -> dict[int, BatchResult | BatchFailure]:
     """Compute variants by MuJoCo, each for itself through one grid: the results by number."""
+
+    def compute(variant: _Variant) -> BatchResult | BatchFailure:
+        recorder = Recorder(variant.system, variant.motion, grid, None) if responses else None
+        own, sink = replace(grid, motion=variant.motion), recorder.add if recorder is not None else None
+        try:
+            done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=sink)
+        except WireRopeError as error:
+            return BatchFailure(error=error)
+        return _result(variant, grid, replace(done, why=why[variant.number]), recorder)
+
     model = variants[0].system.model
     with installed(model, mujoco.MjData(model)) as kind, ThreadPoolExecutor(threads) as pool:
-        step = (
-            pool.map if threads > 1 and kind == "native" else map
-        )  # one thread at a time may be in the interpreter's callbacks
-        results = list(step(lambda v: _alone(v, grid, kind, responses, why[v.number]), variants))
-    return {variant.number: result for variant, result in zip(variants, results, strict=True)}
-
-
-def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool, why: str) -> BatchResult | BatchFailure:
-    own = replace(grid, motion=variant.motion)
-    recorder = next(iter(_recorders([variant], grid, responses)), None)
-    try:
-        sink = recorder.add if recorder is not None else None
-        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=sink)
-    except WireRopeError as error:
-        return BatchFailure(error=error)
-    return _result(variant, grid, replace(done, why=why), recorder)
-
-
-def _recorders(variants: Sequence[_Variant], grid: TimeGrid, responses: bool) -> list[Recorder]:
-    return [Recorder(one.system, one.motion, grid, None) for one in variants] if responses else []
+        # one thread at a time may be in the interpreter's callbacks
+        step = pool.map if threads > 1 and kind == "native" else map
+        return {variant.number: result for variant, result in zip(variants, step(compute, variants), strict=True)}
 
 
 def _result(variant: _Variant, grid: TimeGrid, done: RunResult, kept: Recorder | None) -> BatchResult | BatchFailure:

@@ -199,10 +199,15 @@ def compute(
         why = "the callback in Python is MuJoCo's"
     else:
         why = unsupported_run(system, motion)
-        done = why or _by_kernel(system, motion, grid, start, sink, progress)
-        if isinstance(done, RunResult):
-            return done
-        why = done
+        if not why:
+            done = go_in_lanes(
+                [equations(system)], system.assembly.tables.drive, [motion], start.values[moving(system)][np.newaxis], grid,
+                sink=lambda _, first, rows: sink(first, rows), progress=progress,
+            )  # fmt: skip
+            group = done.groups[0][0]
+            why = failure(group, 0)
+            if not why:
+                return result_of(system, start, grid, done, group, 0, 0)
         if engine == "kernel":
             raise SimulationError(refused(why))
     return replace(run(system, motion, grid, start, callback=callback, sink=sink, progress=progress), why=why)
@@ -240,19 +245,6 @@ def memory_of(system: System, group: Group, number: int) -> Array:
     tables.user.stop_rows(user)[: len(group.stops(number))] = group.stops(number)
     tables.user.travel_rows(user)[:] = group.travels(number)
     return user
-
-
-def _by_kernel(
-    system: System, motion: BaseMotion, grid: TimeGrid, start: State, sink: Callable[[int, Array], None],
-    progress: Callable[[float], None] | None,
-) -> RunResult | str:  # fmt: skip
-    """Step a system by the kernel; returns the result, or why it gave up."""
-    done = go_in_lanes(
-        [equations(system)], system.assembly.tables.drive, [motion], start.values[moving(system)][np.newaxis], grid,
-        sink=lambda _, first, rows: sink(first, rows), progress=progress,
-    )  # fmt: skip
-    group = done.groups[0][0]
-    return failure(group, 0) or result_of(system, start, grid, done, group, 0, 0)
 
 
 def result_of(system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int) -> RunResult:

@@ -62,15 +62,21 @@ class TimeGrid:
         low, high = np.searchsorted(corners, [self.start - SAME_TIME, self.stop + SAME_TIME])
         corners = corners[low:high]
         i = j = 0
-        left = _Breaks.none()
-        while i < samples.size or j < corners.size or not left.times.size:
+        instants, sampled = np.zeros(0), np.zeros(0, dtype=bool)  # where segments begin and end
+        while i < samples.size or j < corners.size or not instants.size:
             i_next, j_next = _end_of_block(samples, i, corners, j)
-            ends = [self.start] if not left.times.size else []
+            ends = [self.start] if not instants.size else []
             ends += [self.stop] if i_next == samples.size and j_next == corners.size else []
             breaks = _breaks(samples[i:i_next], corners[j:j_next], np.array(ends))
-            breaks = left.followed_by(breaks)
-            yield _cut(breaks, self.timestep, self.motion)
-            left, i, j = breaks.last(), i_next, j_next
+            instants, sampled = (np.concatenate(parts) for parts in zip((instants, sampled), breaks, strict=True))
+            start, stop, steps, interval = divided(instants, self.timestep)
+            event = _events(self.motion, np.append(start, stop[-1:]))  # each but the last ends where the next one starts
+            is_first = np.diff(interval, prepend=-1) != 0
+            yield Grid(
+                start=start, stop=stop, steps=steps, sampled=sampled[interval] & is_first, event=event[:-1],
+                corner_after=event[1:] != SMOOTH,
+            )  # fmt: skip
+            instants, sampled, i, j = instants[-1:], sampled[-1:], i_next, j_next
 
 
 def time_grid(
@@ -98,25 +104,6 @@ def joined(*corners: Array) -> Array:
     return np.unique(np.concatenate(some)) if len(some) > 1 else some[0] if some else np.zeros(0)
 
 
-@dataclass(frozen=True)
-class _Breaks:
-    """Instants where segments begin and end [s], and whether they are sampled, (n,) each."""
-
-    times: Array
-    sampled: Booleans
-
-    @classmethod
-    def none(cls) -> "_Breaks":
-        return cls(np.zeros(0), np.zeros(0, dtype=bool))
-
-    def followed_by(self, other: "_Breaks") -> "_Breaks":
-        parts = zip(vars(self).values(), vars(other).values(), strict=True)
-        return _Breaks(*(np.concatenate(part) for part in parts))
-
-    def last(self) -> "_Breaks":
-        return _Breaks(self.times[-1:], self.sampled[-1:])
-
-
 def _end_of_block(samples: Array, i: int, corners: Array, j: int) -> tuple[int, int]:
     """Return where a block ends that begins at sample i and corner j; instants that are one stay together."""
     for size in count(BLOCK):
@@ -129,8 +116,8 @@ def _end_of_block(samples: Array, i: int, corners: Array, j: int) -> tuple[int, 
     return i_next, j_next
 
 
-def _breaks(samples: Array, corners: Array, ends: Array) -> _Breaks:
-    """Return the breaks that samples, corners and the run's ends make."""
+def _breaks(samples: Array, corners: Array, ends: Array) -> tuple[Array, Booleans]:
+    """Return the instants [s] that samples, corners and the run's ends make, and which of them are sampled, (n,) each."""
     # Samples first: where an instant is both, it must carry the sample's exact time.
     instants = np.concatenate([samples, corners, ends])
     order = np.argsort(instants, kind="stable")
@@ -141,7 +128,7 @@ def _breaks(samples: Array, corners: Array, ends: Array) -> _Breaks:
     breaks[group[::-1]] = times[::-1]  # the first of a group
     breaks[group[is_sample]] = times[is_sample]
     sampled[group[is_sample]] = True
-    return _Breaks(breaks, sampled)
+    return breaks, sampled
 
 
 def _events(motion: BaseMotion, times: Array) -> Array:
@@ -153,17 +140,6 @@ def _events(motion: BaseMotion, times: Array) -> Array:
     for time, _ in motion.velocity_jumps:
         event[np.abs(times - time) <= SAME_TIME] = JUMP
     return event
-
-
-def _cut(at: _Breaks, timestep: float, motion: BaseMotion) -> Grid:
-    """Return the segments between breaks."""
-    start, stop, steps, interval = divided(at.times, timestep)
-    event = _events(motion, np.append(start, stop[-1:]))  # each but the last ends where the next one starts
-    is_first = np.diff(interval, prepend=-1) != 0
-    return Grid(
-        start=start, stop=stop, steps=steps, sampled=at.sampled[interval] & is_first, event=event[:-1],
-        corner_after=event[1:] != SMOOTH,
-    )  # fmt: skip
 
 
 def divided(instants: Array, timestep: float, *, least: int = 1) -> tuple[Array, Array, Integers, Integers]:

@@ -35,7 +35,17 @@ def share_bar(
 
     console, began = Console(stderr=True), perf_counter()
     if not (console.is_terminal or console.is_jupyter):
-        yield _lines(word, text, began, begun)
+        last, shown = began, begun
+
+        def print_line(fraction: float, value: float) -> None:
+            nonlocal last, shown
+            now = perf_counter()
+            if now - last >= PATIENCE and fraction - shown >= PACE:
+                last, shown = now, fraction
+                left = time_left(fraction, now - began, begun=begun)
+                print(f"{word}: {text(fraction, value)} {left} left", file=sys.stderr, flush=True)
+
+        yield print_line
         return
     columns = (
         TextColumn(word), BarColumn(), TextColumn("{task.fields[now]}"), TimeElapsedColumn(),
@@ -50,21 +60,6 @@ def share_bar(
             progress.update(task, completed=fraction, now=text(fraction, value), left=left)
 
         yield update
-
-
-def _lines(word: str, text: Callable[[float, float], str], began: float, begun: float) -> Update:
-    """Make the update that prints a line now and then."""
-    last, shown = began, begun
-
-    def update(fraction: float, value: float) -> None:
-        nonlocal last, shown
-        now = perf_counter()
-        if now - last >= PATIENCE and fraction - shown >= PACE:
-            last, shown = now, fraction
-            left = time_left(fraction, now - began, begun=begun)
-            print(f"{word}: {text(fraction, value)} {left} left", file=sys.stderr, flush=True)
-
-    return update
 
 
 def time_left(fraction: float, elapsed: float, *, begun: float = 0.0) -> str:

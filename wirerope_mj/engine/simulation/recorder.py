@@ -6,14 +6,17 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.kernel.bodies import FARTHEST
 from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import FILE, Response, load_response, response_metadata, response_of
 from wirerope_mj.engine.response.scene import Geom, GeomShape, Scene, SceneBody, SceneMount
-from wirerope_mj.engine.simulation.gaps import gaps_of
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.system import Mount, System, once_per_system
+from wirerope_mj.engine.system.tables import declared_pairs
 from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
@@ -24,6 +27,11 @@ _SHAPES: dict[mujoco.mjtGeom, GeomShape] = {
     mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder", mujoco.mjtGeom.mjGEOM_BOX: "box", mujoco.mjtGeom.mjGEOM_MESH: "mesh",
 }  # fmt: skip
 
+_TOUCHING = 1e-15  # distance of a sphere's centre from a box within which it counts as inside [m], as MuJoCo has it
+_PLANE, _SPHERE, _BOX = (
+    int(kind) for kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_BOX)
+)
+
 STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
 
 
@@ -31,33 +39,25 @@ STREAM_ROWS = 4096  # samples that are kept in memory before a block is written 
 def scene_of(system: System) -> Scene:
     """Return bodies, geoms and mounts of a system in its modelled geometry; geoms of other kinds are left out."""
     model = system.model
+    base = model.body(system.base).id if system.base else -1
+    modal, bends = ({getattr(mode, which) for mode in system.assembly.subjects.modes} for which in ("body", "owner"))
+    bodies = []
     with system.assembly.scratch.data(model) as data:
         mujoco.mj_kinematics(model, data)
-        bodies = _bodies(system, data)
+        for body in sorted(set(range(model.nbody)) - modal):
+            moves, name = bool(model.body_weldid[body] != 0), model.body(body).name
+            bodies.append(
+                SceneBody(
+                    name=name or f"world_{body}" if not moves and body != 0 else name, moves=moves,
+                    on_base=bool(moves and model.body_weldid[body] == base), position=data.xipos[body].copy(),
+                    orientation=data.xquat[body].copy(), geoms=_geoms(model, body), bends=body in bends,
+                )
+            )  # fmt: skip
         mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
     return Scene(
-        name=system.name, base=system.base, bodies=bodies, mounts=mounts, limits=system.limits,
+        name=system.name, base=system.base, bodies=tuple(bodies), mounts=mounts, limits=system.limits,
         combined_travel=system.combined_travel, areas=system.areas,
     )  # fmt: skip
-
-
-def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
-    model = system.model
-    base = model.body(system.base).id if system.base else -1
-    bodies = []
-    modal = {mode.body for mode in system.assembly.subjects.modes}
-    bends = {mode.owner for mode in system.assembly.subjects.modes}
-    for body in sorted(set(range(model.nbody)) - modal):
-        moves = bool(model.body_weldid[body] != 0)
-        fixed = not moves and body != 0
-        bodies.append(
-            SceneBody(
-                name=model.body(body).name or f"world_{body}" if fixed else model.body(body).name, moves=moves,
-                on_base=bool(moves and model.body_weldid[body] == base), position=data.xipos[body].copy(),
-                orientation=data.xquat[body].copy(), geoms=_geoms(model, body), bends=body in bends,
-            )
-        )  # fmt: skip
-    return tuple(bodies)
 
 
 def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:
@@ -111,7 +111,7 @@ class Recorder:
         self.plan = column_plan(system)
         self._names = self.plan.names.copy()
         self._first_gap = len(self._names) - len(self.plan.contacts)
-        self._gaps = gaps_of(system) if self.plan.contacts else None
+        self._gaps = Gaps(system) if self.plan.contacts else None
         self._writer = TableWriter(out / FILE, self._names) if out is not None else None
         rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
         self._block = np.empty((rows, len(self._names)))
@@ -177,3 +177,70 @@ def column_plan(system: System) -> ColumnPlan:
     return ColumnPlan(
         bodies=subjects.body_names, points=subjects.point_names, mounts=mounts, contacts=list(system.assembly.contacts)
     )
+
+
+class Gaps:
+    """Gaps between the geoms of declared pairs where samples place them: spheres beside planes and boxes by closed forms."""
+
+    def __init__(self, system: System) -> None:
+        self._model, subjects = system.model, system.assembly.subjects
+        self._pairs = declared_pairs(self._model)
+        column = {body: at.KINEMATICS * number for number, body in enumerate(subjects.bodies)}
+        geoms = {geom: int(self._model.geom_bodyid[geom]) for pair in self._pairs for geom in pair}
+        moving = sorted(geom for geom, body in geoms.items() if body in column)
+        self._moving = {geom: column[geoms[geom]] for geom in moving}
+        self._turns = dict(zip(moving, rotation_matrices(self._model.geom_quat[moving]), strict=True))
+        data = self._data()
+        fixed = geoms.keys() - self._moving.keys()
+        self._fixed = {geom: (data.geom_xpos[[geom]], data.geom_xmat[[geom]].reshape(1, 3, 3)) for geom in fixed}
+
+    def _data(self) -> mujoco.MjData:
+        """Return MuJoCo's data with what is fixed to the world in its place."""
+        data = mujoco.MjData(self._model)
+        mujoco.mj_kinematics(self._model, data)
+        return data
+
+    def of(self, values: Array) -> Array:
+        """Return the gaps [m], < 0 where pressed, (n_t, n_pairs), at samples with these sensor values, (n_t, n_values)."""
+        model = self._model
+        turns = {first: rotation_matrices(values[:, first + 3 : first + 7]) for first in set(self._moving.values())}
+        places = self._fixed.copy()  # positions (n_t, 3) and axes (n_t, 3, 3) of every geom, (1, ..) of what does not move
+        for geom, first in self._moving.items():
+            from_centre = model.geom_pos[geom] - model.body_ipos[model.geom_bodyid[geom]]
+            places[geom] = values[:, first : first + 3] + turns[first] @ from_centre, turns[first] @ self._turns[geom]
+        gaps = np.empty((len(values), len(self._pairs)))
+        for number, pair in enumerate(self._pairs):
+            one, other = sorted(pair, key=lambda geom: int(model.geom_type[geom] == _SPHERE))
+            kind, size = int(model.geom_type[one]), model.geom_size[one]
+            if model.geom_type[other] == _SPHERE and kind in (_PLANE, _BOX):
+                apart = places[other][0] - places[one][0]
+                if kind == _PLANE:  # the height above it, in MuJoCo's order of sums
+                    x, y, z = (apart * places[one][1][:, :, 2]).T
+                    nearest = x + y + z
+                else:
+                    nearest = _beside_box(places[one][1], size, apart)
+                gaps[:, number] = np.minimum(nearest - model.geom_size[other, 0], FARTHEST)
+            else:
+                gaps[:, number] = self._by_mujoco(places, pair, len(values))
+        return gaps
+
+    def _by_mujoco(self, places: dict[int, tuple[Array, Array]], pair: tuple[int, int], n_t: int) -> Array:
+        """Return the gaps of a pair by MuJoCo, sample by sample."""
+        model, data, gaps, line = self._model, self._data(), np.empty(n_t), np.empty(6)
+        xpos, xmat = data.geom_xpos, data.geom_xmat  # each access makes an array
+        moving = [(geom, places[geom][0], places[geom][1].reshape(-1, 9)) for geom in pair if geom in self._moving]
+        for row in range(n_t):
+            for geom, positions, axes in moving:
+                xpos[geom], xmat[geom] = positions[row], axes[row]
+            gaps[row] = mujoco.mj_geomDistance(model, data, *pair, FARTHEST, line)
+        return gaps
+
+
+def _beside_box(axes: Array, half: Array, apart: Array) -> Array:
+    """Return the distances (n_t,) of points `apart` (n_t, 3) from a box's centre to its faces; inside it is negative."""
+    parts = (axes[:, 0] * apart[:, :1], axes[:, 1] * apart[:, 1:2], axes[:, 2] * apart[:, 2:])
+    local = parts[0] + parts[1] + parts[2]
+    beyond = local - np.clip(local, -half, half)
+    outside = np.sqrt(beyond[:, 0] ** 2 + beyond[:, 1] ** 2 + beyond[:, 2] ** 2)
+    inside = np.minimum(np.abs(half + local), np.abs(half - local)).min(axis=1)
+    return np.where(outside <= _TOUCHING, -inside, outside)

@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -50,6 +50,8 @@ _OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harm
 def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
     """Return the contacts by name: the model's declared pairs, touched or not, what else touched, then the mounts' stops.
 
+    A stop, open or not, has its mount's name, with the axis where the mount has several.
+
     Where more touched than the memory has rows for, the last row is of all further pairs together, and what is not known to
     have touched is left out.
     """
@@ -65,20 +67,14 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
             contacts[contact_name(model, pair)] = _touched(untouched(model, pair), row)
     if OTHERS in contacts:
         contacts = {name: contact for name, contact in contacts.items() if contact.touches}
-    return contacts | _stops(system, user) if addresses.n_stops else contacts
-
-
-def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
-    """Return the stops among the mounts' laws, open or not, by the mount's name; with the axis where it has several."""
-    rows = iter(system.assembly.tables.user.stop_rows(user))
-    contacts = {}
+    stop_rows = iter(addresses.stop_rows(user))
     for mount in system.mounts.values():
         axes = mount.isolator.stops
         open_stop = ContactPeak(geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name)
         for number, axis in enumerate(axes):
             name = mount.name if len(axes) == 1 else f"{mount.name} {axis}"
             name += f" {axes[: number + 1].count(axis)}" if axes.count(axis) > 1 else ""
-            row = next(rows)
+            row = next(stop_rows)
             contacts[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
     return contacts
 
@@ -170,16 +166,14 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
         for name in assembly.subjects.point_names
     }
     mounts = {name: MountPeaks(deflection=next(channels), force=next(channels)) for name in system.mounts}
-    travels = dict(zip(system.mounts, map(_travel, assembly.tables.user.travel_rows(user).tolist()), strict=True))
+    travels = {
+        name: CombinedTravel(
+            value=math.sqrt(row[at.FARTHEST]), time=row[at.FARTHEST_TIME],
+            judged=math.sqrt(row[at.JUDGED]) if row[at.JUDGED] >= 0.0 else None, judged_time=row[at.JUDGED_TIME],
+        )
+        for name, row in zip(system.mounts, assembly.tables.user.travel_rows(user).tolist(), strict=True)
+    }  # fmt: skip
     return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user), travels=travels)
-
-
-def _travel(row: list[float]) -> CombinedTravel:
-    judged = row[at.JUDGED]
-    return CombinedTravel(
-        value=math.sqrt(row[at.FARTHEST]), time=row[at.FARTHEST_TIME],
-        judged=math.sqrt(judged) if judged >= 0.0 else None, judged_time=row[at.JUDGED_TIME],
-    )  # fmt: skip
 
 
 def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
@@ -259,47 +253,41 @@ def require_lawful(system: System, peaks: Peaks) -> None:
 
 
 def warn_of_uncertainty(response: Response) -> None:
-    """Warn where contacts were struck, and where the estimated error is above what was asked for, or a given step too long."""
-    for text in _uncertainties(response):
-        warnings.warn(text, AccuracyWarning, stacklevel=3)
+    """Warn where contacts were struck, and where the estimated error is above what was asked for, or a given step too long.
 
-
-def _uncertainties(response: Response) -> Iterator[str]:
-    """Yield what to warn of; a stop among the mounts' laws is as certain as they are: that it was struck is a verdict."""
-    numerics = response.numerics
+    A stop among the mounts' laws is as certain as they are: that it was struck is a verdict.
+    """
+    numerics, texts = response.numerics, []
     contacts = {name: one for name, one in (response.peaks.contacts or {}).items() if not one.mount}
     if struck := [name for name in response.peaks.struck if name in contacts]:
-        yield (
+        texts.append(
             f"{len(struck)} of {len(contacts)} contact pairs were struck, first {struck[0]} at "
             f"{contacts[struck[0]].first_touch:.4f} s: accelerations are uncertain from there on, because they depend on "
             "stiffness and damping of the stops."
         )
-    step = f"step of {1e3 * numerics.timestep:.4g} ms"
     if numerics.limited_by == SENSITIVE:
-        yield (
+        texts.append(
             f"the answer is sensitive to what the system hits: runs with steps of {1e3 * numerics.timestep:.4g} ms and less "
             f"differ by up to {numerics.error_estimate:.1e} of the peaks, and finer ones do not agree better. Take the peaks "
             "with that spread, or give the stops more loss."
         )
-    elif math.isnan(numerics.accuracy):
-        yield from _of_given_step(numerics.timestep, numerics.error_estimate)
-    elif numerics.error_estimate > numerics.accuracy:
-        yield (
+    elif not math.isnan(numerics.accuracy) and numerics.error_estimate > numerics.accuracy:
+        texts.append(
             f"the estimated error, {numerics.error_estimate:.1e} of the peaks, is above the accuracy asked for, "
-            f"{numerics.accuracy:.1e}: the {step} is limited by {numerics.limited_by}. Ask for less (a larger `accuracy`), or "
-            "give a smaller `timestep`."
+            f"{numerics.accuracy:.1e}: the step of {1e3 * numerics.timestep:.4g} ms is limited by {numerics.limited_by}. Ask "
+            "for less (a larger `accuracy`), or give a smaller `timestep`."
         )
+    for text in texts:
+        warnings.warn(text, AccuracyWarning, stacklevel=3)
+    if math.isnan(numerics.accuracy) and numerics.limited_by != SENSITIVE:
+        warn_of_given_step(numerics.timestep, numerics.error_estimate, stacklevel=4)
 
 
 def warn_of_given_step(timestep: float, error: float, *, stacklevel: int = 3) -> None:
     """Warn of a given step [s] whose error, relative to the peaks, is large; NaN is not."""
-    for text in _of_given_step(timestep, error):
-        warnings.warn(text, AccuracyWarning, stacklevel=stacklevel)
-
-
-def _of_given_step(timestep: float, error: float) -> Iterator[str]:
     if error > ENOUGH_GIVEN:
-        yield (
+        warnings.warn(
             f"the given step of {1e3 * timestep:.4g} ms is too long for friction that yields within it: half of it differs by "
-            f"{error:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen."
-        )
+            f"{error:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen.",
+            AccuracyWarning, stacklevel=stacklevel,
+        )  # fmt: skip

@@ -148,7 +148,8 @@ class VariantRates:
         if self._turns or not self._free.size:
             return np.zeros(len(numbers), dtype=np.bool_)
         inertia, (stiffness, damping, decay) = self.inertia(numbers), rates.swapaxes(0, 1)[:3]
-        k, c = (_largest(inertia, matrix) for matrix in self._matrices(numbers, stiffness, damping, shifts))
+        products = (np.linalg.solve(inertia, matrix) for matrix in self._matrices(numbers, stiffness, damping, shifts))
+        k, c = (np.sqrt(np.maximum(np.einsum("nij,nji->n", product, product), 0.0)) for product in products)
         fastest = np.maximum(0.5 * c + np.sqrt(0.25 * c * c + k), decay.max(axis=1, initial=0.0))
         passive = (stiffness >= 0.0).all(axis=1) & (damping >= 0.0).all(axis=1)
         return np.asarray(passive & (fastest * timestep < (1.0 - ROUNDING) * RK4_LIMIT))
@@ -178,12 +179,6 @@ def rates_of(law: Law | None) -> tuple[float, ...]:
         return (0.0,) * N_RATES
     closed = law.closed_stiffness, law.closed_damping, law.relaxation_rate
     return (*closed, law.initial_stiffness, law.damping_coefficient)
-
-
-def _largest(inertia: Array, matrices: Array) -> Array:
-    """Return upper bounds of the eigenvalues of M^-1 K, (n,)."""
-    product = np.linalg.solve(inertia, matrices)
-    return np.sqrt(np.maximum(np.einsum("nij,nji->n", product, product), 0.0))
 
 
 @once_per_system

@@ -141,18 +141,18 @@ class Stepper:
                     if warning.number:
                         buckled = self._buckled(deflections, deflections - earlier, states)
                         falling = buckled or self._falling(deflections)
-                        grew = _GREW_BUCKLED if buckled else _GREW_FALLING if falling else _GREW
-                        message = self._message(mujoco.mjtWarning(kind).name, grew=grew)
+                        name, remedy = mujoco.mjtWarning(kind).name, "see MuJoCo's documentation of this warning"
+                        if name in _GROWING:
+                            remedy = _GREW_BUCKLED if buckled else _GREW_FALLING if falling else _GREW
+                        acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
+                        body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
                         found = beyond_laws(self.system, deflections, fraction=_NEAR)
                         beyond = f" Mount {found[0]!r} stood {found[1]}." if found else ""
-                        raise SimulationError(message + (falling or beyond))
+                        raise SimulationError(
+                            f"at t = {self.data.time:.6g} s MuJoCo reported {name.removeprefix('mjWARN_')} for body {body!r}: "
+                            f"{_REMEDIES.get(name, remedy)}.{falling or beyond}"
+                        )
         raise SimulationError("MuJoCo reported a warning in the last forward pass; use a smaller `timestep`.")
-
-    def _message(self, warning: str, *, grew: str) -> str:
-        remedy = grew if warning in _GROWING else _REMEDIES.get(warning, "see MuJoCo's documentation of this warning")
-        acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
-        body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
-        return f"at t = {self.data.time:.6g} s MuJoCo reported {warning.removeprefix('mjWARN_')} for body {body!r}: {remedy}."
 
     def _buckled(self, deflections: Array, moved: Array, states: Array) -> str:
         """Return a note on the first mount for which there is no equilibrium with its bracket within two steps, or ""."""

@@ -59,7 +59,12 @@ class Stepwise:
             while steps:
                 some = min(steps, at.MAX_STEPS)
                 part = length * some / steps
-                self._take(part, some, held, wrench)
+                self._begin(part, some, held, wrench)
+                mujoco.mj_step(self._stepper.model, self._stepper.data, nstep=some)
+                self._stepper.check()
+                self._moved = self._moved + (self._rate + 0.5 * held * part) * part
+                self._rate = self._rate + held * part
+                self.time += part
                 length, steps = length - part, steps - some
         self._look(held, wrench)
         rows = self.system.assembly.tables.user.mount_rows(self._stepper.user)[:, 0]
@@ -80,16 +85,6 @@ class Stepwise:
         self._stepper.return_to(State.from_plain(saved["state"]))
         self.time, self.values = float(saved["time"]), np.array(saved["values"])
         self._moved, self._rate = map(np.array, saved["base"])
-
-    def _take(self, length: float, steps: int, held: Array, wrench: Array) -> None:
-        """Take equal steps that one stage table serves."""
-        stepper = self._stepper
-        self._begin(length, steps, held, wrench)
-        mujoco.mj_step(stepper.model, stepper.data, nstep=steps)
-        stepper.check()
-        self._moved = self._moved + (self._rate + 0.5 * held * length) * length
-        self._rate = self._rate + held * length
-        self.time += length
 
     def _begin(self, length: float, steps: int, held: Array, wrench: Array) -> None:
         """Prepare a segment of equal steps, the base's acceleration and the loads held in it."""

@@ -7,7 +7,6 @@ import numpy as np
 
 from wirerope_mj.engine.kernel.layout import WILD
 from wirerope_mj.engine.response.histories import SENSITIVE
-from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.engines import Engine, compute, equations, failure, result_of, unsupported_run
 from wirerope_mj.engine.simulation.grid import TimeGrid, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
@@ -114,7 +113,7 @@ def choose_timestep(
     hit: list[ChosenStep] = []  # of runs that hit a stop among the laws
     for halving in range(HALVINGS):
         fine = pilots.at(step / 2.0)
-        if _same_steps(coarse, fine):
+        if coarse and fine and all(one.run.steps == other.run.steps for one, other in zip(coarse, fine, strict=True)):
             step, coarse = step / 2.0, fine  # between samples and corners no step was cut: nothing is learned
             continue
         difference = _difference(coarse, fine)
@@ -143,19 +142,14 @@ def choose_timestep(
     if pilots.failures and not np.isfinite(error):
         every = "every step" if coarse is None else "steps"
         raise SimulationError(f"the run fails at {every} down to {step:.3g} s: {pilots.failures[-1]}")
-    if hit and hit[-1].error <= 1.0:
-        return _coarsest(hit)
+    if hit and hit[-1].error <= 1.0:  # the longest step that is about as good as the best, and how much all finer ones scatter
+        least = min(one.error for one in hit)
+        first = next(i for i, one in enumerate(hit) if one.error <= 2.0 * least)
+        return replace(hit[first], error=max(one.error for one in hit[first:]))
     raise SimulationError(
         f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
         f"{error:.3g}. Ask for less (a larger `accuracy`), or give the `timestep`."
     )
-
-
-def _same_steps(coarse: "list[_Pilot] | None", fine: "list[_Pilot] | None") -> bool:
-    """Return whether the pilots of two steps took the same ones, since samples and corners cut them all alike."""
-    if coarse is None or fine is None:
-        return False
-    return all(one.run.steps == other.run.steps for one, other in zip(coarse, fine, strict=True))
 
 
 def _longer(
@@ -195,13 +189,6 @@ def _best(tried: list[ChosenStep]) -> ChosenStep:
     error = max(errors[least:])
     sensitive = error > max(ENOUGH_IN_CONTACT, 0.5 * errors[0])
     return replace(tried[least], error=error, limited_by=SENSITIVE if sensitive else CONTACTS)
-
-
-def _coarsest(tried: list[ChosenStep]) -> ChosenStep:
-    """Return the longest step that is about as good as the best, and by how much all finer ones still scatter."""
-    least = min(step.error for step in tried)
-    first = next(i for i, step in enumerate(tried) if step.error <= 2.0 * least)
-    return replace(tried[first], error=max(step.error for step in tried[first:]))
 
 
 def _step_between_corners(motion: BaseMotion, windows: list[tuple[float, float]], sample_rate: float, step: float) -> float:
@@ -272,8 +259,19 @@ class _Pilots:
         """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
         several = len(self.windows) > 1 and self.engine != "mujoco" and not unsupported_run(self.system, self.motion)
         try:
-            together = self._side_by_side(step) if several else None
-            return together or [self._one(*each, step) for each in zip(self.starts, self.windows, strict=True)]
+            if several and (together := self._side_by_side(step)):
+                return together
+            pilots = []
+            for start, (begin, length) in zip(self.starts, self.windows, strict=True):
+                grid = time_grid(start=begin, duration=length, sample_rate=self.sample_rate, timestep=step, motion=self.motion)
+                rows = self._samples(grid)
+
+                def sink(first: int, values: Array, rows: Array = rows) -> None:
+                    rows[first : first + len(values)] = values
+
+                done = compute(self.system, self.motion, grid, start, engine=self.engine, callback="native", sink=sink)
+                pilots.append(_pilot_of(self.system, done, rows))
+            return pilots
         except SimulationError as failure:
             self.failures.append(str(failure))
             return None
@@ -304,17 +302,6 @@ class _Pilots:
                 pilots[window] = _pilot_of(system, ended, rows[window])
         return [pilots[window] for window in range(len(motions))]
 
-    def _one(self, start: State, window: tuple[float, float], step: float) -> _Pilot:
-        begin, length = window
-        grid = time_grid(start=begin, duration=length, sample_rate=self.sample_rate, timestep=step, motion=self.motion)
-        rows = self._samples(grid)
-
-        def sink(first: int, values: Array) -> None:
-            rows[first : first + len(values)] = values
-
-        done = compute(self.system, self.motion, grid, start, engine=self.engine, callback="native", sink=sink)
-        return _pilot_of(self.system, done, rows)
-
     def _samples(self, grid: TimeGrid) -> Array:
         return np.empty((grid.sample_times.size, self.system.model.nsensordata - self.system.assembly.sensor))
 
@@ -322,24 +309,17 @@ class _Pilots:
 def _pilot_of(system: System, done: RunResult, rows: Array) -> _Pilot:
     tables = system.assembly.tables
     judged = tables.tracked  # what is fixed to the base follows the motion, whatever the step
-    names, peaks = _peak_rows(done.peaks)
+    names, peaks = [], []
+    for entry in (entry for room in (done.peaks.bodies, done.peaks.points, done.peaks.mounts) for entry in room.values()):
+        for kind, peak in vars(entry).items():
+            names.append(kind)
+            peaks.append(np.concatenate([[peak.value], peak.minimum, peak.maximum]))
     # Of geoms alone: with a mount's stop the error falls as it does without one.
     touches = any(contact.touches and not contact.mount for contact in (done.peaks.contacts or {}).values())
     return _Pilot(
-        run=done, rows=rows, vectors=rows[:, tables.channels[judged, np.newaxis] + np.arange(3)], peaks=peaks[judged],
+        run=done, rows=rows, vectors=rows[:, tables.channels[judged, np.newaxis] + np.arange(3)], peaks=np.array(peaks)[judged],
         kinds=[names[i] for i in judged], touches=touches, hits=bool(done.peaks.struck),
     )  # fmt: skip
-
-
-def _peak_rows(peaks: Peaks) -> tuple[list[str], Array]:
-    kinds, rows = [], []
-    for room in (peaks.bodies, peaks.points, peaks.mounts):
-        for entry in room.values():
-            for kind in entry.__dataclass_fields__:
-                peak = getattr(entry, kind)
-                kinds.append(kind)
-                rows.append(np.concatenate([[peak.value], peak.minimum, peak.maximum]))
-    return kinds, np.array(rows)
 
 
 def _difference(coarse: list[_Pilot] | None, fine: list[_Pilot] | None) -> float:

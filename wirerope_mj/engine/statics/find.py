@@ -84,36 +84,27 @@ class EquilibriumSolver:
 
     def solve(self, numbers: Array, history: History) -> Equilibria:
         """Return the equilibria of variants with these numbers, (n, n_num)."""
-        n, lay = len(numbers), self._equations.lay
-        states, residual = np.empty((n, self._start.size)), np.empty(n)
-        records = np.empty((n, int(lay[at.N_MOUNTS]) * at.RECORD_SIZE))
-        grams = np.empty((n, self._free.size, self._free.size))
+        e, n, n_free = self._equations, len(numbers), self._free.size
+        lay, record, n_records = e.lay, int(e.lay[at.RECORD]), int(e.lay[at.N_MOUNTS]) * at.RECORD_SIZE
+        states, residual, grams = np.empty((n, self._start.size)), np.empty(n), np.empty((n, n_free, n_free))
+        records, follows = np.empty((n, n_records)), self._follows if history == "virgin" else np.zeros(0, dtype=np.bool_)
         for first in range(0, n, WIDTH):
-            some = slice(first, min(first + WIDTH, n))
-            size = some.stop - first
-            states[some], records[some], residual[some], grams[some] = (
-                one[:size] for one in self._in_lanes(numbers[some], history)
-            )
+            size = min(WIDTH, n - first)
+            lanes, some = first + np.minimum(np.arange(WIDTH), size - 1), slice(first, first + size)
+            memory, places = np.zeros((int(lay[at.N_WORK]), WIDTH)), np.tile(self._start[:, np.newaxis], WIDTH)
+            memory[lay[at.KIN] : lay[at.KIN] + e.rest.size] = e.rest[:, np.newaxis]
+            left, products = np.zeros(WIDTH), np.zeros((WIDTH, n_free, n_free))
+            settle(
+                lay, e.fix.copy(), np.ascontiguousarray(numbers[lanes].T), places, memory, self._free, self._loads, follows,
+                self._sizes, self._settings, left, products,
+            )  # fmt: skip
+            states[some], residual[some], grams[some] = places.T[:size], left[:size], products[:size]
+            records[some] = memory[record : record + n_records].T[:size]
         mounts = records.reshape(n, -1, 4, 3)[:, :, :2].copy()
         found = np.isfinite(residual) & (np.abs(mounts[:, :, 0]).max(axis=(1, 2), initial=0.0) < FARTHEST)
         sizes = np.linalg.eigvalsh(np.where(found[:, np.newaxis, np.newaxis], grams, 0.0))
         held = sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else found
         return Equilibria(found=found, held=held, states=states, mounts=mounts, residual=residual)
-
-    def _in_lanes(self, numbers: Array, history: History) -> tuple[Array, Array, Array, Array]:
-        e, lay = self._equations, self._equations.lay
-        lanes = np.minimum(np.arange(WIDTH), len(numbers) - 1)
-        memory = np.zeros((int(lay[at.N_WORK]), WIDTH))
-        memory[lay[at.KIN] : lay[at.KIN] + e.rest.size] = e.rest[:, np.newaxis]
-        states = np.tile(self._start[:, np.newaxis], WIDTH)
-        residual, grams = np.zeros(WIDTH), np.zeros((WIDTH, self._free.size, self._free.size))
-        follows = self._follows if history == "virgin" else np.zeros(0, dtype=np.bool_)
-        settle(
-            lay, e.fix.copy(), np.ascontiguousarray(numbers[lanes].T), states, memory, self._free, self._loads,
-            follows, self._sizes, self._settings, residual, grams,
-        )  # fmt: skip
-        record = int(lay[at.RECORD])
-        return states.T, memory[record : record + int(lay[at.N_MOUNTS]) * at.RECORD_SIZE].T, residual, grams
 
 
 @once_per_system

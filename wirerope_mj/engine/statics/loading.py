@@ -109,14 +109,16 @@ class Loading:
         with installed(self.model, self.data):
             # Without gravity all steps are one.
             qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS if self.gravity.any() else 1.0
-            residual, touches = 0.0, self._touches()
+            # contacts or limits may act, which have no slope where parts just touch
+            model, residual = self.model, 0.0
+            touches = model.jnt_limited.any() or model.tendon_limited.any() or model.npair or model.geom_contype.any()
             while load < 1.0:
                 trial_load = min(load + step, 1.0)
                 self.model.opt.gravity[:] = trial_load * self.gravity
                 trial, residual = roots.find(qpos, TOLERANCE * scale)
                 carried = residual <= ACCEPTED * scale  # not if it is no number
                 if not carried and touches and not load:  # nothing carries weightless parts that just touch: no slope to follow
-                    roots.forget()
+                    roots.inverse = None
                     trial, residual = roots.find(self._sunk(qpos), TOLERANCE * scale)
                     carried = residual <= ACCEPTED * scale
                 if self.tried > self.most and not (carried and trial_load == 1.0):
@@ -130,14 +132,20 @@ class Loading:
                     raise ConvergenceError(self._diagnosis(trial_load, residual))
                 if not carried:
                     step /= 2.0
-                    roots.forget()
+                    roots.inverse = None
                     continue
                 qpos, load = trial, trial_load
                 self._check_deflections(load)
                 if self.path is not None:
                     self._go_to(qpos)
                     self.path.rest_at(self.data)
-            return self._result(qpos, residual)
+            self._accelerations(qpos)
+            mujoco.mj_forward(model, self.data)  # sensors too
+            rows = self._mounts().copy()
+            if found := beyond_laws(self.system, rows[:, 0]):
+                raise ConvergenceError(f"there is no equilibrium: mount {found[0]!r} would stand {found[1]}. {self._loads()}")
+            state = state_of(model, self.data)
+            return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 
     def _moved(self, qpos: Array, step: Array) -> Array:
         velocity, moved = np.zeros(self.model.nv), qpos.copy()
@@ -155,11 +163,6 @@ class Loading:
         mujoco.mj_forwardSkip(self.model, self.data, mujoco.mjtStage.mjSTAGE_POS, WITHOUT_SENSORS)
         return self.data.qacc[self.free].copy()
 
-    def _touches(self) -> bool:
-        """Return whether contacts or limits may act, which have no slope where parts just touch."""
-        model = self.model
-        return bool(model.jnt_limited.any() or model.tendon_limited.any() or model.npair or model.geom_contype.any())
-
     def _sunk(self, qpos: Array) -> Array:
         """Let a position fall, each coordinate at rest again where it turns back, until it hardly moves."""
         found = linear_system(self.system, closed=True)
@@ -175,16 +178,6 @@ class Loading:
     def _go_to(self, qpos: Array) -> None:
         self.data.qpos[:], self.data.qvel[:] = qpos, 0.0
         mujoco.mj_fwdPosition(self.model, self.data)
-
-    def _result(self, qpos: Array, residual: float) -> Equilibrium:
-        model, data = self.model, self.data
-        self._accelerations(qpos)
-        mujoco.mj_forward(model, data)  # sensors too
-        rows = self._mounts().copy()
-        if found := beyond_laws(self.system, rows[:, 0]):
-            raise ConvergenceError(f"there is no equilibrium: mount {found[0]!r} would stand {found[1]}. {self._loads()}")
-        state = state_of(model, data)
-        return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 
     def _unresisted(self, qpos: Array) -> tuple[str, ...]:
         return unresisted(self.system, self.data, self.free, lambda step: self._accelerations(self._moved(qpos, step)))

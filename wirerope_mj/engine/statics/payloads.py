@@ -148,7 +148,12 @@ def model_warnings(system: System) -> tuple[str, ...]:
 
 def _lawless(system: System) -> list[str]:
     """Return a sentence for each isolator and axis without a law along which a payload can move."""
-    motions = _possible_motions(system)
+    model, data = system.model, mujoco.MjData(system.model)
+    mujoco.mj_fwdPosition(model, data)
+    free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
+    rows = jacobian(model, data)[equality_rows(data)] if model.neq else np.zeros((0, model.nv))
+    possible = np.eye(model.nv)[:, free] @ left_by(rows[:, free])  # motions that joints and equality constraints leave
+    motions = [rates @ possible for rates, _ in mount_rates(system, data)]
     lacking: dict[tuple[str, str], list[str]] = {}
     for mount, rates in zip(system.mounts.values(), motions, strict=True):
         device = mount.written
@@ -156,26 +161,12 @@ def _lawless(system: System) -> list[str]:
             meant = law is not None or axis in device.free or device.is_stop
             if not meant and np.abs(mount.axes[:, number] @ rates).max(initial=0.0) > _MOVES:
                 lacking.setdefault((mount.isolator_name, axis), []).append(mount.name)
-    return [_without_law(isolator, axis, names) for (isolator, axis), names in lacking.items()]
-
-
-def _without_law(isolator: str, axis: str, names: list[str]) -> str:
-    one = len(names) == 1
-    return (
-        f"{'mount' if one else 'mounts'} {', '.join(names)} {'has' if one else 'have'} no law in {axis} "
-        f"(isolator {isolator!r}): {'it does' if one else 'they do'} not resist motion in that axis, along which the payload "
-        f'can move. Add the table [{axis}] to the isolator, or free = ["{axis}"] if that is meant.'
-    )
-
-
-def _possible_motions(system: System) -> list[Array]:
-    """Return the rates of the mounts' deflections by the motions that joints and equality constraints leave, (3, n) each."""
-    model, data = system.model, mujoco.MjData(system.model)
-    mujoco.mj_fwdPosition(model, data)
-    free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
-    rows = jacobian(model, data)[equality_rows(data)] if model.neq else np.zeros((0, model.nv))
-    motions = np.eye(model.nv)[:, free] @ left_by(rows[:, free])
-    return [rates @ motions for rates, _ in mount_rates(system, data)]
+    return [
+        f"{'mounts' if names[1:] else 'mount'} {', '.join(names)} {'have' if names[1:] else 'has'} no law in {axis} (isolator "
+        f"{isolator!r}): {'they do' if names[1:] else 'it does'} not resist motion in that axis, along which the payload can "
+        f'move. Add the table [{axis}] to the isolator, or free = ["{axis}"] if that is meant.'
+        for (isolator, axis), names in lacking.items()
+    ]
 
 
 def _gravity(system: System) -> list[str]:
@@ -204,7 +195,10 @@ def _masses(system: System) -> list[str]:
     apart = float(np.linalg.norm(np.ptp(places, axis=0)))
     said = []
     for payload in movers_of(system):
-        reach = max(_REACH * max(apart, _LEAST), 2.0 * _extent(model, data, payload, places.mean(axis=0)))
+        own = np.isin(model.geom_bodyid, payload.bodies) & (model.geom_rbound > 0.0)  # planes have no end, and a bound of 0
+        distances = np.linalg.norm(data.geom_xpos[own] - places.mean(axis=0), axis=1)
+        extent = float((distances + model.geom_rbound[own]).max(initial=0.0))
+        reach = max(_REACH * max(apart, _LEAST), 2.0 * extent)
         for body in payload.bodies:
             mass, name = float(model.body_mass[body]), model.body(body).name
             if mass <= 0.0:
@@ -251,14 +245,6 @@ def _loads(system: System) -> list[str]:
     return said
 
 
-def _extent(model: mujoco.MjModel, data: mujoco.MjData, payload: Payload, centre: Array) -> float:
-    """Return how far the geoms of a payload reach from the middle of the mounts [m]; 0 without geoms."""
-    own = np.isin(model.geom_bodyid, payload.bodies) & (model.geom_rbound > 0.0)  # planes have no end, and a bound of 0
-    if not own.any():
-        return 0.0
-    return float((np.linalg.norm(data.geom_xpos[own] - centre, axis=1) + model.geom_rbound[own]).max())
-
-
 def unresisted(system: System, data: mujoco.MjData, free: Integers, accelerations: Callable[[Array], Array]) -> tuple[str, ...]:
     """Return a message for each motion of a body on mounts that no mount, joint, stop or weight brings back.
 
@@ -287,7 +273,12 @@ def unresisted(system: System, data: mujoco.MjData, free: Integers, acceleration
             body, motion_text = _rotation(model, data, free, motions @ shape)
             if _mounts_below(system, body):  # what swings on a joint of its own alone was meant to
                 motions_of.setdefault((body, rate < -SLOW), []).append(motion_text)
-    return tuple(_message(system, body, texts, tips=tips) for (body, tips), texts in motions_of.items())
+    return tuple(
+        f"body {model.body(body).name!r} on {', '.join(map(repr, _mounts_below(system, body)))}: no mount, joint or stop "
+        f"resists {'any rotation' if len(texts) == 3 else ' or '.join(sorted(texts))}; "
+        f"{'its weight tips it over' if tips else 'it is free'}. Three mounts out of line hold a body, or a joint guides it."
+        for (body, tips), texts in motions_of.items()
+    )
 
 
 def _mounts_below(system: System, body: int) -> list[str]:
@@ -310,13 +301,3 @@ def _rotation(model: mujoco.MjModel, data: mujoco.MjData, free: Integers, motion
     if abs(axis[main]) > 0.999:  # within 2.6 degrees
         return body, f"a rotation about {'xyz'[main]}"
     return body, f"a rotation about ({', '.join(f'{value:.2f}' for value in axis * np.sign(axis[main]))})"
-
-
-def _message(system: System, body: int, motions: list[str], *, tips: bool) -> str:
-    model = system.model
-    which = "any rotation" if len(motions) == 3 else " or ".join(sorted(motions))
-    on = ", ".join(map(repr, _mounts_below(system, body)))
-    return (
-        f"body {model.body(body).name!r} on {on}: no mount, joint or stop resists {which}; "
-        f"{'its weight tips it over' if tips else 'it is free'}. Three mounts out of line hold a body, or a joint guides it."
-    )

@@ -43,18 +43,24 @@ class Roots:
         self.residual, self.moved, self.size = residual, moved, size
         self.inverse: Array | None = None
 
-    def forget(self) -> None:
-        """Take a new Jacobian for the next root."""
-        self.inverse = None
-
     def find(self, position: Array, tolerance: float) -> tuple[Array, float]:
         """Return the root next to `position` and the largest residual left; larger than `tolerance` where it ended earlier."""
         value = self.residual(position)
         for _ in range(ITERATIONS):
             if not largest(value) > tolerance or not np.isfinite(value).all():
                 break
-            fresh = self.inverse is None
-            inverse = self._inverse(position) if self.inverse is None else self.inverse
+            fresh, inverse = self.inverse is None, self.inverse
+            if inverse is None:
+                # To both sides: where a load step begins a law is stiffer one way than the other, and one-sided columns of two
+                # bodies that deflect the same mount against each other would take a slope each.
+                columns = []
+                for unit in DIFFERENCE * np.eye(self.size):
+                    above, below = (self.residual(self.moved(position, side)) for side in (unit, -unit))
+                    columns.append((above - below) / (2.0 * DIFFERENCE))
+                jacobian = np.stack(columns, axis=1)
+                inverse = np.zeros_like(jacobian)  # leads nowhere: the root is not found
+                if np.isfinite(jacobian).all():
+                    inverse = np.asarray(np.linalg.pinv(jacobian, rcond=INDIFFERENT))
             step = -inverse @ value
             step *= min(1.0, LONGEST / max(largest(step), 1e-12))
             for _halving in range(HALVINGS if fresh else 1):
@@ -68,35 +74,19 @@ class Roots:
                 if fresh:
                     break
                 continue
-            self.inverse = _updated(inverse, step, value, trial_value)
+            expected = inverse @ (trial_value - value)
+            agreement = float(step @ expected)
+            # the inverse that maps the last change of the residual to the step; none where it no longer serves
+            self.inverse = None
+            if not (largest(trial_value) > SLOW * largest(value) or agreement < SLOW * float(step @ step)):
+                self.inverse = np.asarray(inverse + np.outer(step - expected, step @ inverse) / agreement)
             position, value = trial, trial_value
         return position, largest(value)
-
-    def _inverse(self, position: Array) -> Array:
-        # To both sides: where a load step begins a law is stiffer one way than the other, and one-sided columns of two bodies
-        # that deflect the same mount against each other would take a slope each.
-        columns = []
-        for unit in DIFFERENCE * np.eye(self.size):
-            above, below = (self.residual(self.moved(position, side)) for side in (unit, -unit))
-            columns.append((above - below) / (2.0 * DIFFERENCE))
-        jacobian = np.stack(columns, axis=1)
-        if not np.isfinite(jacobian).all():
-            return np.zeros_like(jacobian)  # leads nowhere: the root is not found
-        return np.asarray(np.linalg.pinv(jacobian, rcond=INDIFFERENT))
 
 
 def largest(values: Array) -> float:
     """Return the largest magnitude, 0 of nothing."""
     return float(np.abs(values).max(initial=0.0))
-
-
-def _updated(inverse: Array, step: Array, before: Array, after: Array) -> Array | None:
-    """Return the inverse Jacobian that maps the last change of the residual to the step; None where it no longer serves."""
-    expected = inverse @ (after - before)
-    agreement = float(step @ expected)
-    if largest(after) > SLOW * largest(before) or agreement < SLOW * float(step @ step):
-        return None
-    return np.asarray(inverse + np.outer(step - expected, step @ inverse) / agreement)
 
 
 @njit

@@ -9,7 +9,7 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.statics.find import equilibrium
 from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History, MountLoad
-from wirerope_mj.engine.statics.payloads import Payload, payloads_in
+from wirerope_mj.engine.statics.payloads import payloads_in
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ConvergenceError
@@ -92,7 +92,30 @@ class StaticTable(Brief):
 
     def to_dict(self) -> Entries:
         """Return the table as plain values, SI."""
-        return {history: _plain(sag) for history, sag in self.sags.items()} | {"missing": dict(self.missing)}
+        plain: Entries = {
+            history: {
+                "weight_N": sag.weight,
+                "on_mounts_N": sag.on_mounts,
+                "on_contacts_N": sag.on_contacts,
+                "elsewhere_N": sag.elsewhere,
+                "mounts": {
+                    name: {
+                        "deflection_m": mount.deflection.tolist(), "force_N": mount.force.tolist(), "carries_N": mount.carries,
+                        "share_of_weight": json_values(mount.split), "share_of_static_load": mount.utilisation,
+                    }
+                    for name, mount in sag.mounts.items()
+                },
+                "payloads": {
+                    name: {
+                        "mass_kg": payload.mass, "centre_of_mass_m": payload.centre.tolist(),
+                        "displacement_m": payload.displacement.tolist(), "rotation_rad": payload.rotation.tolist(),
+                    }
+                    for name, payload in sag.payloads.items()
+                },
+            }
+            for history, sag in self.sags.items()
+        }  # fmt: skip
+        return plain | {"missing": dict(self.missing)}
 
 
 def static_table(system: System) -> StaticTable:
@@ -122,7 +145,14 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         mujoco.mj_forward(model, data)
     gravity = float(np.linalg.norm(model.opt.gravity))
     up = -model.opt.gravity / gravity if gravity else np.array([0.0, 0.0, 1.0])
-    payloads = payloads_in(system, data)
+    payloads, sagged = payloads_in(system, data), {}
+    for payload in payloads:
+        turn, root, centre = np.zeros(3), payload.root, payload.centre(unloaded, model.body_subtreemass)
+        mujoco.mju_subQuat(turn, data.xquat[root], unloaded.xquat[root])  # in the body's axes as modelled
+        sagged[payload.name] = PayloadSag(
+            mass=payload.mass, centre=centre, displacement=payload.centre(data, model.body_subtreemass) - centre,
+            rotation=unloaded.xmat[root].reshape(3, 3) @ turn,
+        )  # fmt: skip
     carried = {body for payload in payloads for body in payload.bodies}
     weight = gravity * sum(payload.mass for payload in payloads)
     mounts, on_mounts = {}, 0.0
@@ -136,9 +166,8 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         )  # fmt: skip
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
-        history=result.history, mounts=mounts,
-        payloads={p.name: _payload(unloaded, data, p, model.body_subtreemass) for p in payloads}, weight=weight,
-        on_mounts=on_mounts, on_contacts=_on_contacts(model, data, carried, up), equilibrium=result,
+        history=result.history, mounts=mounts, payloads=sagged, weight=weight, on_mounts=on_mounts,
+        on_contacts=_on_contacts(model, data, carried, up), equilibrium=result,
     )  # fmt: skip
 
 
@@ -154,15 +183,6 @@ def _on_stops(isolator: Isolator, load: MountLoad) -> float:
     return sum(stop.pressed(depth) for stop, depth in sides)
 
 
-def _payload(unloaded: mujoco.MjData, data: mujoco.MjData, payload: Payload, masses: Array) -> PayloadSag:
-    turn, root, centre = np.zeros(3), payload.root, payload.centre(unloaded, masses)
-    mujoco.mju_subQuat(turn, data.xquat[root], unloaded.xquat[root])  # in the body's axes as modelled
-    return PayloadSag(
-        mass=payload.mass, centre=centre, displacement=payload.centre(data, masses) - centre,
-        rotation=unloaded.xmat[root].reshape(3, 3) @ turn,
-    )  # fmt: skip
-
-
 def _on_contacts(model: mujoco.MjModel, data: mujoco.MjData, carried: set[int], up: Array) -> float:
     """Return the upward force of all contacts between what is carried and what is not [N]."""
     total, force = 0.0, np.zeros(6)
@@ -174,26 +194,3 @@ def _on_contacts(model: mujoco.MjModel, data: mujoco.MjData, carried: set[int], 
         on_second = contact.frame.reshape(3, 3).T @ force[:3]
         total += float(up @ on_second) * (1.0 if sides[1] else -1.0)
     return total
-
-
-def _plain(sag: Sag) -> Entries:
-    return {
-        "weight_N": sag.weight,
-        "on_mounts_N": sag.on_mounts,
-        "on_contacts_N": sag.on_contacts,
-        "elsewhere_N": sag.elsewhere,
-        "mounts": {
-            name: {
-                "deflection_m": mount.deflection.tolist(), "force_N": mount.force.tolist(), "carries_N": mount.carries,
-                "share_of_weight": json_values(mount.split), "share_of_static_load": mount.utilisation,
-            }
-            for name, mount in sag.mounts.items()
-        },
-        "payloads": {
-            name: {
-                "mass_kg": payload.mass, "centre_of_mass_m": payload.centre.tolist(),
-                "displacement_m": payload.displacement.tolist(), "rotation_rad": payload.rotation.tolist(),
-            }
-            for name, payload in sag.payloads.items()
-        },
-    }  # fmt: skip

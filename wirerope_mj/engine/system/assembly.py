@@ -85,8 +85,13 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
                 f"site {plain.site(site).name!r}: a force acts on what the mounts carry, and this site is fixed to the base or "
                 "the world."
             )
+    slide = mujoco.mjtJoint.mjJNT_SLIDE
+    driven = tuple(j for j in range(plain.njnt) if base and plain.jnt_bodyid[j] == base and plain.jnt_type[j] == slide)
+    for joint in spec.joints:
+        if joint.id in driven:  # a drive: huge inertia, no friction and no limits of its own
+            joint.armature, joint.frictionloss, joint.limited = DRIVE_ARMATURE, 0.0, mujoco.mjtLimited.mjLIMITED_FALSE
     subjects = Subjects(
-        base=base, driven=_drive(spec, plain, base), bodies=bodies, points=points,
+        base=base, driven=driven, bodies=bodies, points=points,
         body_names=tuple(plain.body(body).name for body in bodies),
         point_names=tuple(plain.site(site).name.replace(POINT, "", 1) for site in points), forces=forces,
         force_names=tuple(plain.site(site).name.replace(FORCE, "", 1) for site in forces), modes=modes,
@@ -94,7 +99,11 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
     tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))
     userdata = int(plain.nuserdata)
-    _set_options(spec)
+    spec.option.integrator, spec.option.tolerance = mujoco.mjtIntegrator.mjINT_RK4, SOLVER_TOLERANCE
+    # The state at a warning must survive for the message, and the sensor callback is the observer.
+    disable = mujoco.mjtDisableBit
+    spec.option.disableflags |= disable.mjDSBL_AUTORESET
+    spec.option.disableflags &= ~(disable.mjDSBL_SENSOR | disable.mjDSBL_ACTUATION | disable.mjDSBL_SPRING)
     stiffen(spec)
     spec.nuserdata = userdata + tables.user.size
     spec.add_numeric(name=at.LAYOUT, size=tables.layout.size, data=tables.layout.tolist())
@@ -104,34 +113,12 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     _add_state_actuator(spec, plain, tables, [first, first + tables.layout.size, userdata, int(plain.na)])
     _add_sensors(spec, plain, declared, subjects)
     model = spec.compile()
-    driven = [int(model.jnt_dofadr[joint]) for joint in subjects.driven]
     if model.neq and driven:
-        check_base_is_free(model, model.body(base).name, driven)
+        check_base_is_free(model, model.body(base).name, [int(model.jnt_dofadr[joint]) for joint in driven])
     return Assembly(
         model=model, tables=tables, subjects=subjects, userdata=userdata, activation=int(plain.na),
         sensor=int(plain.nsensordata), contacts=declared_contacts(model, base),
     )  # fmt: skip
-
-
-def _drive(spec: mujoco.MjSpec, model: mujoco.MjModel, base: int) -> tuple[int, ...]:
-    """Return the ids of the base's slides, made into a drive: huge inertia, no friction and no limits of their own."""
-    slide = mujoco.mjtJoint.mjJNT_SLIDE
-    joints = [j for j in range(model.njnt) if base and model.jnt_bodyid[j] == base and model.jnt_type[j] == slide]
-    for element in spec.joints:
-        if element.id in joints:
-            element.armature = DRIVE_ARMATURE
-            element.frictionloss = 0.0
-            element.limited = mujoco.mjtLimited.mjLIMITED_FALSE
-    return tuple(joints)
-
-
-def _set_options(spec: mujoco.MjSpec) -> None:
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    spec.option.tolerance = SOLVER_TOLERANCE
-    # The state at a warning must survive for the message, and the sensor callback is the observer.
-    disable = mujoco.mjtDisableBit
-    spec.option.disableflags |= disable.mjDSBL_AUTORESET
-    spec.option.disableflags &= ~(disable.mjDSBL_SENSOR | disable.mjDSBL_ACTUATION | disable.mjDSBL_SPRING)
 
 
 def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tables, addresses: list[int]) -> None:

@@ -43,8 +43,8 @@ class Changes:
     @classmethod
     def from_dict(cls, content: Entries) -> "Changes":
         """Return the changes that `to_dict` stored; ModelError or ValueError if one of them is not what it must be."""
-        return structure(cls, content, Place("changes"), {Isolator: _isolator})
 
+        def isolator(table: Entries, place: Place) -> Isolator:
+            return Isolator.from_dict(table, where=f"isolator of mount {place.keys[-1]!r}")
 
-def _isolator(content: Entries, place: Place) -> Isolator:
-    return Isolator.from_dict(content, where=f"isolator of mount {place.keys[-1]!r}")
+        return structure(cls, content, Place("changes"), {Isolator: isolator})

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.system.named_files import model_trees
-from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Integers
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Integers
 from wirerope_mj.foundation.errors import ModelError
 
 # beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named
@@ -70,12 +70,14 @@ def check_numbers(model: mujoco.MjModel) -> None:
         )
     for name in _float_arrays():
         values = getattr(model, name)
-        if _too_large(values).any():
-            raise ModelError(_not_finite(model, name, values))
-
-
-def _too_large(values: Array) -> Booleans:
-    return ~(np.abs(values.astype(np.float64)) < LARGEST)
+        too_large = ~(np.abs(values.astype(np.float64)) < LARGEST)
+        if too_large.any():
+            kind, _, attribute = name.partition("_")
+            row, element = int(np.argwhere(too_large)[0][0]), _ELEMENTS.get(kind, kind)
+            numbered = f"number {row}"
+            if len(values) == getattr(model, f"n{kind}", -1) and hasattr(model, element):  # one row for each element
+                numbered = repr(getattr(model, element)(row).name)
+            raise ModelError(f"{element} {numbered}: its `{attribute}` is {_written(values[row])}; {_REMEDY}")
 
 
 @cache
@@ -91,17 +93,6 @@ def _float_arrays() -> tuple[str, ...]:
         return attribute not in _WRITTEN, order.get(kind, len(order))
 
     return tuple(sorted(arrays, key=rank))
-
-
-def _not_finite(model: mujoco.MjModel, array: str, values: Array) -> str:
-    """Return the message about the first element of an array whose numbers are not all finite."""
-    kind, _, attribute = array.partition("_")
-    row = int(np.argwhere(_too_large(values))[0][0])
-    element = _ELEMENTS.get(kind, kind)
-    name = f"number {row}"
-    if len(values) == getattr(model, f"n{kind}", -1):  # one row for each element
-        name = repr(getattr(model, element)(row).name) if hasattr(model, element) else name
-    return f"{element} {name}: its `{attribute}` is {_written(values[row])}; {_REMEDY}"
 
 
 def _written(values: ArrayLike) -> str:
@@ -148,7 +139,15 @@ def refused(reason: str, text: str) -> str:
     """Return the message about an MJCF text that MuJoCo refused for a `reason`, which never says what to do."""
     reason = " ".join(reason.split())
     if "XML parse error" in reason:
-        return _not_xml(text)
+        location = "a file that it includes"
+        try:
+            ElementTree.fromstring(text)
+        except ElementTree.ParseError as error:
+            location = f"line {error.position[0]}, column {error.position[1] + 1}"
+        return (
+            f"MuJoCo cannot compile the model: {location} is not well-formed XML. Write & as &amp; and < as &lt;, close every "
+            "element, and give no attribute twice."
+        )
     element = _ELEMENT.search(reason)
     name, line = element.groups() if element else ("", None)
     included = " of it or of a file that it includes" if "<include" in text else ""
@@ -156,15 +155,3 @@ def refused(reason: str, text: str) -> str:
     problem = _LEAD.sub("", _ELEMENT.sub("", reason)).rstrip(". ").replace("mjMINVAL", f"{mujoco.mjMINVAL:g} kg and kg m^2")
     remedy = next((remedy for key, remedy in _REMEDIES if key in reason), _ELSEWHERE)
     return f"MuJoCo cannot compile the model: {': '.join(filter(None, [location, problem]))}. {remedy}"
-
-
-def _not_xml(text: str) -> str:
-    location = "a file that it includes"
-    try:
-        ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        location = f"line {error.position[0]}, column {error.position[1] + 1}"
-    return (
-        f"MuJoCo cannot compile the model: {location} is not well-formed XML. Write & as &amp; and < as &lt;, close every "
-        "element, and give no attribute twice."
-    )

@@ -73,7 +73,14 @@ def declared_mounts(
         tuple_name = model.tuple(t).name
         if MOUNT not in tuple_name:
             continue
-        payload_site, base_site, text = _elements(model, t, tuple_name)
+        elements = slice(model.tuple_adr[t], model.tuple_adr[t] + model.tuple_size[t])
+        kinds = [mujoco.mjtObj(kind) for kind in model.tuple_objtype[elements]]
+        if kinds != [mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TEXT]:
+            held = [kind.name.removeprefix("mjOBJ_").lower() for kind in kinds]
+            raise ModelError(
+                f"tuple {tuple_name!r} must hold a payload site, a base site and a text, in this order; it has {held}."
+            )
+        payload_site, base_site, text = model.tuple_objid[elements].tolist()
         text_name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, text)
         key = text_name.split(ISOLATOR, 1)[-1]
         name = tuple_name.replace(MOUNT, "", 1)
@@ -98,17 +105,6 @@ def declared_mounts(
         known = sorted({mount.isolator_name for mount in mounts})
         raise ModelError(f"no mount uses the isolator {unknown[0]!r}. Isolators that the model names: {known}.")
     return mounts
-
-
-def _elements(model: mujoco.MjModel, t: int, name: str) -> tuple[int, int, int]:
-    start, size = model.tuple_adr[t], model.tuple_size[t]
-    kinds = [mujoco.mjtObj(kind) for kind in model.tuple_objtype[start : start + size]]
-    wanted = [mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TEXT]
-    if kinds != wanted:
-        held = [kind.name.removeprefix("mjOBJ_").lower() for kind in kinds]
-        raise ModelError(f"tuple {name!r} must hold a payload site, a base site and a text, in this order; it has {held}.")
-    payload_site, base_site, text = model.tuple_objid[start : start + size]
-    return int(payload_site), int(base_site), int(text)
 
 
 def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:

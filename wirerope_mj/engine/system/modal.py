@@ -40,45 +40,42 @@ class DeclaredMode:
 def declared_modes(model: mujoco.MjModel) -> tuple[DeclaredMode, ...]:
     """Read the modes of all flexible parts of a compiled model; ModelError if a part's tuple does not hold what it must."""
     modes: list[DeclaredMode] = []
-    for t in range(model.ntuple):
-        if FLEXIBLE in model.tuple(t).name:
-            modes += _modes_of(model, t)
-    return tuple(modes)
-
-
-def _modes_of(model: mujoco.MjModel, t: int) -> list[DeclaredMode]:
-    name = model.tuple(t).name
-    elements = slice(int(model.tuple_adr[t]), int(model.tuple_adr[t] + model.tuple_size[t]))
-    kinds = [mujoco.mjtObj(kind) for kind in model.tuple_objtype[elements]]
-    ids = model.tuple_objid[elements].tolist()
-    n = sum(kind == _BODY for kind in kinds) - 1
-    sites = [_SITE, _NUMERIC] * ((len(kinds) - n - 2) // 2)
-    if n < 1 or kinds != [_BODY] * (n + 1) + [_NUMERIC, *sites]:
-        raise ModelError(
-            f"tuple {name!r} must hold the part's body, the body of each of its modes, the numeric with their participations, "
-            "and then sites, each with the numeric of its shapes."
-        )
-    owner, bodies = ids[0], ids[1 : n + 1]
-    participations = _rows(model, ids[n + 1], n, name)
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    shapes: list[dict[int, Array]] = [{} for _ in bodies]
-    for site, numeric in zip(ids[n + 2 :: 2], ids[n + 3 :: 2], strict=True):
-        if model.body_weldid[model.site_bodyid[site]] != model.body_weldid[owner]:
+    tuples = [t for t in range(model.ntuple) if FLEXIBLE in model.tuple(t).name]
+    if tuples:
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+    for t in tuples:
+        name = model.tuple(t).name
+        elements = slice(int(model.tuple_adr[t]), int(model.tuple_adr[t] + model.tuple_size[t]))
+        kinds = [mujoco.mjtObj(kind) for kind in model.tuple_objtype[elements]]
+        ids = model.tuple_objid[elements].tolist()
+        n = sum(kind == _BODY for kind in kinds) - 1
+        sites = [_SITE, _NUMERIC] * ((len(kinds) - n - 2) // 2)
+        if n < 1 or kinds != [_BODY] * (n + 1) + [_NUMERIC, *sites]:
             raise ModelError(
-                f"tuple {name!r}: site {model.site(site).name!r} is not on the part's body {model.body(owner).name!r}."
+                f"tuple {name!r} must hold the part's body, the body of each of its modes, the numeric with their "
+                "participations, and then sites, each with the numeric of its shapes."
             )
-        to_site = data.site_xmat[site].reshape(3, 3).T @ data.xmat[owner].reshape(3, 3)
-        for mode, row in zip(shapes, _rows(model, numeric, n, name), strict=True):
-            mode[site] = to_site @ row
-    turned = participations @ data.xmat[owner].reshape(3, 3).T
-    return [
-        DeclaredMode(
-            part=name.replace(FLEXIBLE, "", 1), residual=model.body(body).name.endswith(RESIDUAL), owner=owner, body=body,
-            dof=_slide(model, body, name), participation=along, shapes=shape,
-        )
-        for body, along, shape in zip(bodies, turned, shapes, strict=True)
-    ]  # fmt: skip
+        owner, bodies = ids[0], ids[1 : n + 1]
+        participations = _rows(model, ids[n + 1], n, name)
+        shapes: list[dict[int, Array]] = [{} for _ in bodies]
+        for site, numeric in zip(ids[n + 2 :: 2], ids[n + 3 :: 2], strict=True):
+            if model.body_weldid[model.site_bodyid[site]] != model.body_weldid[owner]:
+                raise ModelError(
+                    f"tuple {name!r}: site {model.site(site).name!r} is not on the part's body {model.body(owner).name!r}."
+                )
+            to_site = data.site_xmat[site].reshape(3, 3).T @ data.xmat[owner].reshape(3, 3)
+            for mode, row in zip(shapes, _rows(model, numeric, n, name), strict=True):
+                mode[site] = to_site @ row
+        turned = participations @ data.xmat[owner].reshape(3, 3).T
+        modes += [
+            DeclaredMode(
+                part=name.replace(FLEXIBLE, "", 1), residual=model.body(body).name.endswith(RESIDUAL), owner=owner, body=body,
+                dof=_slide(model, body, name), participation=along, shapes=shape,
+            )
+            for body, along, shape in zip(bodies, turned, shapes, strict=True)
+        ]  # fmt: skip
+    return tuple(modes)
 
 
 def _rows(model: mujoco.MjModel, numeric: int, n: int, name: str) -> Array:

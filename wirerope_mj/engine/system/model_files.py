@@ -40,8 +40,14 @@ def write_model(system: System, folder: Path) -> Path:
     for name, (data, file) in files.items():
         text = text if data == file else _repointed(text, name, file)
     target.write_text(text, encoding="utf-8")
-    if system.path is not None:
-        _copy_assets(system.path, folder)
+    if system.path is not None:  # what an MJCF file names, and what included or attached files name in turn
+        root = system.path.parent.resolve()
+        for name, source in named_files(system.path):
+            if not source.resolve().is_relative_to(root):
+                raise ModelError(f"{system.path}: {name!r} lies outside the model's folder; a run must hold all it needs.")
+            copy = folder / source.resolve().relative_to(root)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, copy)
     for name, (_, file) in files.items():
         path = folder / _with_ending(file)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -150,7 +156,8 @@ def _with_ending(file: str) -> str:
 
 def _repointed(text: str, name: str, file: str) -> str:
     """Return the MJCF with the text `name` saying `file`."""
-    matches = [match for match in _TEXT.finditer(text) if _stated_name(match[0]) == name]
+    stated = [{part[1]: unescape(part[2][1:-1]) for part in _ATTRIBUTE.finditer(match[0])} for match in _TEXT.finditer(text)]
+    matches = [match for match, words in zip(_TEXT.finditer(text), stated, strict=True) if words.get("name") == name]
     if len(matches) != 1:
         raise ModelError(
             f"the text {name!r} names an isolator file outside the model's folder and does not stand in the model file "
@@ -158,18 +165,3 @@ def _repointed(text: str, name: str, file: str) -> str:
         )
     element = _ATTRIBUTE.sub(lambda match: f"data={quoteattr(file)}" if match[1] == "data" else match[0], matches[0][0])
     return f"{text[: matches[0].start()]}{element}{text[matches[0].end() :]}"
-
-
-def _stated_name(element: str) -> str:
-    return next((unescape(match[2][1:-1]) for match in _ATTRIBUTE.finditer(element) if match[1] == "name"), "")
-
-
-def _copy_assets(model: Path, folder: Path) -> None:
-    """Copy every file that an MJCF file names into `folder`, and what included or attached files name in turn."""
-    root = model.parent.resolve()
-    for name, source in named_files(model):
-        if not source.resolve().is_relative_to(root):
-            raise ModelError(f"{model}: {name!r} lies outside the model's folder; a run must hold all it needs.")
-        copy = folder / source.resolve().relative_to(root)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(source, copy)

@@ -32,7 +32,10 @@ def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
     for name in stated.values():
         file_inside(folder, name, "model file")
     model = folder / stated["file"]
-    for name, path in (*named_files(model), *_isolator_files(model)):
+    texts = [text for tree, _ in model_trees(model) for text in tree.iter("text") if "isolator/" in text.get("name", "")]
+    names = [text.get("data", "") for text in texts]
+    isolators = [(name, model.parent / (name if name.endswith(".toml") else f"{name}.toml")) for name in names]
+    for name, path in (*named_files(model), *isolators):
         if not is_inside(path, folder):
             raise RecordError(
                 f"{folder}: {model.name} names {name!r}, which lies outside this folder and is not read; a folder holds all "
@@ -51,15 +54,6 @@ def check_regular(model: Path) -> None:
             raise  # MuJoCo says itself what else is wrong
 
 
-def _isolator_files(model: Path) -> Iterator[tuple[str, Path]]:
-    """Yield what a model calls its isolator files, and where they are looked for first."""
-    for tree, _ in model_trees(model):
-        for text in tree.iter("text"):
-            if "isolator/" in text.get("name", ""):
-                name = text.get("data", "")
-                yield name, model.parent / (name if name.endswith(".toml") else f"{name}.toml")
-
-
 def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, ...]]]:
     """Yield the elements of a model file and of those that it includes or attaches, each with the folders it searches."""
     todo: list[tuple[Path, tuple[Path, ...]]] = [(model, ())]
@@ -69,7 +63,15 @@ def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, 
         if file.resolve() in seen or not is_inside(file, model.parent):
             continue  # a file may include itself, which MuJoCo refuses
         seen.add(file.resolve())
-        tree = _tree(file)
+        _is_there(file)
+        try:
+            tree = ElementTree.fromstring(file.read_text(encoding="utf-8", errors="replace"))
+        except ElementTree.ParseError as error:
+            line, column = error.position
+            raise ModelError(
+                f"{file}, line {line}, column {column + 1}: this is not well-formed XML, so that the files the model needs "
+                "cannot be found. Write & as &amp; and < as &lt;, close every element, and give no attribute twice."
+            ) from None
         stated = [compiler.get(key, "") for compiler in tree.iter("compiler") for key in _FOLDERS]
         own = (file.parent, model.parent)
         folders = (*own, *searched, *(base / name for name in stated for base in reversed(own)))
@@ -92,15 +94,3 @@ def _is_there(file: Path) -> bool:
         return regular(file).is_file()
     except OSError as error:
         raise ModelError(f"{file}: the model cannot be read: {why_unread(error)}") from error
-
-
-def _tree(file: Path) -> ElementTree.Element:
-    _is_there(file)
-    try:
-        return ElementTree.fromstring(file.read_text(encoding="utf-8", errors="replace"))
-    except ElementTree.ParseError as error:
-        line, column = error.position
-        raise ModelError(
-            f"{file}, line {line}, column {column + 1}: this is not well-formed XML, so that the files the model needs cannot "
-            "be found. Write & as &amp; and < as &lt;, close every element, and give no attribute twice."
-        ) from None

@@ -17,7 +17,6 @@ from wirerope_mj.engine.system.assembly import Assembly, assemble
 from wirerope_mj.engine.system.changes import Changes
 from wirerope_mj.engine.system.checks import check_joints, check_numbers, check_written, refused
 from wirerope_mj.engine.system.declared import (
-    DeclaredMount,
     base_body,
     check_names,
     check_visible,
@@ -153,26 +152,21 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     check_joints(plain)
     declared = declared_mounts(spec, plain, folder=path.parent if path else None, isolators=isolators)
     base = base_body(plain, declared)
-    _check_payloads(plain, declared, base)
+    for mount in declared:
+        body, site = int(plain.site_bodyid[mount.payload_site]), plain.site(mount.payload_site).name
+        if plain.body_weldid[body] == 0:
+            raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world; nothing moves on it.")
+        if base and plain.body_rootid[body] == base and plain.body_weldid[body] == base:
+            raise ModelError(f"mount {mount.name!r}: payload site {site!r} belongs to the base; swap the two sites.")
     try:
         assembly = assemble(spec, declared, base)
     except (ValueError, mujoco.FatalError) as error:  # a name that is added to every model, taken by the model's own
         raise ModelError(refused(str(error), text)) from None
     model = assembly.model
     roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
-    return System(
-        model=model, mounts=ByName(_mounts(assembly, declared)),
-        payloads=[model.body(root).name for root in dict.fromkeys(roots)], base=model.body(base).name if base else "",
-        mjcf=text, path=path, isolators={d.isolator_name: d.isolator for d in declared},
-        limits=declared_limits(model, base), assembly=assembly, combined_travel=judges_combined_travel(model),
-        areas=declared_areas(spec, [d.name for d in declared]),
-    )  # fmt: skip
-
-
-def _mounts(assembly: Assembly, declared: list[DeclaredMount]) -> dict[str, Mount]:
-    model, data = assembly.model, mujoco.MjData(assembly.model)
+    data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    return {
+    mounts = {
         d.name: Mount(
             name=d.name, isolator=d.isolator.conditioned, written=d.isolator, isolator_name=d.isolator_name,
             payload_site=model.site(d.payload_site).name, base_site=model.site(d.base_site).name,
@@ -182,6 +176,13 @@ def _mounts(assembly: Assembly, declared: list[DeclaredMount]) -> dict[str, Moun
         )
         for d in declared
     }  # fmt: skip
+    return System(
+        model=model, mounts=ByName(mounts),
+        payloads=[model.body(root).name for root in dict.fromkeys(roots)], base=model.body(base).name if base else "",
+        mjcf=text, path=path, isolators={d.isolator_name: d.isolator for d in declared},
+        limits=declared_limits(model, base), assembly=assembly, combined_travel=judges_combined_travel(model),
+        areas=declared_areas(spec, [d.name for d in declared]),
+    )  # fmt: skip
 
 
 def _read(source: str | Path) -> tuple[str, Path | None]:
@@ -209,16 +210,6 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
     if "\\" in path.resolve().as_posix():
         raise ModelError(f"{path.resolve()}: MuJoCo takes the backslash in this path for a slash; rename the folder or file.")
     return text, path.resolve()
-
-
-def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: int) -> None:
-    for mount in declared:
-        body = int(model.site_bodyid[mount.payload_site])
-        site = model.site(mount.payload_site).name
-        if model.body_weldid[body] == 0:
-            raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world; nothing moves on it.")
-        if base and model.body_rootid[body] == base and model.body_weldid[body] == base:
-            raise ModelError(f"mount {mount.name!r}: payload site {site!r} belongs to the base; swap the two sites.")
 
 
 def beyond_laws(system: System, deflections: Array, *, fraction: float = 1.0) -> tuple[str, str] | None:

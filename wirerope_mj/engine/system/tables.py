@@ -1,6 +1,6 @@
 """The tables that the callback reads: mounts, axes, drive, bodies, points, the tree, pairs of geoms, and what has peaks."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -28,7 +28,11 @@ def contact_capacity(model: mujoco.MjModel) -> int:
         return 0
     if model.nflex:
         return int(model.npair) + MOST
-    return int(model.npair) + min(_pairs_by_type(model), MOST)
+    # pairs of geoms that MuJoCo may let touch by their contact types, those declared as `pair` besides
+    meet = (model.geom_contype[:, np.newaxis] & model.geom_conaffinity) != 0
+    bodies = model.body_weldid[model.geom_bodyid]
+    meet = (meet | meet.T) & (bodies[:, np.newaxis] != bodies)
+    return int(model.npair) + min(int(np.count_nonzero(np.triu(meet, 1))), MOST)
 
 
 def declared_pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
@@ -72,16 +76,6 @@ def payload_first(model: mujoco.MjModel, base: int, pair: tuple[int, int]) -> tu
     """Return a pair of geoms with the one that is fixed to the base, or to the world, last; MuJoCo orders them by shape."""
     fixed = [geom < 0 or model.body_weldid[model.geom_bodyid[geom]] in (0, base) for geom in pair]
     return (pair[1], pair[0]) if fixed[0] and not fixed[1] else pair
-
-
-def _pairs_by_type(model: mujoco.MjModel) -> int:
-    """Return how many pairs of geoms MuJoCo may let touch by their contact types, those declared as `pair` besides."""
-    types, affinities = model.geom_contype, model.geom_conaffinity
-    meet = (types[:, np.newaxis] & affinities) != 0
-    meet |= meet.T
-    bodies = model.body_weldid[model.geom_bodyid]
-    meet &= bodies[:, np.newaxis] != bodies
-    return int(np.count_nonzero(np.triu(meet, 1)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,32 +139,29 @@ def make_tables(
 
     `sensor` is the address of the system's first sensor value, `drive` as in `Tables` where it is known.
     """
-    isolators = {mount.name: mount.isolator.conditioned for mount in declared}
-    axes, parameters, states = _axis_rows(isolators)
-    couplings = _couplings(isolators.values(), parameters)
-    n_states = int(sum(row[3] for row in axes))
+    isolators = {mount.name: mount.isolator for mount in declared}
     mujoco.mj_kinematics(model, data)
-    drive = _drive_rows(data, on.driven) if drive is None else drive
-    channels = _channels(on, states)
-    mounts = [
-        [
-            *_mount_row(model, mount, on), coupling, *turning(isolators[mount.name]), *_as_modelled(data, mount),
-            _partner(mount.isolator), *rated_travel(isolators[mount.name]), 0, 0,
-        ]
-        for mount, coupling in zip(declared, couplings, strict=True)
-    ]  # fmt: skip
-    inertia, bodies = DRIVE_ARMATURE + model.body_subtreemass[on.base], model.site_bodyid
-    shapes, places = _shape_rows(model, on)
+    if drive is None:  # the slides' axes are independent: `check_joints`
+        drive = np.linalg.pinv(data.xaxis[list(on.driven)]).T if on.driven else np.zeros((0, 3))
+    n_states, channels = [isolator.n_states for isolator in isolators.values()], _channels(on, declared)
+    # What pushes back on the world, or on a base whose only freedom is the drive, moves nothing.
+    still = {0, on.base} if on.base and model.body_dofnum[on.base] == len(on.driven) else {0}
+    mounts, modelled, inverse = np.zeros((len(declared), at.MOUNT_COLUMNS)), np.empty(4), np.empty(4)
+    bodies, roots, shapes = model.site_bodyid, model.body_rootid, _shape_rows(model, on)
+    for row, mount in zip(mounts, declared, strict=True):
+        both = [mount.payload_site, mount.base_site]
+        mujoco.mju_negQuat(inverse, data.site_xquat[mount.base_site])
+        mujoco.mju_mulQuat(modelled, inverse, data.site_xquat[mount.payload_site])
+        row[: at.MOVED] = *both, *bodies[both], *roots[bodies[both]]
+        row[at.MOVED], row[at.MODELLED : at.PARTNER] = model.body_weldid[bodies[mount.base_site]] not in still, modelled
+    inertia = DRIVE_ARMATURE + model.body_subtreemass[on.base]
     parts = [
         mounts,
-        axes,
+        np.zeros((3 * len(declared), at.AXIS_COLUMNS)),
         [[model.jnt_dofadr[joint], inertia, *row] for joint, row in zip(on.driven, drive, strict=True)],
-        [[body, model.body_rootid[body]] for body in on.bodies],
+        [[body, roots[body]] for body in on.bodies],
         [
-            [
-                site, bodies[site], model.body_rootid[bodies[site]], on.base,
-                *(data.site_xpos[site] - data.xipos[on.base]), 0,
-            ]
+            [site, bodies[site], roots[bodies[site]], on.base, *(data.site_xpos[site] - data.xipos[on.base]), 0]
             for site in on.points
         ],
         list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
@@ -178,83 +169,72 @@ def make_tables(
         [[site, bodies[site], 0] for site in on.forces],
         declared_pairs(model),
         [[mode.dof, *mode.participation] for mode in on.modes],
-        shapes,
-    ]  # fmt: skip
+        [number for rows in shapes.values() for number in rows],
+    ]
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
-    starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])])
+    starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])]).astype(int)
     header = np.zeros(at.HEADER)
-    counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, n_states, len(channels))
+    counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, sum(n_states), len(channels))
     header[: len(counts)] = counts
     header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES], header[at.PAIRS] = starts[:-5], starts[-5], starts[-4]
     header[at.MODES], header[at.N_MODES] = starts[-3], len(on.modes)
-    places = {site: int(starts[-2]) + place for site, place in places.items()}
+    places = dict(zip(shapes, starts[-2] + np.cumsum([0, *map(len, shapes.values())]), strict=False))
     ends = [[mount.payload_site, mount.base_site] for mount in declared]
-    flat[0].reshape(-1, at.MOUNT_COLUMNS)[:, at.SHAPES :] = [[places.get(site, 0) for site in both] for both in ends]
+    flat[0].reshape(-1, at.MOUNT_COLUMNS)[:, at.SHAPES :] = [[places.get(site, 0) for site in pair] for pair in ends]
     for part, columns, sites in ((4, at.POINT_COLUMNS, on.points), (7, at.FORCE_COLUMNS, on.forces)):
         flat[part].reshape(-1, columns)[:, -1] = [places.get(site, 0) for site in sites]
-    header[at.N_FORCES], header[at.N_PAIRS] = len(on.forces), len(declared_pairs(model))
-    header[at.SENSOR] = sensor
-    header[at.N_SLIPPING] = _slipping(axes)
+    header[at.N_FORCES], header[at.N_PAIRS], header[at.SENSOR] = len(on.forces), len(declared_pairs(model)), sensor
     header[at.N_CONTACTS] = n_contacts = contact_capacity(model)
-    header[at.N_STOPS] = n_stops = sum(len(isolator.stops) for isolator in isolators.values())
     user = at.UserData(
-        n_mounts=len(declared), n_states=n_states, n_tree=int(model.nbody), n_channels=len(channels),
-        n_contacts=n_contacts, n_stops=n_stops, n_forces=len(on.forces),
+        n_mounts=len(declared), n_states=sum(n_states), n_tree=int(model.nbody), n_channels=len(channels),
+        n_contacts=n_contacts, n_stops=sum(len(isolator.conditioned.stops) for isolator in isolators.values()),
+        n_forces=len(on.forces),
     )  # fmt: skip
-    addresses = (user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops)
-    header[at.USER_MOUNTS : at.USER_STOPS + 1], header[at.USER_FORCES] = addresses, user.forces
-    header[at.USER_TRAVELS] = user.travels
-    return Tables(
-        layout=np.concatenate([header, *flat]), parameters=np.concatenate([*parameters, []]), user=user, drive=drive,
-        channels=np.array(channels, dtype=np.int64), base_channels=(base_channels := _base_channels(model, on)),
-        tracked=np.setdiff1d(np.arange(len(channels)), base_channels), states=states,
+    addresses = user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops
+    header[at.USER_MOUNTS : at.USER_STOPS + 1] = addresses
+    header[at.USER_FORCES], header[at.USER_TRAVELS] = user.forces, user.travels
+    base_channels = _base_channels(model, on)
+    tables = Tables(
+        layout=np.concatenate([header, *flat]), parameters=np.zeros(0), user=user, drive=drive,
+        channels=np.array(channels, dtype=np.int64), base_channels=base_channels,
+        tracked=np.setdiff1d(np.arange(len(channels)), base_channels), states={},
     )  # fmt: skip
+    return with_laws(tables, isolators)
 
 
 def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
-    """Return tables with other laws, of all mounts in their order, with as many states; all else stays as it is."""
-    isolators = {mount: isolator.conditioned for mount, isolator in isolators.items()}
-    axes, parameters, states = _axis_rows(isolators)
-    couplings = _couplings(isolators.values(), parameters)
-    made = replace(tables, layout=tables.layout.copy(), parameters=np.concatenate([*parameters, []]), states=states)
-    rows = made.rows(at.MOUNTS, at.MOUNT_COLUMNS, len(isolators))
-    rows[:, at.COUPLING] = couplings
-    rows[:, at.TURNING : at.MODELLED] = [turning(isolator) for isolator in isolators.values()]
-    rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
-    rows[:, at.TRAVEL : at.SHAPES] = [rated_travel(isolator) for isolator in isolators.values()]
+    """Return tables with the laws of isolators, of all mounts in their order, with as many states; all else stays as it is."""
+    acting = {mount: isolator.conditioned for mount, isolator in isolators.items()}
+    axes: list[list[int]] = []
+    parameters: list[Array] = []
+    states: dict[str, tuple[slice, slice, slice]] = {}
+    n_states = n_parameters = 0
+    for mount, isolator in acting.items():
+        slices, coupled = [], isolator.coupled
+        together = isolator.coupled_axes if coupled is not None and coupled.brackets is not None else ()
+        for axis, law in enumerate(isolator.axes.values()):
+            size = law.n_states if law is not None else 0
+            slices.append(slice(n_states, n_states + size))
+            number = WITH_ANOTHER if axis in together else law.kernel if law is not None else -1
+            axes.append([number, n_parameters, n_states, size])
+            if law is not None:
+                parameters.append(law.kernel_parameters())
+                n_parameters += parameters[-1].size
+            n_states += size
+        states[mount] = (slices[0], slices[1], slices[2])
+    made = replace(tables, layout=tables.layout.copy(), states=states)
+    for row, isolator in zip(made.rows(at.MOUNTS, at.MOUNT_COLUMNS, len(acting)), acting.values(), strict=True):
+        row[at.COUPLING] = -1
+        if isolator.coupled is not None:
+            row[at.COUPLING] = n_parameters
+            parameters.append(isolator.coupled.mount_parameters())
+            n_parameters += parameters[-1].size
+        row[at.TURNING : at.MODELLED], row[at.PARTNER] = turning(isolator), max(isolator.coupled_axes, default=0)
+        row[at.TRAVEL : at.SHAPES] = rated_travel(isolator)
     made.rows(at.AXES, at.AXIS_COLUMNS, len(axes))[:] = axes
-    made.layout[at.N_SLIPPING] = _slipping(axes)
-    made.layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
-    return made
-
-
-def _slipping(axes: list[list[int]]) -> int:
-    return sum(row[0] in (MASING, PARALLEL) for row in axes)
-
-
-def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> list[float]:
-    sites = (mount.payload_site, mount.base_site)
-    bodies = [int(model.site_bodyid[site]) for site in sites]
-    # What pushes back on the world, or on a base whose only freedom is the drive, moves nothing.
-    driven_only = on.base and model.body_dofnum[on.base] == len(on.driven)
-    moved = model.body_weldid[bodies[1]] not in ({0, on.base} if driven_only else {0})
-    return [*sites, *bodies, *(model.body_rootid[body] for body in bodies), float(moved)]
-
-
-def _shape_rows(model: mujoco.MjModel, on: Subjects) -> tuple[list[float], dict[int, int]]:
-    """Return the shapes at all sites of flexible parts, one site behind the other, and where each site's stand."""
-    rows, places = list[float](), dict[int, int]()
-    for site, modes in on.shapes.items():
-        places[site] = len(rows)
-        rows.append(len(modes))
-        for dof, shape in modes:
-            rows += [dof, float(model.jnt_qposadr[model.dof_jntid[dof]]), *shape]
-    return rows, places
-
-
-def _partner(isolator: Isolator) -> int:
-    """Return the axis that roll is coupled to, 0 if there is none."""
-    return max(isolator.coupled_axes, default=0)
+    made.layout[at.N_SLIPPING] = sum(law in (MASING, PARALLEL) for law, *_ in axes)
+    made.layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in acting.values())
+    return replace(made, parameters=np.concatenate([*parameters, []]))
 
 
 def turning(isolator: Isolator) -> tuple[float, float, float]:
@@ -271,66 +251,27 @@ def rated_travel(isolator: Isolator) -> list[float]:
     return [(1.0 / max(stated[one], 1e-100)) ** 2 if one in stated else 0.0 for one in ratings]
 
 
-def _as_modelled(data: mujoco.MjData, mount: DeclaredMount) -> Array:
-    """Return the orientation of the payload's site in the base site's axes, in the modelled geometry, (4,)."""
-    inverse, relative = np.empty(4), np.empty(4)
-    mujoco.mju_negQuat(inverse, data.site_xquat[mount.base_site])
-    mujoco.mju_mulQuat(relative, inverse, data.site_xquat[mount.payload_site])
-    return relative
-
-
-def _axis_rows(isolators: Mapping[str, Isolator]) -> tuple[list[list[int]], list[Array], dict[str, tuple[slice, slice, slice]]]:
-    """Return the axes table, the laws' parameters in its order, and every mount's states."""
-    rows: list[list[int]] = []
-    parameters: list[Array] = []
-    states: dict[str, tuple[slice, slice, slice]] = {}
-    n_states = n_parameters = 0
-    for mount, isolator in isolators.items():
-        slices, coupled = [], isolator.coupled
-        together = isolator.coupled_axes if coupled is not None and coupled.brackets is not None else ()
-        for axis, law in enumerate(isolator.axes.values()):
-            size = law.n_states if law is not None else 0
-            slices.append(slice(n_states, n_states + size))
-            number = WITH_ANOTHER if axis in together else law.kernel if law is not None else -1
-            rows.append([number, n_parameters, n_states, size])
-            if law is not None:
-                parameters.append(law.kernel_parameters())
-                n_parameters += parameters[-1].size
-            n_states += size
-        states[mount] = (slices[0], slices[1], slices[2])
-    return rows, parameters, states
-
-
-def _couplings(isolators: Iterable[Isolator], parameters: list[Array]) -> list[int]:
-    """Append the parameters of couplings to those of the laws and return where each mount's begin, -1 without one."""
-    starts = []
-    for isolator in isolators:
-        coupled = isolator.coupled
-        starts.append(-1 if coupled is None else sum(part.size for part in parameters))
-        if coupled is not None:
-            parameters.append(coupled.mount_parameters())
-    return starts
-
-
-def _drive_rows(data: mujoco.MjData, driven: tuple[int, ...]) -> Array:
-    """Return the map from base acceleration (3,) to slide accelerations, (n_driven, 3)."""
-    if not driven:
-        return np.zeros((0, 3))
-    axes = data.xaxis[list(driven)]  # (n_driven, 3)
-    return np.linalg.pinv(axes).T  # they are independent: `check_joints`
-
-
-def _channels(on: Subjects, states: dict[str, tuple[slice, slice, slice]]) -> list[int]:
+def _channels(on: Subjects, declared: list[DeclaredMount]) -> list[int]:
     """Return the indices of body accelerations, point accelerations and displacements, mount deflections and forces."""
     indices = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
     first = at.KINEMATICS * len(on.bodies)
     for i in range(len(on.points)):
         indices += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
     first += at.POINT_VALUES * len(on.points)
-    for roll, _, axial in states.values():
+    for mount in declared:
         indices += [first, first + 3]
-        first += at.MOUNT_VALUES + axial.stop - roll.start
+        first += at.MOUNT_VALUES + mount.isolator.n_states
     return indices
+
+
+def _shape_rows(model: mujoco.MjModel, on: Subjects) -> dict[int, list[float]]:
+    """Return the shapes at each site of flexible parts as rows of numbers."""
+    rows = {}
+    for site, modes in on.shapes.items():
+        rows[site] = [float(len(modes))]
+        for dof, shape in modes:
+            rows[site] += [dof, float(model.jnt_qposadr[model.dof_jntid[dof]]), *shape]
+    return rows
 
 
 def _base_channels(model: mujoco.MjModel, on: Subjects) -> tuple[int, ...]:

@@ -15,7 +15,7 @@ from wirerope_mj.engine.system.changes import Changes, Vector
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.engine.system.system import Mount, System, load_system
-from wirerope_mj.engine.system.tables import Tables, make_tables, with_laws
+from wirerope_mj.engine.system.tables import make_tables, with_laws
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.summary import ByName
@@ -71,17 +71,44 @@ def changed(system: System, changes: Changes) -> System:
     if changes.masses or changes.centres or changes.positions or changes.turns:
         with system.assembly.scratch.data(model) as data:
             mujoco.mj_kinematics(model, data)
-            _change_bodies(model, data, changes)
+            change_masses(model, changes.masses)
+            for name, shift in changes.centres.items():
+                body = _body(model, name)
+                if model.body_simple[body] and any(shift):
+                    raise ModelError(
+                        f"body {name!r}: its centre of mass cannot be moved, because MuJoCo has compiled its inertia as "
+                        f'diagonal about its joints. Write <body name="{name}" simple="false"> in the model.'
+                    )
+                model.body_ipos[body] += _in_body(data, body, shift)
             _move_sites(model, data, system, changes)
             mujoco.mj_setConst(model, data)
             tune(model, changes.tunings, system.model)
             mujoco.mj_resetData(model, data)
-            tables = _moved_tables(model, data, system, isolators)
+            old = system.assembly
+            declared = [
+                DeclaredMount(
+                    name=name, payload_site=payload, base_site=base, isolator_name=mount.isolator_name, isolator=isolators[name]
+                )
+                for (name, mount), (payload, base) in zip(system.mounts.items(), old.tables.sites.tolist(), strict=True)
+            ]
+            subjects = replace(old.subjects, modes=declared_modes(model))  # whose shapes are in the axes of sites that may turn
+            tables = make_tables(model, data, declared, subjects, sensor=old.sensor, drive=old.tables.drive)
+            tables = replace(tables, user=old.tables.user)
             positions = {name: data.site(mount.base_site).xpos.copy() for name, mount in system.mounts.items()}
     else:
         tune(model, changes.tunings, system.model)
         tables = with_laws(system.assembly.tables, isolators)
-    _write_tables(model, system, isolators, tables)
+    n_stops, room = int(tables.layout[at.N_STOPS]), model.numeric(at.PARAMETERS).data
+    if n_stops > tables.user.n_stops:
+        raise ModelError(
+            f"the laws of all mounts have {n_stops} stops, those that the model was compiled with {tables.user.n_stops}: load "
+            "the model with such isolators from the start, load_system(..., isolators={...}), and vary that."
+        )
+    if tables.parameters.size > room.size:
+        raise ModelError(_no_room(system, isolators, tables.parameters.size, room.size))
+    model.numeric(at.LAYOUT).data[:] = tables.layout  # where those of the original model stand
+    room[:] = 0.0
+    room[: tables.parameters.size] = tables.parameters
     mounts = {
         name: replace(
             mount, isolator=isolators[name].conditioned, written=isolators[name], position=positions[name],
@@ -131,18 +158,6 @@ def _written(mount: Mount) -> str:
         "A variant has the layout of its model: load the model with such an isolator from the start, "
         f"load_system(..., isolators={{{mount.isolator_name!r}: ...}}), and vary that."
     )
-
-
-def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes) -> None:
-    change_masses(model, changes.masses)
-    for name, shift in changes.centres.items():
-        body = _body(model, name)
-        if model.body_simple[body] and any(shift):
-            raise ModelError(
-                f"body {name!r}: its centre of mass cannot be moved, because MuJoCo has compiled its inertia as diagonal about "
-                f'its joints. Write <body name="{name}" simple="false"> in the model.'
-            )
-        model.body_ipos[body] += _in_body(data, body, shift)
 
 
 def change_masses(model: mujoco.MjModel, masses: Mapping[str, float]) -> None:
@@ -228,36 +243,6 @@ def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, chan
 def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
     """Return a shift along the world's axes in those of a body."""
     return np.asarray(np.array(shift) @ data.xmat[body].reshape(3, 3), dtype=np.float64)
-
-
-def _moved_tables(model: mujoco.MjModel, data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]) -> Tables:
-    """Make the tables of a model whose bodies and sites have changed, and its geometry in `data`, lent by another model's."""
-    old = system.assembly
-    declared = [
-        DeclaredMount(
-            name=name, payload_site=payload, base_site=base, isolator_name=mount.isolator_name, isolator=isolators[name]
-        )
-        for (name, mount), (payload, base) in zip(system.mounts.items(), old.tables.sites.tolist(), strict=True)
-    ]
-    subjects = replace(old.subjects, modes=declared_modes(model))  # whose shapes are in the axes of sites that may turn
-    tables = make_tables(model, data, declared, subjects, sensor=old.sensor, drive=old.tables.drive)
-    return replace(tables, user=old.tables.user)
-
-
-def _write_tables(model: mujoco.MjModel, system: System, isolators: Mapping[str, Isolator], tables: Tables) -> None:
-    """Write tables to where those of the original model stand in its copy."""
-    n_stops, rows = int(tables.layout[at.N_STOPS]), tables.user.n_stops
-    if n_stops > rows:
-        raise ModelError(
-            f"the laws of all mounts have {n_stops} stops, those that the model was compiled with {rows}: load the model with "
-            "such isolators from the start, load_system(..., isolators={...}), and vary that."
-        )
-    room = model.numeric(at.PARAMETERS).data
-    if tables.parameters.size > room.size:
-        raise ModelError(_no_room(system, isolators, tables.parameters.size, room.size))
-    model.numeric(at.LAYOUT).data[:] = tables.layout
-    room[:] = 0.0
-    room[: tables.parameters.size] = tables.parameters
 
 
 def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, room: int) -> str:
