@@ -10,7 +10,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.engine.from_tables.layout import MassProperties, combined
 from wirerope_mj.engine.from_tables.mass_text import read_mass_text
-from wirerope_mj.engine.from_tables.masses import read_masses
+from wirerope_mj.engine.from_tables.read import read_masses
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 
 pytestmark = pytest.mark.quick

@@ -10,7 +10,8 @@ import wirerope_mj as wr
 from wirerope_mj.engine.kernel.equations import equations, not_held
 from wirerope_mj.engine.kernel.variants import Numbers
 from wirerope_mj.engine.simulation.engines import unsupported_system
-from wirerope_mj.engine.statics.find import equilibrium_solver, found_in_lanes
+from wirerope_mj.engine.statics import find
+from wirerope_mj.engine.statics.find import equilibrium_solver, settle_together
 from wirerope_mj.engine.statics.loading import HISTORIES, Loading
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.engine.system.varied import changed
@@ -27,8 +28,9 @@ def searched(system, history):
 
 
 def in_lanes(system, history):
-    with system.assembly.scratch.data(system.model) as data:
-        return found_in_lanes(system, history, data)
+    find._known.pop(system, None)
+    settle_together([system], history)
+    return find._known.get(system, {}).get(history)
 
 
 def rows_of(equilibrium):

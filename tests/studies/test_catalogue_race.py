@@ -8,7 +8,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.engine.from_tables import mjcf_of
-from wirerope_mj.engine.from_tables.box import box_layout
+from wirerope_mj.engine.from_tables.layout import box_layout
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.statics.find import settle_together
 from wirerope_mj.engine.system.varied import varied

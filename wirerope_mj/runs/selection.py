@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.engine.from_tables import mjcf_of
-from wirerope_mj.engine.from_tables.box import box_layout
+from wirerope_mj.engine.from_tables.layout import box_layout
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import write_model

@@ -10,8 +10,7 @@ from wirerope_mj.engine.control.mounts import bent, point_velocity
 from wirerope_mj.engine.control.peaks import touch
 from wirerope_mj.engine.control.vectors import column, dot, minus, plus, turned, vector
 from wirerope_mj.foundation.jit import index, inlined, njit
-from wirerope_mj.mounts.laws.registry import PARALLEL, STOP
-from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, LOSS, stop_force
+from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, stop_force
 
 # mjCNSTR_CONTACT_FRICTIONLESS and _PYRAMIDAL: how the forces of a contact stand in efc_force, else as of an elliptic cone
 FRICTIONLESS, PYRAMIDAL = 5, 6
@@ -115,35 +114,19 @@ def rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel):
 @njit
 def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtree_com, cvel, qvel):
     """Update the memory of all stops with the deflections of this step."""
-    n_stops = index(lay[i + at.N_STOPS])
-    if n_stops == 0:
-        return
-    row = w + index(lay[i + at.USER_STOPS])
+    n_stops, row = index(lay[i + at.N_STOPS]), i + index(lay[i + at.STOPS])
+    k = w + index(lay[i + at.USER_STOPS])
     if u[w + at.HISTORY] == 0.0:
-        for k in range(at.CONTACT_MEMORY * n_stops):
-            u[row + k] = 0.0
-    record = w + index(lay[i + at.USER_MOUNTS])
-    m = i + index(lay[i + at.MOUNTS])
-    axis = i + index(lay[i + at.AXES])
-    for _ in range(index(lay[i + at.N_MOUNTS])):
-        for c in range(3):
-            law, first = lay[axis], q + index(lay[axis + 1])
-            n_components = int(par[first]) if law == PARALLEL else 1 if law == STOP else 0
-            for component in range(n_components):
-                p, z, kind = first, a + index(lay[axis + 2]), law
-                if law == PARALLEL:
-                    entry = first + 1 + 3 * component
-                    kind, p, z = par[entry], first + int(par[entry + 1]), z + int(par[entry + 2])
-                if kind != STOP:
-                    continue
-                x = u[record + c]
-                depth = max(-x - par[p + BELOW], x - par[p + ABOVE])
-                if depth > 0.0:
-                    v = rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel)
-                    pull = stop_force(par, p, x, v, act[z] if par[p + LOSS] != 0.0 else 0.0)
-                    if pull != 0.0:
-                        touch(u, row, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, abs(pull), pull * v, True)
-                row += at.CONTACT_MEMORY
-            axis += at.AXIS_COLUMNS
-        record += 6
-        m += at.MOUNT_COLUMNS
+        for c in range(at.CONTACT_MEMORY * n_stops):
+            u[k + c] = 0.0
+    for _ in range(n_stops):
+        mount, c, p = index(lay[row]), index(lay[row + 1]), q + index(lay[row + 2])
+        x = u[w + index(lay[i + at.USER_MOUNTS]) + 6 * mount + c]
+        depth = max(-x - par[p + BELOW], x - par[p + ABOVE])
+        if depth > 0.0:
+            m = i + index(lay[i + at.MOUNTS]) + at.MOUNT_COLUMNS * mount
+            v = rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel)
+            pull = stop_force(par, p, x, v, act[a + index(lay[row + 3])] if lay[row + 3] >= 0.0 else 0.0)
+            if pull != 0.0:
+                touch(u, k, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, abs(pull), pull * v, True)
+        row, k = row + at.STOP_COLUMNS, k + at.CONTACT_MEMORY

@@ -22,8 +22,8 @@ PARAMETERS = "wirerope/parameters"
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
 USER_MOUNTS, USER_RATES, USER_ACCELERATIONS, USER_CHANNELS, USER_CONTACTS, USER_STOPS = range(18, 24)  # see `UserData`
-N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS, N_MODES, MODES = range(24, 32)
-HEADER = 32
+N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS, N_MODES, MODES, STOPS = range(24, 33)
+HEADER = 33
 
 # columns of the tables
 MOUNT_COLUMNS = 22
@@ -44,6 +44,8 @@ BODY_COLUMNS = 2  # body, root
 POINT_COLUMNS = 8  # site, body, root, base body, point from the base body's centre of mass as modelled (3), shapes
 TREE_COLUMNS = 3  # parent, first dof, number of dofs; one row per body of the model
 FORCE_COLUMNS = 3  # site, body, shapes; a row for every site at which a force may act
+# mount, axis, first parameter, first state (-1: its force has no memory); a row for every stop among the laws
+STOP_COLUMNS = 4
 PAIR_COLUMNS = 2  # the two geoms; a row for every pair that the model declares
 MODE_COLUMNS = 4  # dof, participation [sqrt(kg)] along the world's axes (3); a row for every mode of a flexible part
 # shapes at a site: number of modes, then of each dof, coordinate in qpos, and shape in the site's axes [1/sqrt(kg)] (3)

@@ -169,6 +169,20 @@ def push_modes(lay, k, r, site_xmat, qfrc_applied, force):
 
 
 @inlined
+def separation(lay, i, m, site_xpos, site_xmat, qpos):
+    """Return the point of the payload of the mount in row `m`, and how far it is from the base's site [m], world axes."""
+    s, b = index(lay[m + at.PAYLOAD_SITE]), index(lay[m + at.BASE_SITE])
+    shapes, below = index(lay[m + at.SHAPES]), index(lay[m + at.SHAPES + 1])
+    point = vector(site_xpos, 3 * s)
+    if shapes:
+        point = plus(point, turned(site_xmat, 9 * s, bent(lay, i + shapes, qpos, 1)))
+    apart = minus(point, vector(site_xpos, 3 * b))
+    if below:
+        apart = minus(apart, turned(site_xmat, 9 * b, bent(lay, i + below, qpos, 1)))
+    return point, apart
+
+
+@inlined
 def apply_mounts(
     lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat, subtree_com, cvel, xipos, xfrc, qpos, qvel,
     qfrc_applied,
@@ -188,21 +202,16 @@ def apply_mounts(
     axis = i + index(lay[i + at.AXES])
     for _ in range(n_mounts):
         payload, base = index(lay[m + at.PAYLOAD]), index(lay[m + at.BASE])
-        s, b = index(lay[m + at.PAYLOAD_SITE]), index(lay[m + at.BASE_SITE])
-        r = 9 * b
-        point = vector(site_xpos, 3 * s)
+        s, r = 9 * index(lay[m + at.PAYLOAD_SITE]), 9 * index(lay[m + at.BASE_SITE])
         shapes, below = index(lay[m + at.SHAPES]), index(lay[m + at.SHAPES + 1])
-        if shapes:
-            point = plus(point, turned(site_xmat, 9 * s, bent(lay, i + shapes, qpos, 1)))
-        apart = minus(point, vector(site_xpos, 3 * b))
+        point, apart = separation(lay, i, m, site_xpos, site_xmat, qpos)
         rate = minus(
             point_velocity(cvel, payload, subtree_com, index(lay[m + at.PAYLOAD_ROOT]), point),
             point_velocity(cvel, base, subtree_com, index(lay[m + at.BASE_ROOT]), point),
         )
         if shapes:
-            rate = plus(rate, turned(site_xmat, 9 * s, bent(lay, i + shapes, qvel, 0)))
+            rate = plus(rate, turned(site_xmat, s, bent(lay, i + shapes, qvel, 0)))
         if below:
-            apart = minus(apart, turned(site_xmat, r, bent(lay, i + below, qpos, 1)))
             rate = minus(rate, turned(site_xmat, r, bent(lay, i + below, qvel, 0)))
         total = (0.0, 0.0, 0.0)
         for c in range(3):
@@ -221,7 +230,7 @@ def apply_mounts(
         against = times(-1.0, total)
         add_force(xfrc, payload, xipos, point, against)
         if shapes:
-            push_modes(lay, i + shapes, 9 * s, site_xmat, qfrc_applied, against)
+            push_modes(lay, i + shapes, s, site_xmat, qfrc_applied, against)
         if below:
             push_modes(lay, i + below, r, site_xmat, qfrc_applied, total)
         if lay[m + at.MOVED] != 0.0:

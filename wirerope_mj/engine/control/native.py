@@ -104,19 +104,16 @@ def _as_pointer(typing_context, address):  # type: ignore[no-untyped-def]
 
 @inlined
 def float64_array(address):  # type: ignore[no-untyped-def]
-    """Return the float64 array that starts at `address`."""
     return carray(_as_pointer(address), (ANY_SIZE,), types.float64)
 
 
 @inlined
 def int64_array(address):  # type: ignore[no-untyped-def]
-    """Return the int64 array that starts at `address`."""
     return carray(_as_pointer(address), (ANY_SIZE,), types.int64)
 
 
 @inlined
 def int32_array(address):  # type: ignore[no-untyped-def]
-    """Return the int32 array that starts at `address`."""
     return carray(_as_pointer(address), (ANY_SIZE,), types.int32)
 
 
@@ -150,6 +147,39 @@ def _find_system(m, system):  # type: ignore[no-untyped-def]
     return is_system, last, member(m, system[2], layout), member(m, system[2], parameters), userdata, activation
 
 
+@inlined
+def _control(m, d, system, time, userdata, activation, f):  # type: ignore[no-untyped-def]
+    is_system, _, lay, par, w, a = _find_system(m, system)
+    if is_system:
+        apply_forces(
+            lay, 0, par, 0, member(d, userdata, w), 0, member(d, activation, a), 0, float64_array(d + time)[0],
+            member(d, f[0]), member(d, f[1]), member(d, f[2]), member(d, f[3]), member(d, f[4]), member(d, f[5]),
+            member(d, f[6]), member(d, f[7]), member(d, f[8]), member(d, f[9]), member(d, f[10]), member(d, f[11]),
+        )  # fmt: skip
+
+
+@inlined
+def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-untyped-def]
+    is_system, last, lay, _, w, a = _find_system(m, system)
+    if is_system and last == actuator:
+        return copy_rates(lay, 0, member(d, userdata, w), 0, member(d, act_dot, a), 0)
+    return 0.0
+
+
+@inlined
+def _sensor(m, d, system, time, userdata, activation, f, in_data, in_contact):  # type: ignore[no-untyped-def]
+    is_system, _, lay, par, w, a = _find_system(m, system)
+    if is_system:
+        u, now = member(d, userdata, w), float64_array(d + time)[0]
+        if u[at.OBSERVING] != 0.0:
+            _contacts(d, lay, u, now, in_data, in_contact)
+        observe(
+            lay, 0, par, 0, u, 0, member(d, activation, a), 0, now, member(d, f[0]), member(d, f[1]), member(d, f[2]),
+            member(d, f[3]), member(d, f[4]), member(d, f[5]), member(d, f[6]), member(d, f[7]), member(d, f[8]),
+            member(d, f[9]), member(d, f[10]), member(d, f[11]), member(d, f[12]),
+        )  # fmt: skip
+
+
 @njit
 def _contacts(d, lay, u, time, in_data, in_contact):  # type: ignore[no-untyped-def]
     """Remember the contacts of this step; offsets in mjData and in mjContact, whose size is last."""
@@ -181,7 +211,7 @@ def native_callbacks() -> Callbacks:
     model, data, contact = offsets("mjModel"), offsets("mjData"), offsets("mjContact")
     system = model["nu"], model["actuator_dynprm"], model["numeric_data"]
     time, userdata, activation, act_dot = (data[name] for name in ("time", "userdata", "act", "act_dot"))
-    f, g = (tuple(data[name] for name in fields) for fields in (CONTROL_FIELDS, SENSOR_FIELDS))
+    fields, sensed = (tuple(data[name] for name in names) for names in (CONTROL_FIELDS, SENSOR_FIELDS))
     in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type", "efc_vel"))
     in_contact = (
         *(contact[name] for name in ("dist", "geom", "dim", "efc_address")),
@@ -189,33 +219,14 @@ def native_callbacks() -> Callbacks:
     )
 
     def control(m, d):  # type: ignore[no-untyped-def]
-        is_system, _, lay, par, w, a = _find_system(m, system)
-        if is_system:
-            apply_forces(
-                lay, 0, par, 0, member(d, userdata, w), 0, member(d, activation, a), 0, float64_array(d + time)[0],
-                member(d, f[0]), member(d, f[1]), member(d, f[2]), member(d, f[3]), member(d, f[4]), member(d, f[5]),
-                member(d, f[6]), member(d, f[7]), member(d, f[8]), member(d, f[9]), member(d, f[10]), member(d, f[11]),
-            )  # fmt: skip
+        _control(m, d, system, time, userdata, activation, fields)
 
     def act_dyn(m, d, actuator):  # type: ignore[no-untyped-def]
-        is_system, last, lay, _, w, a = _find_system(m, system)
-        if is_system and last == actuator:
-            return copy_rates(lay, 0, member(d, userdata, w), 0, member(d, act_dot, a), 0)
-        return 0.0
+        return _act_dyn(m, d, actuator, system, userdata, act_dot)
 
     def sensor(m, d, stage):  # type: ignore[no-untyped-def]
-        if stage != ACCELERATION_STAGE:
-            return
-        is_system, _, lay, par, w, a = _find_system(m, system)
-        if is_system:
-            u, now = member(d, userdata, w), float64_array(d + time)[0]
-            if u[at.OBSERVING] != 0.0:
-                _contacts(d, lay, u, now, in_data, in_contact)
-            observe(
-                lay, 0, par, 0, u, 0, member(d, activation, a), 0, now, member(d, g[0]), member(d, g[1]), member(d, g[2]),
-                member(d, g[3]), member(d, g[4]), member(d, g[5]), member(d, g[6]), member(d, g[7]), member(d, g[8]),
-                member(d, g[9]), member(d, g[10]), member(d, g[11]), member(d, g[12]),
-            )  # fmt: skip
+        if stage == ACCELERATION_STAGE:
+            _sensor(m, d, system, time, userdata, activation, sensed, in_data, in_contact)
 
     at_stage = types.void(*_MODEL_AND_DATA, types.int32)
     return Callbacks(

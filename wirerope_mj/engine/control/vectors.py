@@ -1,4 +1,7 @@
-"""Vectors, rotations and quaternions as tuples, of floats or lanes, for the callbacks and for the equations in lanes."""
+"""Vectors, rotations and quaternions as tuples, of floats or lanes, for the callbacks and for the equations in lanes.
+
+`vector`, `six` and `quaternion` read the entries from a[i] on, `keep` writes a vector there, and `grow` adds one to it.
+"""
 
 import math
 
@@ -7,55 +10,46 @@ from wirerope_mj.foundation.jit import inlined
 
 @inlined
 def vector(a, i):
-    """Return the three entries from a[i]."""
     return a[i], a[i + 1], a[i + 2]
 
 
 @inlined
 def keep(a, i, v):
-    """Write a vector to a[i:]."""
     a[i], a[i + 1], a[i + 2] = v[0], v[1], v[2]
 
 
 @inlined
 def grow(a, i, v):
-    """Add a vector to a[i:]."""
     a[i], a[i + 1], a[i + 2] = a[i] + v[0], a[i + 1] + v[1], a[i + 2] + v[2]
 
 
 @inlined
 def plus(a, b):
-    """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @inlined
 def minus(a, b):
-    """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inlined
 def times(s, a):
-    """Return s a."""
     return s * a[0], s * a[1], s * a[2]
 
 
 @inlined
 def dot(a, b):
-    """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
 def norm(a):
-    """Return |a|."""
     return math.sqrt(dot(a, a))
 
 
 @inlined
 def cross(a, b):
-    """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
@@ -117,7 +111,6 @@ def symmetric(i, v):
 
 @inlined
 def six(a, i):
-    """Return the six entries from a[i]."""
     return a[i], a[i + 1], a[i + 2], a[i + 3], a[i + 4], a[i + 5]
 
 
@@ -132,7 +125,6 @@ def product(p, q):
 
 @inlined
 def quaternion(a, i):
-    """Return the four entries from a[i]."""
     return a[i], a[i + 1], a[i + 2], a[i + 3]
 
 

@@ -176,5 +176,4 @@ def _require_once(keys: Sequence[tuple[str, str]]) -> None:
 
 
 def numbers_of(where: str, row: Mapping[str, str], columns: Sequence[str]) -> Array:
-    """Read the numbers in some cells of a row."""
     return np.array([number_in(where, column, row[column]) for column in columns])

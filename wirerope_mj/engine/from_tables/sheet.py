@@ -27,7 +27,6 @@ class Row:
         return RecordError(f"{self.location}: {text}")
 
     def has(self, column: str) -> bool:
-        """Return whether the cell is there and not empty."""
         return bool(self.cells.get(column, ""))
 
     def text(self, column: str) -> str:

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.friction import ELEMENTS
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS
 from wirerope_mj.mounts.laws.registry import HEAD, MASING, ON_BRACKET, OWN, PARALLEL, SMOOTHED, STOP, TABULATED
-from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
+from wirerope_mj.mounts.laws.stop_kernels import N_POINTS
 
 # places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes
 KNOTS = 4
@@ -44,7 +44,6 @@ class Equations:
 
     @property
     def n_values(self) -> int:
-        """Number of sensor values of an instant."""
         return int(self.lay[at.N_VALUES])
 
     @property
@@ -74,7 +73,13 @@ def equations_of(system: System) -> Equations:
     lay[at.DRIVEN] = fix.put([[*row, mass] for row, mass in zip(tables.drive, masses, strict=True)])
     lay[at.PARAMETERS] = num.put(tables.parameters)
     axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * tables.user.n_mounts).astype(np.int64).tolist()
-    stops, trees, pairs = _stops(tables, axes), _trees(bodies, kinds, dofs, num), pair_rows(model, bodies, fix)
+    stops = [
+        [at.RECORD_SIZE * mount + axis, first, state]
+        for mount, axis, first, state in tables.rows(
+            control.STOPS, control.STOP_COLUMNS, int(tables.layout[control.N_STOPS])
+        ).astype(np.int64).tolist()
+    ]  # fmt: skip
+    trees, pairs = _trees(bodies, kinds, dofs, num), pair_rows(model, bodies, fix)
     forces = []
     for site in subjects.forces:
         link, pose = bodies.site(site)
@@ -294,20 +299,6 @@ def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
     return tuple(found)
 
 
-def _stops(tables: Tables, axes: list[list[int]]) -> list[list[int]]:
-    """Return of every stop: record of its deflection, first parameter, state, and whether it has one."""
-    rows, par = [], tables.parameters
-    for number, (law, first, state, _) in enumerate(axes):
-        record = at.RECORD_SIZE * (number // 3) + number % 3
-        if law == STOP:
-            rows.append([record, first, state, int(par[first + LOSS] != 0.0)])
-        for part in range(int(par[first]) if law == PARALLEL else 0):
-            kind, own, z = (int(one) for one in par[first + 1 + 3 * part : first + 4 + 3 * part])
-            if kind == STOP:
-                rows.append([record, first + own, state + z, int(par[first + own + LOSS] != 0.0)])
-    return rows
-
-
 def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer, num: Writer) -> list[list[int]]:
     """Return the rows of the bodies and points that are observed."""
     model, assembly = system.model, system.assembly
@@ -329,7 +320,6 @@ def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer,
 
 @once_per_system
 def equations(system: System) -> Equations:
-    """Return the equations of a system that the kernel's can be; made once."""
     return equations_of(system)
 
 

@@ -97,7 +97,7 @@ def tick(clock, time):
 
 @inlined
 def track_stops(lay, num, y, work, clock, time):
-    """Update the memory of all stops with the deflections of this step; STOPS names axis and component of each."""
+    """Update the memory of all stops with the deflections of this step; STOPS has record, parameters and state of each."""
     k, row, z = lay[at.TOUCHED], lay[at.STOPS], lay[at.NQ] + lay[at.NV]
     if clock[HISTORY] == 0.0:
         for c in range(control.CONTACT_MEMORY * lay[at.N_STOPS]):
@@ -107,8 +107,8 @@ def track_stops(lay, num, y, work, clock, time):
         p = lay[at.PARAMETERS] + lay[row + 1]
         depth = max(-x - num[p + BELOW], x - num[p + ABOVE])
         if some(depth > 0.0):
-            w = y[z + lay[row + 2]] if lay[row + 3] else 0.0 * x
+            w = y[z + lay[row + 2]] if lay[row + 2] >= 0 else 0.0 * x
             pull = where(depth > 0.0, stop_force(num, p, x, rate, w), 0.0)
             force = abs(pull)
             touch(work, k, clock[HISTORY], clock[TIME_1], time, depth, force, pull * rate, force > 0.0)
-        k, row = k + control.CONTACT_MEMORY, row + 4
+        k, row = k + control.CONTACT_MEMORY, row + 3

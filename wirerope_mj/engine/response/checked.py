@@ -41,7 +41,6 @@ class Metadata:
 
     @cached_property
     def plan(self) -> ColumnPlan:
-        """Meaning of the columns."""
         return ColumnPlan(bodies=self.bodies, points=self.points, mounts=self.mounts, contacts=self.contacts)
 
     def __post_init__(self) -> None:

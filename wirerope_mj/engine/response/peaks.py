@@ -48,7 +48,6 @@ class ContactPeak:
         return replace(self, **{name: time + by for name, time in times.items() if time is not None})
 
     def to_dict(self) -> Entries:
-        """Return the contact as plain values."""
         return asdict(self) | {"geoms": list(self.geoms), "bodies": list(self.bodies)}  # as a file has them
 
 

@@ -171,7 +171,6 @@ class FileSamples:
         return values
 
     def blocks(self, first: int, last: int) -> Iterator[Array]:
-        """Yield these columns some rows after the other."""
         with self._open() as file:
             yield from self._blocks(file, first, last)
 

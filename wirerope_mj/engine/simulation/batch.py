@@ -18,9 +18,8 @@ from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
-from wirerope_mj.engine.simulation.engines import Engine, equations, failure, refused, result_of, unsupported_run
+from wirerope_mj.engine.simulation.engines import Engine, refused, run_in_lanes, unsupported_run
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
-from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.recorder import Recorder
 from wirerope_mj.engine.simulation.run import (
     RunResult,
@@ -228,22 +227,17 @@ def _in_lanes(
 ) -> tuple[dict[int, BatchResult | BatchFailure], dict[int, str]]:
     """Compute variants by the kernel: the results, and why it gave up the others, by number."""
     recorders = [Recorder(one.system, one.motion, grid, None) for one in variants] if responses else []
-    states = np.array([variant.start.values[moving(variant.system)] for variant in variants])
-    done = go_in_lanes(
-        [equations(v.system) for v in variants], variants[0].system.assembly.tables.drive, [v.motion for v in variants],
-        states, grid, threads=threads,
+    done = run_in_lanes(
+        [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], grid, threads=threads,
         sink=(lambda index, first, rows: recorders[index].add(first, rows)) if responses else None,
     )  # fmt: skip
     results: dict[int, BatchResult | BatchFailure] = {}
     gave_up: dict[int, str] = {}
-    for group, indices in done.groups:
-        for lane, index in enumerate(indices):
-            variant = variants[index]
-            if why := failure(group, lane):
-                gave_up[variant.number] = why
-                continue
-            ended = result_of(variant.system, variant.start, grid, done, group, lane, index)
+    for index, (variant, ended) in enumerate(zip(variants, done, strict=True)):
+        if isinstance(ended, RunResult):
             results[variant.number] = _result(variant, grid, ended, recorders[index] if responses else None)
+        else:
+            gave_up[variant.number] = ended
     return results, gave_up
 
 

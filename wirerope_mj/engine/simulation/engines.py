@@ -2,7 +2,7 @@
 
 import hashlib
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -17,7 +17,7 @@ from wirerope_mj.engine.kernel.equations import equations as equations
 from wirerope_mj.engine.kernel.equations import not_held
 from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.simulation.grid import TimeGrid, time_grid
-from wirerope_mj.engine.simulation.in_lanes import InLanes, final_state, go_in_lanes, moving
+from wirerope_mj.engine.simulation.in_lanes import Sink, final_state, go_in_lanes, moving
 from wirerope_mj.engine.simulation.run import RunResult, peaks_of, run
 from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.stepper import riding_dofs
@@ -200,14 +200,12 @@ def compute(
     else:
         why = unsupported_run(system, motion)
         if not why:
-            done = go_in_lanes(
-                [equations(system)], system.assembly.tables.drive, [motion], start.values[moving(system)][np.newaxis], grid,
-                sink=lambda _, first, rows: sink(first, rows), progress=progress,
-            )  # fmt: skip
-            group = done.groups[0][0]
-            why = failure(group, 0)
-            if not why:
-                return result_of(system, start, grid, done, group, 0, 0)
+            done = run_in_lanes(
+                [system], [motion], [start], grid, sink=lambda _, first, rows: sink(first, rows), progress=progress
+            )[0]
+            if isinstance(done, RunResult):
+                return done
+            why = done
         if engine == "kernel":
             raise SimulationError(refused(why))
     return replace(run(system, motion, grid, start, callback=callback, sink=sink, progress=progress), why=why)
@@ -237,20 +235,30 @@ def failure(group: Group, number: int) -> str:
     return WHY[code] if code else ""
 
 
-def memory_of(system: System, group: Group, number: int) -> Array:
-    """Return the memory of one variant's peaks, stops and travels as the system's userdata has it, (n_userdata,)."""
-    user = np.zeros(system.assembly.tables.user.size)
-    tables = system.assembly.tables
-    tables.user.channel_rows(user)[tables.tracked] = group.channels(number)
-    tables.user.stop_rows(user)[: len(group.stops(number))] = group.stops(number)
-    tables.user.travel_rows(user)[:] = group.travels(number)
-    return user
-
-
-def result_of(system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int) -> RunResult:
-    """Read the result of one variant, in a lane of its group."""
-    final = final_state(system, start, group.states[:, lane], grid.stop)
-    peaks = peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]])
-    return RunResult(
-        final_state=final, peaks=peaks, callback="native", steps=done.steps, largest_step=done.largest_step, engine="kernel"
-    )
+def run_in_lanes(
+    systems: Sequence[System], motions: Sequence[BaseMotion], starts: Sequence[State], grid: TimeGrid, *, threads: int = 1,
+    sink: Sink | None = None, progress: Callable[[float], None] | None = None,
+) -> list[RunResult | str]:  # fmt: skip
+    """Step variants through a grid by the kernel, see `go_in_lanes`: the result of each, or why the kernel gave it up."""
+    states = np.array([start.values[moving(system)] for system, start in zip(systems, starts, strict=True)])
+    done = go_in_lanes(
+        [equations(system) for system in systems], systems[0].assembly.tables.drive, motions, states, grid, threads=threads,
+        sink=sink, progress=progress,
+    )  # fmt: skip
+    results: list[RunResult | str] = [""] * len(systems)
+    for group, numbers in done.groups:
+        for lane, number in enumerate(numbers):
+            if why := failure(group, lane):
+                results[number] = why
+                continue
+            system, tables = systems[number], systems[number].assembly.tables
+            user = np.zeros(tables.user.size)  # peaks, stops and travels as the system's userdata has them
+            tables.user.channel_rows(user)[tables.tracked] = group.channels(lane)
+            tables.user.stop_rows(user)[: len(group.stops(lane))] = group.stops(lane)
+            tables.user.travel_rows(user)[:] = group.travels(lane)
+            results[number] = RunResult(
+                final_state=final_state(system, starts[number], group.states[:, lane], grid.stop),
+                peaks=peaks_of(system, user, done.base_peaks[done.which[number]]), callback="native", steps=done.steps,
+                largest_step=done.largest_step, engine="kernel",
+            )  # fmt: skip
+    return results

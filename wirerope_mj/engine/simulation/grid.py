@@ -35,7 +35,6 @@ class Grid:
         return cls(start=none, stop=none, steps=np.zeros(0, dtype=np.int64), sampled=no, event=none, corner_after=no)
 
     def with_events_of(self, motion: BaseMotion) -> "Grid":
-        """Return the same segments with the events of another motion."""
         return replace(self, event=_events(motion, self.start), corner_after=_events(motion, self.stop) != SMOOTH)
 
     @property

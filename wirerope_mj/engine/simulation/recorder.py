@@ -162,7 +162,6 @@ class Recorder:
         return load_response(self._writer.path.parent)
 
     def discard(self) -> None:
-        """Leave no half-written file."""
         if self._writer is not None:
             self._writer.discard()
 

@@ -231,7 +231,6 @@ def highest_frequency(motion: BaseMotion) -> float:
 
 
 def warn_of_missing_modes(system: System, motions: Iterable[BaseMotion]) -> None:
-    """Warn where a deck lacks modes for a motion."""
     for text in dict.fromkeys(text for motion in motions for text in missing_modes(system, motion)):
         warnings.warn(text, AccuracyWarning, stacklevel=3)
 

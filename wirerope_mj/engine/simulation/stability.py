@@ -183,5 +183,4 @@ def rates_of(law: Law | None) -> tuple[float, ...]:
 
 @once_per_system
 def variant_rates(system: System) -> VariantRates:
-    """Look up once what the rates of a system's variants follow from."""
     return VariantRates(system)

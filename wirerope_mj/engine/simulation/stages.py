@@ -151,7 +151,6 @@ class StageTables:
             first = last
 
     def segments(self, grid: Grid) -> Iterator[Segment]:
-        """Yield every segment of a grid."""
         for stages in self.blocks(grid):
             yield from stages.segments()
 
@@ -205,7 +204,6 @@ class Later(BaseMotion):
 
     @property
     def duration(self) -> float:  # type: ignore[override]
-        """Length that is left [s]."""
         return self.motion.end - self.at
 
     def _derivative(self, t: Array, order: int) -> Array:
@@ -213,21 +211,17 @@ class Later(BaseMotion):
 
     @property
     def corners(self) -> Array:
-        """Instants of the motion's corners [s], (n,)."""
         return self.motion.corners - self.at
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
-        """Instants [s] and jumps of the velocity (3,) [m/s]."""
         return tuple((time - self.at, jump) for time, jump in self.motion.velocity_jumps)
 
     @property
     def loaded_sites(self) -> tuple[str, ...]:
-        """Sites of the payload at which the motion's forces act."""
         return self.motion.loaded_sites
 
     def load(self, site: str, time: ArrayLike) -> Array:
-        """Return the motion's force [N] and moment [N m] at a site, (n_t, 6)."""
         return self.motion.load(site, np.asarray(time) + self.at)
 
     # of a window, which is only stepped through, these say nothing

@@ -7,9 +7,8 @@ import numpy as np
 
 from wirerope_mj.engine.kernel.layout import WILD
 from wirerope_mj.engine.response.histories import SENSITIVE
-from wirerope_mj.engine.simulation.engines import Engine, compute, equations, failure, result_of, unsupported_run
+from wirerope_mj.engine.simulation.engines import WHY, Engine, compute, run_in_lanes, unsupported_run
 from wirerope_mj.engine.simulation.grid import TimeGrid, time_grid
-from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.run import RunResult
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.engine.simulation.stages import Later
@@ -259,26 +258,15 @@ class _Pilots:
         """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
         several = len(self.windows) > 1 and self.engine != "mujoco" and not unsupported_run(self.system, self.motion)
         try:
-            if several and (together := self._side_by_side(step)):
-                return together
-            pilots = []
-            for start, (begin, length) in zip(self.starts, self.windows, strict=True):
-                grid = time_grid(start=begin, duration=length, sample_rate=self.sample_rate, timestep=step, motion=self.motion)
-                rows = self._samples(grid)
-
-                def sink(first: int, values: Array, rows: Array = rows) -> None:
-                    rows[first : first + len(values)] = values
-
-                done = compute(self.system, self.motion, grid, start, engine=self.engine, callback="native", sink=sink)
-                pilots.append(_pilot_of(self.system, done, rows))
-            return pilots
+            together = self._side_by_side(step) if several else None
+            return together or [self._one(*each, step) for each in zip(self.starts, self.windows, strict=True)]
         except SimulationError as failure:
             self.failures.append(str(failure))
             return None
 
     def _side_by_side(self, step: float) -> list[_Pilot] | None:
         """Run windows of one length, which begin at samples, by the kernel in lanes; None if it gave one up."""
-        system, motions = self.system, [Later(self.motion, begin) for begin, _ in self.windows]
+        motions = [Later(self.motion, begin) for begin, _ in self.windows]
         grid = time_grid(
             start=0.0, duration=self.windows[0][1], sample_rate=self.sample_rate, timestep=step, motion=motions[0],
             corners=np.concatenate([one.corners for one in motions]),
@@ -288,19 +276,23 @@ class _Pilots:
         def sink(window: int, first: int, values: Array) -> None:
             rows[window][first : first + len(values)] = values
 
-        states = np.array([one.values[moving(system)] for one in self.starts])
-        own, drive = [equations(system)] * len(motions), system.assembly.tables.drive
-        done = go_in_lanes(own, drive, motions, states, grid, sink=sink)
-        pilots: dict[int, _Pilot] = {}
-        for group, members in done.groups:
-            for lane, window in enumerate(members):
-                if why := failure(group, lane):
-                    if group.failed[lane] == WILD:
-                        raise SimulationError(why)
-                    return None
-                ended = result_of(system, self.starts[window], grid, done, group, lane, window)
-                pilots[window] = _pilot_of(system, ended, rows[window])
-        return [pilots[window] for window in range(len(motions))]
+        done = run_in_lanes([self.system] * len(motions), motions, self.starts, grid, sink=sink)
+        if why := next((one for one in done if isinstance(one, str)), ""):
+            if why == WHY[WILD]:
+                raise SimulationError(why)
+            return None
+        return [_pilot_of(self.system, one, kept) for one, kept in zip(done, rows, strict=True) if isinstance(one, RunResult)]
+
+    def _one(self, start: State, window: tuple[float, float], step: float) -> _Pilot:
+        begin, length = window
+        grid = time_grid(start=begin, duration=length, sample_rate=self.sample_rate, timestep=step, motion=self.motion)
+        rows = self._samples(grid)
+
+        def sink(first: int, values: Array) -> None:
+            rows[first : first + len(values)] = values
+
+        done = compute(self.system, self.motion, grid, start, engine=self.engine, callback="native", sink=sink)
+        return _pilot_of(self.system, done, rows)
 
     def _samples(self, grid: TimeGrid) -> Array:
         return np.empty((grid.sample_times.size, self.system.model.nsensordata - self.system.assembly.sensor))

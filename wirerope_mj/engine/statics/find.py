@@ -58,18 +58,10 @@ class EquilibriumSolver:
     def __init__(self, system: System, equations: Equations) -> None:
         """Prepare what all variants share."""
         tables, model = system.assembly.tables, system.model
-        isolators = [mount.isolator for mount in system.mounts.values()]
         self._equations = equations
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs).astype(np.int64)
-        laws = [law for isolator in isolators for law in isolator.axes.values()]
-        coupled = [axis in isolator.coupled_axes for isolator in isolators for axis in range(3)]
-        # What depends on the rate has no memory of a slow path: its states stay zero.
-        follows = [
-            law is not None and law.remembers_slow_paths and law.n_states > 0 and not with_another
-            for law, with_another in zip(laws, coupled, strict=True)
-        ]
-        self._follows = np.array(follows, dtype=np.bool_)
-        firsts = tables.rows(control.AXES, control.AXIS_COLUMNS, len(laws))[:, 1]
+        self._follows = roots.remembering_axes(system)
+        firsts = tables.rows(control.AXES, control.AXIS_COLUMNS, self._follows.size)[:, 1]
         self._sizes = np.diff(np.append(firsts, tables.parameters.size)).astype(np.int64)
         self._start = np.concatenate([model.qpos0, np.zeros(model.nv + tables.user.n_states)])
         gravity = float(np.linalg.norm(model.opt.gravity))
@@ -109,16 +101,7 @@ class EquilibriumSolver:
 
 @once_per_system
 def equilibrium_solver(system: System) -> EquilibriumSolver:
-    """Make the solver of a system's equilibria, and of those of variants of its structure; once."""
     return EquilibriumSolver(system, equations(system))
-
-
-def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equilibrium | None:
-    """Return the equilibrium of one system if it is found here, and MuJoCo's own accelerations vanish there; else None."""
-    if not_held(system):
-        return None
-    rests = equilibrium_solver(system).solve(equations(system).num[np.newaxis], history)
-    return _confirmed(system, history, data, rests, 0)
 
 
 def settle_together(systems: Sequence[System], history: History) -> None:
@@ -134,7 +117,8 @@ def settle_together(systems: Sequence[System], history: History) -> None:
     solver = equilibrium_solver(systems[0])
     numbers = [np.array([equations(one).num for one in group]) for group in groups]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        solved = list(pool.map(lambda some: solver.solve(some, history), numbers))
+        run = pool.map if len(groups) > 1 else map
+        solved = list(run(lambda some: solver.solve(some, history), numbers))
     for group, rests in zip(groups, solved, strict=True):
         for number, one in enumerate(group):
             with one.assembly.scratch.data(one.model) as data:
@@ -189,10 +173,11 @@ def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
     """
     one_of("history", history, HISTORIES)
     check_callbacks()
+    settle_together([system], history)
     known = _known.setdefault(system, {})
     if history not in known:
         with system.assembly.scratch.data(system.model) as data:
-            known[history] = found_in_lanes(system, history, data) or Loading(system, history, data).solve()
+            known[history] = Loading(system, history, data).solve()
     for message in known[history].free:
         warnings.warn(message, ModelWarning, stacklevel=2)
     return known[history]

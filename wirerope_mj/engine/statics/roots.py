@@ -10,9 +10,11 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.mounts import bent, turned
+from wirerope_mj.engine.control.mounts import separation
+from wirerope_mj.engine.control.vectors import column, dot
+from wirerope_mj.engine.kernel.carry import LINE
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.path import SCRATCH, advance, put
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, ON_BRACKETS
@@ -27,8 +29,6 @@ SLOW = 0.2
 DIFFERENCE = 1e-7
 # fraction of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it
 INDIFFERENT = 1e-10
-# index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have
-LINE = 12
 
 
 class Roots:
@@ -89,21 +89,26 @@ def largest(values: Array) -> float:
     return float(np.abs(values).max(initial=0.0))
 
 
+def remembering_axes(system: System) -> Booleans:
+    """Find the axes of mounts, (3 n_mounts,), whose states follow a law of their own on a slow path.
+
+    What depends on the rate has no memory of it: its states stay zero.
+    """
+    isolators = [mount.isolator for mount in system.mounts.values()]
+    laws = [(law, axis in isolator.coupled_axes) for isolator in isolators for axis, law in enumerate(isolator.axes.values())]
+    follow = [law is not None and law.remembers_slow_paths and law.n_states > 0 and not coupled for law, coupled in laws]
+    return np.array(follow, dtype=np.bool_)
+
+
 @njit
 def deflect(lay, site_xpos, site_xmat, qpos, deflection):  # type: ignore[no-untyped-def]
     """Write the mounts' deflections in their axes, (n_mounts, 3)."""
-    row = int(lay[at.MOUNTS])
+    m = int(lay[at.MOUNTS])
     for mount in range(deflection.shape[0]):
-        payload, base = int(lay[row]), int(lay[row + 1])
-        shapes, below = int(lay[row + at.SHAPES]), int(lay[row + at.SHAPES + 1])
-        sag = bent(lay, below, qpos, 1) if below else (0.0, 0.0, 0.0)
-        rise = turned(site_xmat[payload], 0, bent(lay, shapes, qpos, 1)) if shapes else (0.0, 0.0, 0.0)
+        _, apart = separation(lay, 0, m, site_xpos, site_xmat, qpos)
         for axis in range(3):
-            total = 0.0
-            for c in range(3):
-                total += site_xmat[base, 3 * c + axis] * (site_xpos[payload, c] + rise[c] - site_xpos[base, c])
-            deflection[mount, axis] = total - sag[axis]
-        row += at.MOUNT_COLUMNS
+            deflection[mount, axis] = dot(column(site_xmat, 9 * int(lay[m + at.BASE_SITE]), axis), apart)
+        m += at.MOUNT_COLUMNS
 
 
 @njit
@@ -144,14 +149,8 @@ class SlowPath:
     """The mounts' internal states in positions that are reached straight from where the last load step ended."""
 
     def __init__(self, system: System) -> None:
-        self.tables = system.assembly.tables
+        self.tables, self.single = system.assembly.tables, remembering_axes(system).reshape(-1, 3)
         mounts = [mount.isolator for mount in system.mounts.values()]
-        # What depends on the rate has no memory of a slow path: its states stay zero.
-        alone = [
-            law is not None and law.remembers_slow_paths and axis not in isolator.coupled_axes
-            for isolator in mounts for axis, law in enumerate(isolator.axes.values())
-        ]  # fmt: skip
-        self.single = np.array(alone, dtype=bool).reshape(len(mounts), 3)
         coupled = [(row, isolator.coupled) for row, isolator in enumerate(mounts)]
         pairs = [
             (row, scale, law)
@@ -181,5 +180,6 @@ class SlowPath:
 
     def _deflections(self, data: mujoco.MjData) -> Array:
         deflections = np.empty_like(self.rest_deflection)
-        deflect(self.tables.layout, data.site_xpos, data.site_xmat, data.qpos, deflections)
+        site_xpos, site_xmat = data.site_xpos.reshape(-1), data.site_xmat.reshape(-1)
+        deflect(self.tables.layout, site_xpos, site_xmat, data.qpos, deflections)
         return deflections

@@ -64,7 +64,6 @@ class Assembly:
 
     @property
     def driven_dofs(self) -> list[int]:
-        """Velocity coordinates of the driven slides."""
         return [int(self.model.jnt_dofadr[joint]) for joint in self.subjects.driven]
 
 

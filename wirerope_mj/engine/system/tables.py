@@ -15,7 +15,8 @@ from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.plane_kernels import WITH_ANOTHER
-from wirerope_mj.mounts.laws.registry import MASING, PARALLEL
+from wirerope_mj.mounts.laws.registry import MASING, PARALLEL, STOP
+from wirerope_mj.mounts.laws.stop_kernels import LOSS
 
 MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
 # inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
@@ -143,7 +144,8 @@ def make_tables(
     mujoco.mj_kinematics(model, data)
     if drive is None:  # the slides' axes are independent: `check_joints`
         drive = np.linalg.pinv(data.xaxis[list(on.driven)]).T if on.driven else np.zeros((0, 3))
-    n_states, channels = [isolator.n_states for isolator in isolators.values()], _channels(on, declared)
+    n_states, channels = sum(isolator.n_states for isolator in isolators.values()), _channels(on, declared)
+    n_stops = sum(len(isolator.conditioned.stops) for isolator in isolators.values())
     # What pushes back on the world, or on a base whose only freedom is the drive, moves nothing.
     still = {0, on.base} if on.base and model.body_dofnum[on.base] == len(on.driven) else {0}
     mounts, modelled, inverse = np.zeros((len(declared), at.MOUNT_COLUMNS)), np.empty(4), np.empty(4)
@@ -170,15 +172,16 @@ def make_tables(
         declared_pairs(model),
         [[mode.dof, *mode.participation] for mode in on.modes],
         [number for rows in shapes.values() for number in rows],
+        np.zeros((n_stops, at.STOP_COLUMNS)),
     ]
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
     starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])]).astype(int)
     header = np.zeros(at.HEADER)
-    counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, sum(n_states), len(channels))
+    counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, n_states, len(channels))
     header[: len(counts)] = counts
-    header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES], header[at.PAIRS] = starts[:-5], starts[-5], starts[-4]
-    header[at.MODES], header[at.N_MODES] = starts[-3], len(on.modes)
-    places = dict(zip(shapes, starts[-2] + np.cumsum([0, *map(len, shapes.values())]), strict=False))
+    header[at.MOUNTS : at.CHANNELS + 1], header[at.N_MODES] = starts[:7], len(on.modes)
+    header[at.FORCES], header[at.PAIRS], header[at.MODES], first, header[at.STOPS] = starts[7:12]
+    places = dict(zip(shapes, first + np.cumsum([0, *map(len, shapes.values())]), strict=False))
     ends = [[mount.payload_site, mount.base_site] for mount in declared]
     flat[0].reshape(-1, at.MOUNT_COLUMNS)[:, at.SHAPES :] = [[places.get(site, 0) for site in pair] for pair in ends]
     for part, columns, sites in ((4, at.POINT_COLUMNS, on.points), (7, at.FORCE_COLUMNS, on.forces)):
@@ -186,9 +189,8 @@ def make_tables(
     header[at.N_FORCES], header[at.N_PAIRS], header[at.SENSOR] = len(on.forces), len(declared_pairs(model)), sensor
     header[at.N_CONTACTS] = n_contacts = contact_capacity(model)
     user = at.UserData(
-        n_mounts=len(declared), n_states=sum(n_states), n_tree=int(model.nbody), n_channels=len(channels),
-        n_contacts=n_contacts, n_stops=sum(len(isolator.conditioned.stops) for isolator in isolators.values()),
-        n_forces=len(on.forces),
+        n_mounts=len(declared), n_states=n_states, n_tree=int(model.nbody), n_channels=len(channels),
+        n_contacts=n_contacts, n_stops=n_stops, n_forces=len(on.forces),
     )  # fmt: skip
     addresses = user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops
     header[at.USER_MOUNTS : at.USER_STOPS + 1] = addresses
@@ -232,9 +234,18 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
         row[at.TURNING : at.MODELLED], row[at.PARTNER] = turning(isolator), max(isolator.coupled_axes, default=0)
         row[at.TRAVEL : at.SHAPES] = rated_travel(isolator)
     made.rows(at.AXES, at.AXIS_COLUMNS, len(axes))[:] = axes
-    made.layout[at.N_SLIPPING] = sum(law in (MASING, PARALLEL) for law, *_ in axes)
-    made.layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in acting.values())
-    return replace(made, parameters=np.concatenate([*parameters, []]))
+    made.layout[at.N_SLIPPING] = sum(kernel in (MASING, PARALLEL) for kernel, *_ in axes)
+    par = np.concatenate([*parameters, []])
+    stops = []
+    for number, (kernel, first, state, _) in enumerate(axes):
+        parallel = par[first + 1 :][: 3 * int(par[first])].reshape(-1, 3) if kernel == PARALLEL else ()
+        for kind, p, z in [(STOP, 0, 0)] if kernel == STOP else parallel:
+            if kind == STOP:
+                p = first + int(p)
+                stops.append([*divmod(number, 3), p, state + z if par[p + LOSS] != 0.0 else -1])
+    made.layout[at.N_STOPS], room = len(stops), tables.user.n_stops  # `changed` refuses more of them
+    made.rows(at.STOPS, at.STOP_COLUMNS, room)[: len(stops)] = np.reshape(stops[:room], (-1, at.STOP_COLUMNS))
+    return replace(made, parameters=par)
 
 
 def turning(isolator: Isolator) -> tuple[float, float, float]:
