@@ -1,10 +1,12 @@
 """The callbacks as native functions: no interpreter and no lock between MuJoCo's passes, and threads may share them."""
 
 import ctypes
+import math
 from functools import cache
 from typing import Any, NamedTuple
 
 import mujoco
+import numpy as np
 from mujoco.introspect import structs
 from mujoco.introspect.ast_nodes import AnonymousStructDecl, AnonymousUnionDecl, ArrayType, PointerType, ValueType
 from numba import carray, types
@@ -29,68 +31,46 @@ SENSOR_FIELDS = (
 )  # fmt: skip
 DATA_FIELDS = tuple(dict.fromkeys(("userdata", "act", "act_dot", *CONTROL_FIELDS, *SENSOR_FIELDS)))
 
-_SCALARS = {
-    "mjtNum": 8, "mjtSize": 8, "size_t": 8, "uintptr_t": 8, "uint64_t": 8, "int64_t": 8, "double": 8,
-    "int": 4, "float": 4, "unsigned int": 4, "uint32_t": 4,
-    "mjtBool": 1, "mjtByte": 1, "char": 1, "unsigned char": 1,
+_SCALARS: dict[str, Any] = {
+    "mjtNum": ctypes.c_double, "double": ctypes.c_double, "float": ctypes.c_float, "int": ctypes.c_int,
+    "unsigned int": ctypes.c_uint, "uint32_t": ctypes.c_uint32, "mjtSize": ctypes.c_int64, "size_t": ctypes.c_size_t,
+    "uintptr_t": ctypes.c_size_t, "uint64_t": ctypes.c_uint64, "int64_t": ctypes.c_int64, "mjtBool": ctypes.c_ubyte,
+    "mjtByte": ctypes.c_ubyte, "char": ctypes.c_ubyte, "unsigned char": ctypes.c_ubyte,
 }  # fmt: skip
 
 ANY_SIZE = 1 << 40  # nominal length of an array behind a pointer: the kernels index by the model's own tables
 ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last
 
 
-def _layout_of_fields(fields: Any, union: bool = False) -> tuple[int, int, dict[str, int]]:
-    """Return size, alignment and offsets by name of a struct's fields by the rules of the C ABI."""
-    end, alignment, offsets = 0, 1, {}
-    for field in fields:
-        size, align = _size_of(field if isinstance(field, AnonymousStructDecl | AnonymousUnionDecl) else field.type)
-        start = 0 if union else -(-end // align) * align
-        offsets[getattr(field, "name", "")] = start
-        end, alignment = max(end, start + size), max(alignment, align)
-    return -(-end // alignment) * alignment, alignment, offsets
-
-
-def _size_of(kind: Any) -> tuple[int, int]:
-    """Return size and alignment of a C type."""
-    if isinstance(kind, PointerType):
-        return 8, 8
-    if isinstance(kind, ArrayType):
-        size, align = _size_of(kind.inner_type)
-        for extent in kind.extents:
-            size *= extent
-        return size, align
-    if isinstance(kind, AnonymousUnionDecl):
-        return _layout_of_fields(kind.fields, union=True)[:2]
-    if isinstance(kind, AnonymousStructDecl):
-        return _layout_of_fields(kind.fields)[:2]
-    assert isinstance(kind, ValueType)
-    if kind.name in _SCALARS:
-        return _SCALARS[kind.name], _SCALARS[kind.name]
-    if kind.name in structs.STRUCTS:
-        return _layout_of_fields(structs.STRUCTS[kind.name].fields)[:2]
-    return 4, 4  # enumerations
-
-
 @cache
-def offsets(struct: str) -> dict[str, int]:
-    """Return the byte offset of every field of a MuJoCo struct."""
-    return _layout_of_fields(structs.STRUCTS[struct].fields)[2]
+def struct(name: str) -> Any:
+    """Make the class of ctypes that lays out a MuJoCo struct."""
+    return _c_type(structs.STRUCTS[name])
+
+
+def _c_type(kind: Any) -> Any:
+    """Return the ctypes type of a C type or of the declaration of a struct or union."""
+    if isinstance(kind, PointerType):
+        return ctypes.c_void_p
+    if isinstance(kind, ArrayType):
+        return _c_type(kind.inner_type) * math.prod(kind.extents)
+    if isinstance(kind, ValueType):
+        return struct(kind.name) if kind.name in structs.STRUCTS else _SCALARS.get(kind.name, ctypes.c_int)  # enumerations
+    anonymous = AnonymousStructDecl, AnonymousUnionDecl
+    parts = [(getattr(field, "name", ""), field if isinstance(field, anonymous) else field.type) for field in kind.fields]
+    fields = [(name or f"part_{number}", _c_type(part)) for number, (name, part) in enumerate(parts)]
+    base: Any = ctypes.Union if isinstance(kind, AnonymousUnionDecl) else ctypes.Structure
+    return type("", (base,), {"_fields_": fields})
 
 
 def disagreement(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
     """Return None if the offsets lead to what the Python views of this model and data show, else what does not."""
-    for owner, struct, names in ((model, "mjModel", MODEL_FIELDS), (data, "mjData", DATA_FIELDS)):
-        for name in names:
+    for owner, kind, names in ((model, "mjModel", MODEL_FIELDS), (data, "mjData", DATA_FIELDS)):
+        memory = struct(kind).from_address(owner._address)
+        for name in (*names, *(("nu",) if owner is model else ("time", "ncon"))):
             view = getattr(owner, name)
-            address = ctypes.c_void_p.from_address(owner._address + offsets(struct)[name]).value
-            if view.size and address != view.ctypes.data:
-                return f"{struct}.{name}"
-    if ctypes.c_int64.from_address(model._address + offsets("mjModel")["nu"]).value != model.nu:
-        return "mjModel.nu"
-    if ctypes.c_double.from_address(data._address + offsets("mjData")["time"]).value != data.time:
-        return "mjData.time"
-    if ctypes.c_int.from_address(data._address + offsets("mjData")["ncon"]).value != data.ncon:
-        return "mjData.ncon"
+            if getattr(memory, name) != (view.ctypes.data if isinstance(view, np.ndarray) else view) and np.size(view):
+                return f"{kind}.{name}"
     return None
 
 
@@ -208,15 +188,15 @@ _MODEL_AND_DATA = (types.intp, types.intp)  # addresses of mjModel and mjData
 @cache
 def native_callbacks() -> Callbacks:
     """Return the compiled callbacks; the offsets in the structs of this MuJoCo are constants of their code."""
-    model, data, contact = offsets("mjModel"), offsets("mjData"), offsets("mjContact")
-    system = model["nu"], model["actuator_dynprm"], model["numeric_data"]
-    time, userdata, activation, act_dot = (data[name] for name in ("time", "userdata", "act", "act_dot"))
-    fields, sensed = (tuple(data[name] for name in names) for names in (CONTROL_FIELDS, SENSOR_FIELDS))
-    in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type", "efc_vel"))
-    in_contact = (
-        *(contact[name] for name in ("dist", "geom", "dim", "efc_address")),
-        _layout_of_fields(structs.STRUCTS["mjContact"].fields)[0],
-    )
+
+    def offsets(kind: str, *names: str) -> tuple[int, ...]:
+        return tuple(getattr(struct(kind), name).offset for name in names)
+
+    system = offsets("mjModel", "nu", "actuator_dynprm", "numeric_data")
+    time, userdata, activation, act_dot = offsets("mjData", "time", "userdata", "act", "act_dot")
+    fields, sensed = offsets("mjData", *CONTROL_FIELDS), offsets("mjData", *SENSOR_FIELDS)
+    in_data = offsets("mjData", "ncon", "contact", "efc_force", "efc_type", "efc_vel")
+    in_contact = *offsets("mjContact", "dist", "geom", "dim", "efc_address"), ctypes.sizeof(struct("mjContact"))
 
     def control(m, d):  # type: ignore[no-untyped-def]
         _control(m, d, system, time, userdata, activation, fields)

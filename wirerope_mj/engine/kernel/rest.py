@@ -1,6 +1,6 @@
 """Positions of rest of the variants in all lanes at once: each lane goes its own way, and all are evaluated together.
 
-The lanes' searches are those of `wirerope_mj.engine.statics.roots`, one for each load step, and their hysteretic states are
+The lanes' searches are those of `wirerope_mj.engine.statics.loading`, one for each load step, and their hysteretic states are
 carried on straight lines from where the last load step ended. A lane that is done, or that found no root, waits for the others;
 what it asks for depends on its own results alone, so that it has the same bits in any company.
 """
@@ -9,21 +9,41 @@ import math
 
 import numpy as np
 
+from wirerope_mj.engine.control.vectors import product, quaternion, unit
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.carry import carry_coupled, carry_states
 from wirerope_mj.engine.kernel.forces import deflect
-from wirerope_mj.engine.kernel.links import place_links
-from wirerope_mj.engine.kernel.steps import forward, shift
+from wirerope_mj.engine.kernel.links import half_turn, place_links
+from wirerope_mj.engine.kernel.steps import forward
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import WIDTH, rows, table
 from wirerope_mj.mounts.laws.path import put
 
 # what a lane evaluates next: its position, a column of the Jacobian to either side, a trial position, or nothing more
 BEGIN, ABOVE, BELOW, TRY, FOUND, LOST = range(6)
-# settings of the search, see `wirerope_mj.engine.statics.roots` and `wirerope_mj.engine.statics.loading`
+# settings of the search, see `wirerope_mj.engine.statics.loading`
 TOLERANCE, ACCEPTED, DIFFERENCE, LONGEST, SLOW, ITERATIONS, HALVINGS, MOST, SETTINGS = range(9)
 # pivot relative to the largest entry of its column below which a Jacobian is not inverted here, and its lane is lost
 SINGULAR = 1e-9
+
+
+@njit
+def moved(lay, position, step, out):
+    """Write to `out` the coordinates after a step of all velocity coordinates, as mj_integratePos does."""
+    for i in range(position.size):
+        out[i] = position[i]
+    for dof in range(step.size):
+        d = lay[at.DOFS] + at.DOF_COLUMNS * dof
+        kind, q = lay[d + at.DOF_KIND], lay[d + at.DOF_QPOS]
+        if kind <= at.HINGE:
+            out[q] += step[dof]
+        elif kind == at.FLOATING:
+            for c in range(3):
+                out[q + c] += step[dof + c]
+            u, v, w = step[dof + 3], step[dof + 4], step[dof + 5]
+            c, s = half_turn(u * u + v * v + w * w)
+            turned = unit(product(quaternion(position, q + 3), (c, s * u, s * v, s * w)))
+            out[q + 3], out[q + 4], out[q + 5], out[q + 6] = turned
 
 
 @njit
@@ -94,7 +114,7 @@ def updated(inverse, step, before, after, slow):
 @njit
 def propose(search, number, settings):
     """Begin another iteration of a lane's search from its position and residual: what to evaluate next."""
-    phase, counts, value, step, inverse = search
+    phase, counts, value, step, inverse, _trial = search
     size = largest(value[number])
     if not size > settings[TOLERANCE] or not size < np.inf or counts[number, 1] >= settings[ITERATIONS]:
         phase[number] = FOUND if size <= settings[ACCEPTED] else LOST
@@ -109,7 +129,7 @@ def propose(search, number, settings):
 @njit
 def head(search, number, settings):
     """Let a lane try Newton's step."""
-    phase, counts, value, step, inverse = search
+    phase, counts, value, step, inverse, _trial = search
     n = value.shape[1]
     for i in range(n):
         total = 0.0
@@ -128,7 +148,7 @@ def consider(search, number, result, jacobian, settings):
 
     `counts` of a lane: 1 if it has an inverse Jacobian, 2 if that is fresh; iterations; halvings; column of the Jacobian.
     """
-    phase, counts, value, step, inverse = search
+    phase, counts, value, step, inverse, _trial = search
     own, n = phase[number], value.shape[1]
     if own == BEGIN:
         put(result, 0, value[number], 0, n)
@@ -208,16 +228,17 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
         residual: takes the largest acceleration left, (WIDTH,); infinite where no position of rest was found.
         grams: takes G^T G with the rates G of all deflections by the free velocities, (WIDTH, n_free, n_free).
     """
-    lay, y, work = table(structure), rows(states), rows(memory)
+    lay = table(structure)
     nq, nv, n = structure[at.NQ], structure[at.NV], free.size
-    first, origin, steps = nq + nv, structure[at.START], structure[at.SLOPE]
+    first = nq + nv
     gravity = shared[structure[at.GRAVITY] : structure[at.GRAVITY] + 3].copy()
-    memory[origin : origin + nq] = states[:nq]
+    position, trial = np.ascontiguousarray(states[:nq].T), np.empty((WIDTH, nq))
     value, step = np.zeros((WIDTH, n)), np.zeros((WIDTH, n))
     inverse, jacobian = np.zeros((WIDTH, n, n)), np.zeros((WIDTH, n, n))
     phase, counts = np.zeros(WIDTH, dtype=np.int64), np.zeros((WIDTH, 4), dtype=np.int64)
     before, carried = np.zeros((structure[at.N_MOUNTS] * 3, WIDTH)), np.zeros((structure[at.N_STATES] + 1, WIDTH))
-    search, result = (phase, counts, value, step, inverse), np.empty(n)
+    search = (phase, counts, value, step, inverse, trial)
+    whole, result = np.zeros(nv), np.empty(n)
     scratch = np.empty((4, 20 * (structure[at.N_STATES] + 2) + numbers.shape[0]))
     residual[:] = 0.0
     tried = 0
@@ -232,14 +253,15 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
         while waiting:
             for number in range(WIDTH):
                 own = phase[number]
-                memory[steps : steps + nv, number] = 0.0
+                whole[:] = 0.0
                 if own in (ABOVE, BELOW):
-                    size = settings[DIFFERENCE] if own == ABOVE else -settings[DIFFERENCE]
-                    memory[steps + free[counts[number, 3]], number] = size
+                    whole[free[counts[number, 3]]] = settings[DIFFERENCE] if own == ABOVE else -settings[DIFFERENCE]
                 elif own == TRY:
                     for i in range(n):
-                        memory[steps + free[i], number] = step[number, i]
-            shift(lay, y, work, lay[at.SLOPE], 1.0)
+                        whole[free[i]] = step[number, i]
+                moved(lay, position[number], whole, trial[number])
+                for i in range(nq):
+                    states[i, number] = trial[number, i]
             evaluate_at(structure, shared, numbers, states, memory, before, carried, follows, sizes, scratch)
             tried += 1
             waiting = 0
@@ -251,11 +273,12 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
                 if tried > settings[MOST]:
                     phase[number] = LOST
                 elif consider(search, number, result, jacobian, settings):
-                    memory[origin : origin + nq, number] = states[:nq, number]
+                    put(trial[number], 0, position[number], 0, nq)
                 waiting += phase[number] < FOUND
         for number in range(WIDTH):
             residual[number] = largest(value[number]) if phase[number] == FOUND else np.inf
-        states[:nq] = memory[origin : origin + nq]
+            for i in range(nq):
+                states[i, number] = position[number, i]
         evaluate_at(structure, shared, numbers, states, memory, before, carried, follows, sizes, scratch)
         for mount in range(structure[at.N_MOUNTS]):
             for c in range(3):

@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-from wirerope_mj.engine.simulation.grid import TimeGrid
-
 Update = Callable[[float, float], None]
 # time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run
 PATIENCE, PACE = 60.0, 0.01
@@ -68,14 +66,3 @@ def time_left(fraction: float, elapsed: float, *, begun: float = 0.0) -> str:
         return "-:--:--"
     seconds = math.ceil(elapsed * (1.0 - fraction) / (fraction - begun))
     return f"{seconds // 3600}:{seconds // 60 % 60:02d}:{seconds % 60:02d}"
-
-
-@contextmanager
-def progress_bar(grid: TimeGrid, *, enabled: bool) -> Iterator[Callable[[float], None] | None]:
-    """Show simulated time and time left while the block runs; yields what to call with the time [s], None without a bar."""
-    if not enabled:
-        yield None
-        return
-    start, stop = grid.start, grid.stop
-    with share_bar("simulating", f"of {stop:.4g} s", enabled=True) as update:
-        yield lambda now: update((now - start) / (stop - start), now)

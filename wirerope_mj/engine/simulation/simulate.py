@@ -13,7 +13,7 @@ from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.response import FILE, Response
 from wirerope_mj.engine.simulation.engines import Engine, compute
 from wirerope_mj.engine.simulation.grid import time_grid
-from wirerope_mj.engine.simulation.progress import progress_bar
+from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.recorder import Recorder, column_plan
 from wirerope_mj.engine.simulation.run import (
     RunResult,
@@ -111,10 +111,11 @@ def simulate(
             done, rows = step.done
             recorder.add(0, rows)
         else:
-            with progress_bar(grid, enabled=progress) as update:
+            with share_bar("simulating", f"of {grid.stop:.4g} s", enabled=progress) as update:
                 done = compute(
-                    system, motion, grid, start, engine=engine, callback=callback, sink=recorder.add, progress=update
-                )
+                    system, motion, grid, start, engine=engine, callback=callback, sink=recorder.add,
+                    progress=lambda now: update((now - grid.start) / (grid.stop - grid.start), now),
+                )  # fmt: skip
         require_lawful(system, done.peaks)
         error = step.error or math.nan  # no difference at all tells nothing
         if timestep is not None:

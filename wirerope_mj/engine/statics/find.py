@@ -16,12 +16,16 @@ from wirerope_mj.engine.control.install import check_callbacks, state_of
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import Equations, equations, not_held
 from wirerope_mj.engine.kernel.rest import SETTINGS, settle
-from wirerope_mj.engine.statics import roots
 from wirerope_mj.engine.statics.loading import (
     ACCEPTED,
+    DIFFERENCE,
     FARTHEST,
+    HALVINGS,
     HISTORIES,
+    ITERATIONS,
     LOAD_STEPS,
+    LONGEST,
+    SLOW,
     TOLERANCE,
     Equilibrium,
     History,
@@ -29,6 +33,7 @@ from wirerope_mj.engine.statics.loading import (
     most_positions,
 )
 from wirerope_mj.engine.statics.payloads import unresisted
+from wirerope_mj.engine.statics.slow_path import remembering_axes
 from wirerope_mj.engine.system import System, beyond_laws, once_per_system
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array, Booleans
@@ -60,15 +65,15 @@ class EquilibriumSolver:
         tables, model = system.assembly.tables, system.model
         self._equations = equations
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs).astype(np.int64)
-        self._follows = roots.remembering_axes(system)
+        self._follows = remembering_axes(system)
         firsts = tables.rows(control.AXES, control.AXIS_COLUMNS, self._follows.size)[:, 1]
         self._sizes = np.diff(np.append(firsts, tables.parameters.size)).astype(np.int64)
         self._start = np.concatenate([model.qpos0, np.zeros(model.nv + tables.user.n_states)])
         gravity = float(np.linalg.norm(model.opt.gravity))
         scale = max(gravity, 1.0)
         self._settings = np.array([
-            TOLERANCE * scale, ACCEPTED * scale, roots.DIFFERENCE, roots.LONGEST, roots.SLOW, roots.ITERATIONS,
-            roots.HALVINGS, most_positions(self._free.size),
+            TOLERANCE * scale, ACCEPTED * scale, DIFFERENCE, LONGEST, SLOW, ITERATIONS, HALVINGS,
+            most_positions(self._free.size),
         ])  # fmt: skip
         assert self._settings.size == SETTINGS
         # Without gravity all steps are one.

@@ -10,7 +10,7 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import STATE, state_of
 from wirerope_mj.engine.statics.linear import linear_system
 from wirerope_mj.engine.statics.payloads import payloads_of, unresisted
-from wirerope_mj.engine.statics.roots import Roots, SlowPath
+from wirerope_mj.engine.statics.slow_path import SlowPath
 from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
@@ -32,6 +32,16 @@ MOST, OF_A_COORDINATE = 3_000, 300
 # step of a fall over the shortest time in which anything swings, and number of steps: the slowest sink by then, too
 FALL, FALLING = 0.5, 2000
 FARTHEST = 10.0  # deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
+ITERATIONS = 60  # iterations for one root: ten times what a smooth one takes
+# halvings of a step before it counts as leading nowhere: 1/4096 of it is rounding where Newton's method works at all
+HALVINGS = 12
+LONGEST = 0.1  # longest step [m or rad]: more than any mount travels
+# fraction of the residual that a step may leave; beyond it a new Jacobian is cheaper than the iterations that it saves
+SLOW = 0.2
+# step of the differences [m or rad]: small against any travel, and they stand eight digits above the rounding of forces
+DIFFERENCE = 1e-7
+# fraction of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it
+INDIFFERENT = 1e-10
 # argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
 WITHOUT_SENSORS = 1
 
@@ -39,6 +49,10 @@ WITHOUT_SENSORS = 1
 def most_positions(coordinates: int) -> int:
     """Return how many positions are tried before a search over so many coordinates is given up."""
     return MOST + OF_A_COORDINATE * coordinates
+
+
+def largest(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,11 +115,11 @@ class Loading:
         self.free = np.delete(np.arange(self.model.nv), system.assembly.driven_dofs)
         self.path = SlowPath(system) if history == "virgin" else None
         self.tried, self.most = 0, most_positions(self.free.size)
+        self.inverse: Array | None = None  # of the Jacobian, which serves the next root too
 
     def solve(self) -> Equilibrium:
         """Return the equilibrium under the full weight."""
         scale = max(float(np.linalg.norm(self.gravity)), 1.0)  # without gravity rounding is still that of the forces
-        roots = Roots(self._accelerations, self._moved, self.free.size)
         with installed(self.model, self.data):
             # Without gravity all steps are one.
             qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS if self.gravity.any() else 1.0
@@ -115,11 +129,11 @@ class Loading:
             while load < 1.0:
                 trial_load = min(load + step, 1.0)
                 self.model.opt.gravity[:] = trial_load * self.gravity
-                trial, residual = roots.find(qpos, TOLERANCE * scale)
+                trial, residual = self._root(qpos, TOLERANCE * scale)
                 carried = residual <= ACCEPTED * scale  # not if it is no number
                 if not carried and touches and not load:  # nothing carries weightless parts that just touch: no slope to follow
-                    roots.inverse = None
-                    trial, residual = roots.find(self._sunk(qpos), TOLERANCE * scale)
+                    self.inverse = None
+                    trial, residual = self._root(self._sunk(qpos), TOLERANCE * scale)
                     carried = residual <= ACCEPTED * scale
                 if self.tried > self.most and not (carried and trial_load == 1.0):
                     raise ConvergenceError(
@@ -132,7 +146,7 @@ class Loading:
                     raise ConvergenceError(self._diagnosis(trial_load, residual))
                 if not carried:
                     step /= 2.0
-                    roots.inverse = None
+                    self.inverse = None
                     continue
                 qpos, load = trial, trial_load
                 self._check_deflections(load)
@@ -146,6 +160,51 @@ class Loading:
                 raise ConvergenceError(f"there is no equilibrium: mount {found[0]!r} would stand {found[1]}. {self._loads()}")
             state = state_of(model, self.data)
             return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
+
+    def _root(self, position: Array, tolerance: float) -> tuple[Array, float]:
+        """Find the position next to `position` without accelerations, and the largest left: above `tolerance` where it ended.
+
+        Newton's method for neighbouring roots, of which one's Jacobian serves the next. Broyden's updates (1965, his first)
+        carry the inverse Jacobian along; a new one is taken from differences only where convergence slows. Directions without
+        any stiffness are left as they are.
+        """
+        value = self._accelerations(position)
+        for _ in range(ITERATIONS):
+            if not largest(value) > tolerance or not np.isfinite(value).all():
+                break
+            fresh, inverse = self.inverse is None, self.inverse
+            if inverse is None:
+                # To both sides: where a load step begins a law is stiffer one way than the other, and one-sided columns of two
+                # bodies that deflect the same mount against each other would take a slope each.
+                columns = []
+                for unit in DIFFERENCE * np.eye(self.free.size):
+                    above, below = (self._accelerations(self._moved(position, side)) for side in (unit, -unit))
+                    columns.append((above - below) / (2.0 * DIFFERENCE))
+                jacobian = np.stack(columns, axis=1)
+                inverse = np.zeros_like(jacobian)  # leads nowhere: the root is not found
+                if np.isfinite(jacobian).all():
+                    inverse = np.asarray(np.linalg.pinv(jacobian, rcond=INDIFFERENT))
+            step = -inverse @ value
+            step *= min(1.0, LONGEST / max(largest(step), 1e-12))
+            for _halving in range(HALVINGS if fresh else 1):
+                trial = self._moved(position, step)
+                trial_value = self._accelerations(trial)
+                if largest(trial_value) < largest(value):
+                    break
+                step *= 0.5
+            else:
+                self.inverse = None
+                if fresh:
+                    break
+                continue
+            expected = inverse @ (trial_value - value)
+            agreement = float(step @ expected)
+            # the inverse that maps the last change of the residual to the step; none where it no longer serves
+            self.inverse = None
+            if not (largest(trial_value) > SLOW * largest(value) or agreement < SLOW * float(step @ step)):
+                self.inverse = np.asarray(inverse + np.outer(step - expected, step @ inverse) / agreement)
+            position, value = trial, trial_value
+        return position, largest(value)
 
     def _moved(self, qpos: Array, step: Array) -> Array:
         velocity, moved = np.zeros(self.model.nv), qpos.copy()
