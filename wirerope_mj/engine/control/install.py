@@ -15,7 +15,6 @@ import numba
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact
 from wirerope_mj.engine.control.mounts import apply_forces, copy_rates
 from wirerope_mj.engine.control.native import (
     ACCELERATION_STAGE,
@@ -26,7 +25,7 @@ from wirerope_mj.engine.control.native import (
     disagreement,
     native_callbacks,
 )
-from wirerope_mj.engine.control.observer import observe
+from wirerope_mj.engine.control.observer import absorbed_power, begin_contacts, normal_force, observe, track_contact
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State

@@ -14,9 +14,8 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact
 from wirerope_mj.engine.control.mounts import apply_forces, copy_rates
-from wirerope_mj.engine.control.observer import observe
+from wirerope_mj.engine.control.observer import absorbed_power, begin_contacts, normal_force, observe, track_contact
 from wirerope_mj.foundation.jit import address, inlined, njit
 
 MODEL_FIELDS = ("actuator_dynprm", "numeric_data")

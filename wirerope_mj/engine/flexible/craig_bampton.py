@@ -1,7 +1,6 @@
 """A part from the Craig-Bampton matrices of a finite-element program: boundary coordinates, then fixed-interface modes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,17 +17,11 @@ _NULL = 1e-12  # of a matrix' largest entry, below which a row holds nothing
 _ROUND = 1e-5  # of the largest entry, by which single precision and reduction leave what should be zero
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Reduced:
-    """Stiffness and mass in a file's units: `width` coordinates of each boundary point, then modes."""
+def read_matrices(paths: Sequence[Path], n_points: int) -> tuple[Array, Array, int]:
+    """Read K and M of Craig and Bampton's form in the files' units, and the number of coordinates of each boundary point.
 
-    stiffness: Array
-    mass: Array
-    width: int
-
-
-def read_matrices(paths: Sequence[Path], n_points: int) -> Reduced:
-    """Read K and M of Craig and Bampton's form from files; RecordError unless they are there, whole and in that form."""
+    These stand before the modes. RecordError unless both are there, whole and in that form.
+    """
     found: dict[str, Array] = {}
     for path in paths:
         found |= read_named_matrices(path)
@@ -72,7 +65,7 @@ def read_matrices(paths: Sequence[Path], n_points: int) -> Reduced:
             f"{where}: behind the boundary M is not 1 (largest {np.abs(modal).max():.4g}): the modes are not mass-normalised "
             "or not orthogonal. Reduce with unit modal mass (NORM = MASS)."
         )
-    return Reduced(stiffness=stiffness, mass=mass, width=width)
+    return stiffness, mass, width
 
 
 def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, damping: float) -> tuple[FlexiblePart, Array]:
@@ -88,8 +81,8 @@ def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, dampi
         RecordError: as `read_matrices`, or the matrices resist rigid-body motions.
     """
     table = read_points(points, units)
-    reduced = read_matrices(paths, len(table))
-    where, width, size = ", ".join(map(str, paths)), reduced.width, len(reduced.mass)
+    stiffness, mass, width = read_matrices(paths, len(table))
+    where, size = ", ".join(map(str, paths)), len(mass)
     rigid, held = np.zeros((size, 6)), np.zeros(size, dtype=bool)
     for number, (location, row, place) in enumerate(table.values()):
         first = width * number
@@ -99,10 +92,10 @@ def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, dampi
         if (word := row.get("held", "").lower()) not in ("", "yes", "no"):
             raise RecordError(f'{location}: column "held" says yes or nothing, got {word!r}.')
         held[first : first + width] = word == "yes"
-    stiff, heavy = np.abs(reduced.stiffness).max(axis=1), np.abs(reduced.mass).max(axis=1)
+    stiff, heavy = np.abs(stiffness).max(axis=1), np.abs(mass).max(axis=1)
     # a force per length from a rigid motion, against those of the same motion's single coordinates
-    resists = np.abs(reduced.stiffness @ rigid).max(axis=0)
-    against = (np.abs(reduced.stiffness) @ np.abs(rigid)).max(axis=0)
+    resists = np.abs(stiffness @ rigid).max(axis=0)
+    against = (np.abs(stiffness) @ np.abs(rigid)).max(axis=0)
     if (resists > _ROUND * against).any():
         axes = ("x", "y", "z", "a turn about x", "a turn about y", "a turn about z")
         axis = axes[int(np.argmax(resists / (against + 1e-300)))]
@@ -113,7 +106,7 @@ def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, dampi
     free = ~held & ((stiff > _NULL * stiff.max()) | (heavy > _NULL * heavy.max()))
     own = np.ix_(free, free)
     try:
-        squares, vectors = scipy.linalg.eigh(reduced.stiffness[own], reduced.mass[own])
+        squares, vectors = scipy.linalg.eigh(stiffness[own], mass[own])
     except np.linalg.LinAlgError:
         raise RecordError(
             f"{where}: M is not positive: no body has this mass. Is it complete, and in the order of K?"
@@ -125,7 +118,7 @@ def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, dampi
             f"{where}: {int((~elastic).sum())} modes are below {RIGID:g} Hz though points are held: the part can move as a "
             'rigid body. Mark every point that is fixed to the base in the column "held".'
         )
-    carried = reduced.mass @ rigid[:, :3]
+    carried = mass @ rigid[:, :3]
     moving = np.linalg.norm(vectors.T @ carried[free], axis=0) ** 2 * units.mass  # that of all modes
     loose = [name for n, name in enumerate(table) if not held[width * n]]
     shapes = np.zeros((size, int(elastic.sum())))

@@ -67,6 +67,8 @@ AXIS_COLUMNS = 4  # law number as in the callback's, first parameter in `num`, f
 # in `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked, shapes (0: on no flexible part)
 FRAME_COLUMNS = 9
 
+STOP_COLUMNS = 3  # of a stop: record of its deflection, first parameter in `num`, first state (-1: its force has no memory)
+
 RECENT_SIZE = 12  # of a channel: its last three vectors with their norms, in turn
 
 # of the motion of a link: origin, axes, quaternion, angular velocity, velocity, angular acceleration and acceleration without

@@ -97,7 +97,7 @@ def tick(clock, time):
 
 @inlined
 def track_stops(lay, num, y, work, clock, time):
-    """Update the memory of all stops with the deflections of this step; STOPS has record, parameters and state of each."""
+    """Update the memory of all stops with the deflections of this step; of which STOPS has the rows."""
     k, row, z = lay[at.TOUCHED], lay[at.STOPS], lay[at.NQ] + lay[at.NV]
     if clock[HISTORY] == 0.0:
         for c in range(control.CONTACT_MEMORY * lay[at.N_STOPS]):
@@ -111,4 +111,4 @@ def track_stops(lay, num, y, work, clock, time):
             pull = where(depth > 0.0, stop_force(num, p, x, rate, w), 0.0)
             force = abs(pull)
             touch(work, k, clock[HISTORY], clock[TIME_1], time, depth, force, pull * rate, force > 0.0)
-        k, row = k + control.CONTACT_MEMORY, row + 3
+        k, row = k + control.CONTACT_MEMORY, row + at.STOP_COLUMNS

@@ -63,11 +63,9 @@ class MemorySamples:
     values: Array
 
     def columns(self, first: int, last: int) -> Array:
-        """Return columns `first` to `last` (exclusive)."""
         return self.values[:, first:last]
 
     def blocks(self, first: int, last: int) -> Iterator[Array]:
-        """Yield these columns some rows after the other."""
         rows = block_rows(last - first)
         for row in range(0, self.values.shape[0], rows):
             yield self.values[row : row + rows, first:last]

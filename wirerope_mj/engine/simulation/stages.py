@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import ClassVar
 
@@ -102,16 +103,6 @@ class Stages:
     forces: Array
     ends: Integers  # where a segment's accelerations end among them, (n,)
 
-    def segments(self, begin: int = 0, end: int | None = None) -> Iterator[Segment]:
-        """Yield the segments from `begin` to `end`, counted from the first."""
-        ends = [0, *self.ends.tolist()]
-        for segment in range(len(ends) - 1)[begin:end]:
-            yield Segment(
-                number=self.first + segment, positions=self.positions[segment], rates=self.rates[segment],
-                accelerations=self.accelerations[ends[segment] : ends[segment + 1]],
-                forces=self.forces[ends[segment] : ends[segment + 1]],
-            )  # fmt: skip
-
 
 class StageTables:
     """The base motion segment by segment, evaluated block by block, and the extremes of its acceleration so far."""
@@ -152,7 +143,12 @@ class StageTables:
 
     def segments(self, grid: Grid) -> Iterator[Segment]:
         for stages in self.blocks(grid):
-            yield from stages.segments()
+            ends = [0, *stages.ends.tolist()]
+            for number, (begin, end) in enumerate(pairwise(ends)):
+                yield Segment(
+                    number=stages.first + number, positions=stages.positions[number], rates=stages.rates[number],
+                    accelerations=stages.accelerations[begin:end], forces=stages.forces[begin:end],
+                )  # fmt: skip
 
 
 def distinct_motions(motions: Sequence[BaseMotion]) -> tuple[list[BaseMotion], list[int]]:

@@ -16,22 +16,8 @@ from wirerope_mj.engine.control.install import check_callbacks, state_of
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import Equations, equations, not_held
 from wirerope_mj.engine.kernel.rest import SETTINGS, settle
-from wirerope_mj.engine.statics.loading import (
-    ACCEPTED,
-    DIFFERENCE,
-    FARTHEST,
-    HALVINGS,
-    HISTORIES,
-    ITERATIONS,
-    LOAD_STEPS,
-    LONGEST,
-    SLOW,
-    TOLERANCE,
-    Equilibrium,
-    History,
-    Loading,
-    most_positions,
-)
+from wirerope_mj.engine.statics import loading
+from wirerope_mj.engine.statics.loading import ACCEPTED, FARTHEST, HISTORIES, Equilibrium, History, Loading
 from wirerope_mj.engine.statics.payloads import unresisted
 from wirerope_mj.engine.statics.slow_path import remembering_axes
 from wirerope_mj.engine.system import System, beyond_laws, once_per_system
@@ -72,12 +58,13 @@ class EquilibriumSolver:
         gravity = float(np.linalg.norm(model.opt.gravity))
         scale = max(gravity, 1.0)
         self._settings = np.array([
-            TOLERANCE * scale, ACCEPTED * scale, DIFFERENCE, LONGEST, SLOW, ITERATIONS, HALVINGS,
-            most_positions(self._free.size),
+            loading.TOLERANCE * scale, ACCEPTED * scale, loading.DIFFERENCE, loading.LONGEST, loading.SLOW, loading.ITERATIONS,
+            loading.HALVINGS, loading.most_positions(self._free.size),
         ])  # fmt: skip
         assert self._settings.size == SETTINGS
         # Without gravity all steps are one.
-        self._loads = np.minimum(np.cumsum(np.full(LOAD_STEPS, 1.0 / LOAD_STEPS)), 1.0) if gravity else np.ones(1)
+        steps = np.full(loading.LOAD_STEPS, 1.0 / loading.LOAD_STEPS)
+        self._loads = np.minimum(np.cumsum(steps), 1.0) if gravity else np.ones(1)
 
     def solve(self, numbers: Array, history: History) -> Equilibria:
         """Return the equilibria of variants with these numbers, (n, n_num)."""

@@ -46,7 +46,16 @@ def linear_system(system: System, *, closed: bool) -> Linear:
     with system.assembly.scratch.data(model) as data:
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fullM(model, data, mass)
-        matrices = zip(_mount_matrices(system, data, closed), _springs_and_dampers(model, data), strict=True)
+        if beyond_joints(model):
+            weightless = model.__copy__()
+            weightless.actuator_dynprm[-1, 0] = 0.0  # callbacks that are installed no longer know it: its mounts do not act
+            weightless.opt.gravity[:] = 0.0
+            besides = smooth_slopes(weightless, mujoco.MjData(weightless))
+        else:
+            single = model.jnt_type[model.dof_jntid] >= int(mujoco.mjtJoint.mjJNT_SLIDE)
+            springs = np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)
+            besides = np.diag(springs), np.diag(model.dof_damping)
+        matrices = zip(_mount_matrices(system, data, closed), besides, strict=True)
         stiffness, damping = ((mounts + own)[np.ix_(free, free)] for mounts, own in matrices)
         numbers = equality_rows(data) if model.neq else np.zeros(0, dtype=np.int64)
         rows = jacobian(model, data)[np.ix_(numbers, free)] if numbers.size else np.zeros((0, free.size))
@@ -81,19 +90,6 @@ def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[
     to_deflections = np.concatenate(rows)
     along, resisting = (to_deflections.T * row @ to_deflections for row in np.array(numbers).reshape(-1, 2).T)
     return along, resisting
-
-
-def _springs_and_dampers(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]:
-    """Compute stiffness and damping of joints, tendons and actuators, (n_v, n_v) each."""
-    if not beyond_joints(model):
-        single = model.jnt_type[model.dof_jntid] >= int(mujoco.mjtJoint.mjJNT_SLIDE)
-        return np.diag(np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)), np.diag(model.dof_damping)
-    weightless = model.__copy__()
-    weightless.actuator_dynprm[-1, 0] = 0.0  # callbacks that are installed no longer know it: its mounts do not act
-    weightless.opt.gravity[:] = 0.0
-    other = mujoco.MjData(weightless)
-    other.qpos[:] = data.qpos
-    return smooth_slopes(weightless, other)
 
 
 def beyond_joints(model: mujoco.MjModel) -> bool:

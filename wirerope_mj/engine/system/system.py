@@ -6,7 +6,7 @@ from functools import wraps
 from os import PathLike
 from pathlib import Path
 from string import ascii_letters, digits
-from typing import TypeVar
+from typing import Annotated, TypeVar
 from weakref import WeakKeyDictionary
 
 import mujoco
@@ -14,7 +14,6 @@ import numpy as np
 
 from wirerope_mj.engine.control.install import check_callbacks
 from wirerope_mj.engine.system.assembly import Assembly, assemble
-from wirerope_mj.engine.system.changes import Changes
 from wirerope_mj.engine.system.checks import check_joints, check_numbers, check_written, refused
 from wirerope_mj.engine.system.declared import (
     base_body,
@@ -26,17 +25,19 @@ from wirerope_mj.engine.system.declared import (
     judges_combined_travel,
 )
 from wirerope_mj.engine.system.named_files import check_regular
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_file, shipped_models
+from wirerope_mj.foundation.structure import Place, Positive, bounds, check, structure
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 Value = TypeVar("Value")
+Vector = tuple[float, float, float]
 _LETTERS = frozenset(f"{ascii_letters}{digits}_-")  # of a name that may name a folder
 
 
@@ -66,6 +67,45 @@ class Mount(Brief):
         """
         before, after = (one.geometry.height if one.geometry else None for one in (self.written, isolator))
         return (0.5 * (before - after) * self.axes[:, 2]).tolist() if before and after else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Changes:
+    """Isolators, masses, centres of mass, positions and inclinations of mounts that differ from those of another system."""
+
+    isolators: Mapping[str, Isolator] = field(default_factory=dict)  #: isolators by mount
+    masses: Mapping[str, Positive] = field(default_factory=dict)  #: factors on mass and moments of inertia, by body
+    #: shifts of the centre of mass [m], world axes of the modelled geometry, by body
+    centres: Mapping[str, Annotated[Vector, bounds("m")]] = field(default_factory=dict)
+    #: shifts of both sites [m], world axes of the modelled geometry, by mount
+    positions: Mapping[str, Annotated[Vector, bounds("m")]] = field(default_factory=dict)
+    #: rotation vectors of both sites' axes [rad], world axes of the modelled geometry, by mount
+    turns: Mapping[str, Annotated[Vector, bounds("rad")]] = field(default_factory=dict)
+    #: factors on the natural frequency that a joint's spring gives, its damping ratio kept, by joint
+    tunings: Mapping[str, Positive] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check(self)
+
+    def to_dict(self) -> Entries:
+        """Return the changes as plain TOML values, from which `from_dict` makes them again to the last bit."""
+        shifts = {"centres": self.centres, "positions": self.positions}
+        shifts |= {"turns": self.turns} if self.turns else {}
+        return {
+            "isolators": {mount: isolator.to_dict() for mount, isolator in self.isolators.items()},
+            "masses": dict(self.masses),
+            **({"tunings": dict(self.tunings)} if self.tunings else {}),
+            **{name: {key: list(shift) for key, shift in values.items()} for name, values in shifts.items()},
+        }
+
+    @classmethod
+    def from_dict(cls, content: Entries) -> "Changes":
+        """Return the changes that `to_dict` stored; ModelError or ValueError if one of them is not what it must be."""
+
+        def isolator(table: Entries, place: Place) -> Isolator:
+            return Isolator.from_dict(table, where=f"isolator of mount {place.keys[-1]!r}")
+
+        return structure(cls, content, Place("changes"), {Isolator: isolator})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

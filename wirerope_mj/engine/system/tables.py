@@ -134,18 +134,20 @@ class Tables:
 
 def make_tables(
     model: mujoco.MjModel, data: mujoco.MjData, declared: list[DeclaredMount], on: Subjects, *, sensor: int,
-    drive: Array | None = None,
+    nominal: Tables | None = None,
 ) -> Tables:  # fmt: skip
     """Return the tables of a model, whose modelled geometry is computed in `data`.
 
-    `sensor` is the address of the system's first sensor value, `drive` as in `Tables` where it is known.
+    `sensor` is the address of the system's first sensor value; of a variant, drive and rows for stops are those of `nominal`.
     """
     isolators = {mount.name: mount.isolator for mount in declared}
     mujoco.mj_kinematics(model, data)
-    if drive is None:  # the slides' axes are independent: `check_joints`
+    if nominal is not None:
+        drive, n_stops = nominal.drive, nominal.user.n_stops
+    else:  # the slides' axes are independent: `check_joints`
         drive = np.linalg.pinv(data.xaxis[list(on.driven)]).T if on.driven else np.zeros((0, 3))
+        n_stops = sum(len(isolator.conditioned.stops) for isolator in isolators.values())
     n_states, channels = sum(isolator.n_states for isolator in isolators.values()), _channels(on, declared)
-    n_stops = sum(len(isolator.conditioned.stops) for isolator in isolators.values())
     # What pushes back on the world, or on a base whose only freedom is the drive, moves nothing.
     still = {0, on.base} if on.base and model.body_dofnum[on.base] == len(on.driven) else {0}
     mounts, modelled, inverse = np.zeros((len(declared), at.MOUNT_COLUMNS)), np.empty(4), np.empty(4)

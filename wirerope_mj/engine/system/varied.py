@@ -11,10 +11,9 @@ import numpy as np
 import scipy
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.system.changes import Changes, Vector
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.modal import declared_modes
-from wirerope_mj.engine.system.system import Mount, System, load_system
+from wirerope_mj.engine.system.system import Changes, Mount, System, Vector, load_system
 from wirerope_mj.engine.system.tables import make_tables, with_laws
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
@@ -92,8 +91,7 @@ def changed(system: System, changes: Changes) -> System:
                 for (name, mount), (payload, base) in zip(system.mounts.items(), old.tables.sites.tolist(), strict=True)
             ]
             subjects = replace(old.subjects, modes=declared_modes(model))  # whose shapes are in the axes of sites that may turn
-            tables = make_tables(model, data, declared, subjects, sensor=old.sensor, drive=old.tables.drive)
-            tables = replace(tables, user=old.tables.user)
+            tables = make_tables(model, data, declared, subjects, sensor=old.sensor, nominal=old.tables)
             positions = {name: data.site(mount.base_site).xpos.copy() for name, mount in system.mounts.items()}
     else:
         tune(model, changes.tunings, system.model)
