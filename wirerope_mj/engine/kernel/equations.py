@@ -47,11 +47,6 @@ class Equations:
         return int(self.lay[at.N_VALUES])
 
     @property
-    def n_extra(self) -> int:
-        """Number of entries of qpos that a state has more than a velocity: one for each floating link."""
-        return int(self.lay[at.NQ])
-
-    @property
     def key(self) -> bytes:
         """Bytes that systems have in common which may share lanes."""
         return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes() + repr((self.counts, self.loaded)).encode()
@@ -106,8 +101,13 @@ def equations_of(system: System) -> Equations:
     }  # fmt: skip
     lay[list(counts)] = list(counts.values())
     _sections(lay, largest=max((row[2] for row in trees), default=0))
+    rest = np.zeros((len(kinds) + 1, at.KIN_SIZE))
+    for number, kind in enumerate([*kinds, at.STRAIGHT]):
+        if kind == at.STRAIGHT:
+            pose = HERE if number == len(kinds) else modelled(bodies, number)
+            rest[number, at.KIN_R : at.KIN_R + 9], rest[number, at.KIN_Q : at.KIN_Q + 4] = pose.axes.ravel(), pose.quaternion
     return Equations(
-        lay=np.concatenate(flat), fix=np.array(fix.numbers), num=np.array(num.numbers), rest=_rest(bodies, kinds),
+        lay=np.concatenate(flat), fix=np.array(fix.numbers), num=np.array(num.numbers), rest=rest.ravel(),
         counts=_counts(tables, axes), loaded=subjects.force_names,
     )  # fmt: skip
 
@@ -156,17 +156,6 @@ def _links(bodies: Bodies, modal: set[int], fix: Writer, num: Writer) -> tuple[l
         rows.append([parent, first, n_dofs, kind, tree, frame, inertia])
     rows.append([-1, 0, 0, at.STRAIGHT, -1, 0, 0])
     return rows, kinds
-
-
-def _rest(bodies: Bodies, kinds: list[int]) -> Array:
-    """Return the motion of all links and of the world before the first step: nothing but the axes of what never turns."""
-    rows = np.zeros((len(kinds) + 1, at.KIN_SIZE))
-    for number, kind in enumerate([*kinds, at.STRAIGHT]):
-        if kind == at.STRAIGHT:
-            pose = HERE if number == len(kinds) else modelled(bodies, number)
-            rows[number, at.KIN_R : at.KIN_R + 9] = pose.axes.ravel()
-            rows[number, at.KIN_Q : at.KIN_Q + 4] = pose.quaternion
-    return rows.ravel()
 
 
 def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: Writer, num: Writer) -> list[list[int]]:

@@ -53,15 +53,6 @@ def moving(system: System) -> Integers:
     return np.concatenate([indices(system.model, part) for part in parts])
 
 
-@once_per_system
-def _own(system: System) -> tuple[int, Integers]:
-    """Return where the instant stands among the values of a `State`, and the system's part of userdata."""
-    time = indices(system.model, mujoco.mjtState.mjSTATE_TIME)
-    user = indices(system.model, mujoco.mjtState.mjSTATE_USERDATA)
-    first = system.assembly.userdata
-    return int(time[0]), user[first : first + system.assembly.tables.user.size]
-
-
 def go_in_lanes(
     equations: Sequence[Equations], drive: Array, motions: Sequence[BaseMotion], states: Array, grid: TimeGrid, *,
     threads: int = 1, sink: Sink | None = None, progress: Callable[[float], None] | None = None,
@@ -160,7 +151,8 @@ def final_state(system: System, start: State, values: Array, time: float) -> Sta
 
     What belongs to the run alone, the system's part of userdata, is zero.
     """
-    instant, user = _own(system)
+    kinds, first = mujoco.mjtState, system.assembly.userdata
     changed = start.values.copy()
-    changed[moving(system)], changed[instant], changed[user] = values, time, 0.0
+    changed[moving(system)], changed[indices(system.model, kinds.mjSTATE_TIME)] = values, time
+    changed[indices(system.model, kinds.mjSTATE_USERDATA)[first : first + system.assembly.tables.user.size]] = 0.0
     return State(values=changed, time=time)
