@@ -168,18 +168,14 @@ def _without_header(location: str, wanted: str) -> RecordError:
 
 def _checked(header: Header) -> Header:
     unnamed = frozenset(i for i, name in enumerate(header.names) if not name)
-    names = tuple(name or _column_name(header, i) for i, name in enumerate(header.names))
-    return replace(header, names=names, unnamed=unnamed)
-
-
-def _column_name(header: Header, column: int) -> str:
-    if not header.sheet:
-        return f"column {column + 1}"
-    letters, number = "", column + 1
-    while number:
-        number, rest = divmod(number - 1, 26)
-        letters = chr(ord("A") + rest) + letters
-    return f"column {letters}"
+    names = list(header.names)
+    for column in unnamed:
+        names[column], letters, number = f"column {column + 1}", "", column + 1
+        while header.sheet and number:
+            number, rest = divmod(number - 1, 26)
+            letters = chr(ord("A") + rest) + letters
+            names[column] = f"column {letters}"
+    return replace(header, names=tuple(names), unnamed=unnamed)
 
 
 def find_column(header: Header, name: str, *, without: int | None = None) -> int:

@@ -90,6 +90,8 @@ class Law(ABC):
     # Rate over deflection at which a Bouc-Wen state near its bound goes back there, n alpha / z_max [1/m].
     yield_rate: ClassVar[float] = 0.0
     faint_parameters: ClassVar[Mapping[str, float]] = {}  # of a law that has failed, see `faint`
+    # What is left of a law that has failed and cannot be made faint itself, by its number of states.
+    _faint: "ClassVar[tuple[Law, ...]]" = ()
     # `wirerope_mj.mounts.laws.timed.trace`, which knows the kernels of all laws and so stands above them.
     _trace: ClassVar[Callable[..., Loop]]
 
@@ -182,7 +184,7 @@ class Law(ABC):
         if self.faint_parameters:
             names = {field.name for field in fields(self)} & self.faint_parameters.keys()
             return replace(self, **{name: self.faint_parameters[name] for name in names})
-        return self.scaled(FAINT / self.initial_stiffness)
+        return self._faint[self.n_states] if self.n_states < len(self._faint) else self.scaled(FAINT / self.initial_stiffness)
 
     def same_structure(self, other: "Law | None") -> bool:
         """Return whether two laws are certainly computed alike but for the values of their parameters."""

@@ -20,7 +20,6 @@ from wirerope_mj.foundation.c_functions import SIGNATURE
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.path import follow_path
 from wirerope_mj.mounts.laws.registry import OWN
-from wirerope_mj.mounts.laws.viscous import FAINT_LAWS
 
 TRAVEL = 0.01  # deflection over which a law is tried unless it says its own [m]
 RATE = 0.1  # deflection rate at which it is tried [m/s]
@@ -130,10 +129,6 @@ class OwnLaw(Law):
         slopes = self._tried(0.0, 1.0, np.zeros(self.n_states))[1]
         forces = [self._tried(sign * TINY, sign, sign * TINY * slopes)[0] for sign in (1.0, -1.0)]
         return (forces[0] - forces[1]) / (2.0 * TINY)
-
-    def faint(self) -> Law:
-        """Return what has as many states; of more than one state the law itself, scaled, which wants `force_powers`."""
-        return FAINT_LAWS[self.n_states] if self.n_states < len(FAINT_LAWS) else super().faint()
 
     def same_structure(self, other: Law | None) -> bool:
         return self == other

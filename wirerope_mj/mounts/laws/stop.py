@@ -13,7 +13,6 @@ from wirerope_mj.foundation.structure import NotNegative, bounds
 from wirerope_mj.mounts.laws.law import Law, anywhere
 from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
 from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
-from wirerope_mj.mounts.laws.viscous import FAINT_LAWS
 
 STOP = 13
 NEVER = 1e300  # Gap of a side without a stop [m]
@@ -100,9 +99,6 @@ class Stop(Law):
     def coordinates(self) -> dict[str, float]:
         names = ("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal")
         return {name: value for name in names if (value := getattr(self, name)) is not None}
-
-    def faint(self) -> Law:
-        return FAINT_LAWS[self.n_states]
 
     def kernel_parameters(self) -> Array:
         """Return what `wirerope_mj.mounts.laws.stop_kernels.stop` reads."""

@@ -15,7 +15,6 @@ from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed
-from wirerope_mj.mounts.laws.viscous import FAINT_LAWS
 
 TABULATED = 12
 IN_LENGTH, IN_FORCE = In(LENGTH_UNITS, bare=True), In(FORCE_UNITS, bare=True)  # what its keys in a file may end with
@@ -188,9 +187,6 @@ class Tabulated(AsCall, Law):
     def bouc_wen_parameters(self) -> Array:  # type: ignore[override]
         """z_max / x_y, 1 / x_y, 0, 1."""
         return self._parameters[:4]
-
-    def faint(self) -> Law:
-        return FAINT_LAWS[self.n_states]
 
     def certainly_valid(self, columns: Mapping[str, object]) -> bool:
         return False

@@ -75,8 +75,7 @@ class Zener(Law):
         return self.k1 / self.c
 
 
-# What is left of a law that has failed and cannot be made faint itself, by its number of states.
-FAINT_LAWS = (KelvinVoigt(**KelvinVoigt.faint_parameters), Zener(**Zener.faint_parameters))
+Law._faint = (KelvinVoigt(**KelvinVoigt.faint_parameters), Zener(**Zener.faint_parameters))
 
 
 @njit

@@ -10,7 +10,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.parallel import Parallel
-from wirerope_mj.mounts.laws.viscous import FAINT_LAWS, KelvinVoigt, Zener
+from wirerope_mj.mounts.laws.viscous import KelvinVoigt, Zener
 
 SMOOTHED = 10
 ON_BRACKET = 16
@@ -76,9 +76,6 @@ class Smoothed(_Wrapped):
             got = self.law.name if isinstance(self.law, Law) else repr(self.law)
             raise ValueError(f"`law` must have one state whose rate is a slope times the velocity, got {got}.")
         object.__setattr__(self, "width", positive("width", self.width))
-
-    def faint(self) -> Law:
-        return FAINT_LAWS[self.n_states]
 
     def kernel_parameters(self) -> Array:
         return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
