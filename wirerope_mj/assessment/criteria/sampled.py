@@ -84,16 +84,19 @@ def steady_interval(motion: Entries) -> tuple[bool, float, float]:
     return bool(parts) and len(intervals) == len(parts), first, last
 
 
-# Lengths without which a blow changes the base's velocity at once, by the kinds of motions; None where there is none to give
-SUDDEN = {"velocity-step": None, "drop": None, "shock-table-impact": "pulse_duration", "decaying-sine": "impact_duration"}
+# Field that holds the duration of a blow, by the kind of its motion; a blow without one changes the base's velocity at once
+DURATION_FIELDS = {
+    "velocity-step": "", "drop": "", "shock-table-impact": "pulse_duration", "decaying-sine": "impact_duration",
+}  # fmt: skip
 
 
 def has_peak(stored: Entries) -> bool:
-    """Return whether a shock of the base has a peak acceleration: no sine that goes on, no velocity that changes at once."""
-    parts = list(elements(stored))
-    return not any(
-        part.get("kind") in STEADY or (part.get("kind") in SUDDEN and not part.get(str(SUDDEN[part["kind"]]))) for part in parts
-    )
+    """Return whether the base's acceleration has a peak: False with a steady sine, or a velocity that changes at once."""
+
+    def is_sudden(part: Entries) -> bool:
+        return part.get("kind") in DURATION_FIELDS and not part.get(DURATION_FIELDS[part["kind"]])
+
+    return not any(part.get("kind") in STEADY or is_sudden(part) for part in elements(stored))
 
 
 def elements(stored: Entries) -> Iterator[Entries]:
