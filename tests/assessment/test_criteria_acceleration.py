@@ -8,7 +8,7 @@ from house import deck, mjcf, sdof
 from made_up_floor import floor_response
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria import acceleration_verdicts, judge
+from wirerope_mj.assessment.criteria import Criterion, Verdict, acceleration_verdicts, judge, verdict_lines
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 
 G = wr.STANDARD_GRAVITY
@@ -35,6 +35,11 @@ def test_without_a_limit_nothing_is_judged(floor):
         assert verdict.verdict == "not judged"
         assert verdict.value > 0.0
         assert "no limit" in verdict.note
+
+
+def test_a_criterion_of_the_payload_that_nobody_knows_has_its_sentence(floor):
+    fast = Verdict(criterion=Criterion("velocity"), subject="rack_0", value=3.0, limit=2.0, unit="m/s", time=0.1)
+    assert "Exceeded: velocity of rack_0, 3 of 2 m/s (150 %) at 100 ms." in verdict_lines(floor, [*judge(floor), fast])
 
 
 def test_one_value_judges_the_size_of_the_vector(floor):

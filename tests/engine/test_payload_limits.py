@@ -3,8 +3,9 @@
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.payload_limits import KINDS, LimitKind, PayloadLimit, limit_from_text
 from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.foundation.units import VELOCITY_UNITS
 
 
 def table_with(numerics):
@@ -58,7 +59,7 @@ def test_the_cabinet_states_the_limit_of_its_vendor():
     [
         (
             '<numeric name="limit/acceleration/blok" data="98"/>',
-            "no point/ site 'blok'.*There are .*block",
+            "no point 'blok' that has this.*There are .*block",
         ),
         ('<numeric name="limit/acceleration/table" data="98"/>', "no body of the payload .* 'table'"),
         ('<numeric name="limit/speed/block" data="98"/>', "KIND one of acceleration, clearance"),
@@ -67,13 +68,22 @@ def test_the_cabinet_states_the_limit_of_its_vendor():
         ('<numeric name="limit/acceleration/block" data="0"/>', "one of them > 0"),
         (
             '<numeric name="limit/acceleration/block" data="1"/><numeric name="A-limit/acceleration/block" data="1"/>',
-            "no point/ site 'A-block'",
+            "no point 'A-block'",
         ),
     ],
 )
 def test_a_limit_that_says_nothing_is_refused(numeric, message):
     with pytest.raises(wr.ModelError, match=message):
         limits_of(numeric)
+
+
+def test_a_kind_that_joins_the_list_is_read_and_known_of_every_body_and_point(monkeypatch):
+    monkeypatch.setitem(KINDS, "velocity", LimitKind((1, 3), "m/s", VELOCITY_UNITS, 1e-6, 1e4))
+    limits = limits_of('<numeric name="limit/velocity/block" data="2"/><numeric name="limit/velocity/block_top" data="0 0 3"/>')
+    assert [(limit.kind, limit.name, limit.judged) for limit in limits] == [
+        ("velocity", "block", {"": 2.0}), ("velocity", "block_top", {"z": 3.0}),
+    ]  # fmt: skip
+    assert limit_from_text("velocity/block = 2 m/s") == limits[0]
 
 
 def test_a_limit_of_an_unknown_kind_is_refused():
