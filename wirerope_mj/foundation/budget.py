@@ -75,7 +75,7 @@ def bytes_text(size: float) -> str:
 
 
 def _free_memory() -> float:
-    """Return how much memory this process can still have [B]."""
+    """Estimate how much memory this process can still have [B]."""
     return min(_limits(), default=UNKNOWN_MEMORY)
 
 

@@ -179,18 +179,18 @@ def _refused(path: Path) -> Iterator[None]:
 
 
 def is_of_place(error: OSError) -> bool:
-    """Return whether an error of the operating system is about where something is written, and not about another file."""
+    """Tell whether an error of the operating system is about where something is written, and not about another file."""
     named = error.filename, error.filename2
     return is_full(error) or any(map(is_hidden, named)) or (named == (None, None) and error.errno in _BROKEN)
 
 
 def is_hidden(text: object) -> bool:
-    """Return whether a text names one of the hidden files or folders."""
+    """Tell whether a text names one of the hidden files or folders."""
     return f".{_MARK}.part" in str(text) or f".{_MARK}.old" in str(text)
 
 
 def is_full(error: OSError) -> bool:
-    """Return whether an error of the operating system says that there is no space left."""
+    """Tell whether an error of the operating system says that there is no space left."""
     return error.errno in _FULL
 
 

@@ -60,7 +60,7 @@ def _mode_doubt(state: os.stat_result, name: str) -> str:
 
 
 def _is_own_group(number: int) -> bool:
-    """Return whether a group is that of its user alone, as many systems make one for everybody."""
+    """Tell whether a group is that of its user alone, as many systems make one for everybody."""
     import grp
     import pwd
 

@@ -28,7 +28,7 @@ def regular(path: str | Path) -> Path:
 
 
 def is_inside(path: Path, folder: Path) -> bool:
-    """Return whether a path leads to something in a folder, links resolved; a name that no file can have does not."""
+    """Tell whether a path leads to something in a folder, links resolved; a name that no file can have does not."""
     try:
         return path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError):

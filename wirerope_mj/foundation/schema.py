@@ -47,7 +47,7 @@ def _value_schema(hint: Any, schemas: Mapping[type, Entries]) -> Entries:
 
 
 def _comments(kind: type) -> dict[str, str]:
-    """Return what the source of a class says of its fields: the comment behind each, or those above it."""
+    """Read what the source of a class says of its fields: the comment behind each, or those above it."""
     texts: dict[str, str] = {}
     for part in reversed(kind.__mro__):
         above: list[str] = []

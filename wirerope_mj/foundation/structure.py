@@ -298,7 +298,7 @@ def _hints(kind: Any) -> dict[str, Any]:
 
 @cache
 def bounds_of(kind: Any) -> dict[str, msgspec.Meta]:
-    """Return what `bounds` marked of the fields of a class, by their names; of those that state nothing none."""
+    """Collect the marks of `bounds` on the fields of a class, by their names."""
     metas = {name: [m for m in marks_of(hint) if isinstance(m, msgspec.Meta)] for name, hint in _hints(kind).items()}
     return {name: found[0] for name, found in metas.items() if found}
 
@@ -379,7 +379,7 @@ def _values_in(hint: Any) -> Any:
 
 @cache
 def tables_in(hint: Any) -> tuple[Any, Any]:
-    """Return how tables stand in a type, None if alone, `tuple` or a mapping, and their class; twice `float` if not at all."""
+    """Find how tables stand in a type, None if alone, `tuple` or a mapping, and their class; twice `float` if not at all."""
     for option, _ in options_of(hint):
         origin, args = get_origin(option), get_args(option)
         if _is_class(option):

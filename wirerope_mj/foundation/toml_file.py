@@ -74,7 +74,7 @@ def line_of(path: Path, keys: Sequence[str | int], named: Sequence[str] = ()) ->
             inward.append(name)
 
     def holds(number: int) -> bool:
-        """Return whether what begins in the first lines holds the entry."""
+        """Tell whether what begins in the first lines holds the entry."""
         for end in range(number, len(lines)):
             try:
                 return entry_at(tomllib.loads("\n".join(lines[:end])), inward) is not None

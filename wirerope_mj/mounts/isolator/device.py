@@ -173,7 +173,7 @@ class Isolator(Brief):
         return replace(self, spread=None, **laws)  # type: ignore[arg-type]
 
     def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
-        """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""
+        """Look up how far the axis may deflect below and above zero [m], both positive; None = not judged."""
         one_of("axis", axis, AXES)
         below, above = (self.limits.travel.stated.get(rating) for rating in SIDES[axis])
         return below, above

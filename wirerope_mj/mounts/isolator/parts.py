@@ -275,7 +275,7 @@ class MeasuredRange(Part):
         return MeasuredRange(**ends)
 
     def outside(self, lowest: float, highest: float, *, small: bool) -> str:
-        """Return how a motion between two deflections [m] leaves the range, as text; "" where it does not.
+        """Say how a motion between two deflections [m] leaves the range, as text; "" where it does not.
 
         If `small`, motions smaller than what was measured count.
         """
@@ -301,7 +301,7 @@ class Validity(Part):
     axial: MeasuredRange | None = None
 
     def outside(self, lowest: Sequence[float] | Array, highest: Sequence[float] | Array, *, small: bool) -> dict[str, str]:
-        """Return how a mount's motion leaves the ranges, as text by axis; nothing of the axes that stay inside.
+        """Say how a mount's motion leaves the ranges, as text by axis; nothing of the axes that stay inside.
 
         Deflections are those along roll, shear and axial [m], (3,). If `small`, small motions count along axes that move at
         least a tenth as far as the mount's farthest one.

@@ -39,7 +39,7 @@ SIDES = {"roll": ("roll", "roll"), "shear": ("shear", "shear"), "axial": ("compr
 
 
 def travel_in(rating: str, deflection: Array) -> Array:
-    """Return how far deflections, (..., 3), go in the direction of a rating [m], (...); 0 where they go the other way."""
+    """Measure how far deflections, (..., 3), go in the direction of a rating [m], (...); 0 where they go the other way."""
     axis, sign = RATINGS[rating]
     along = deflection[..., axis]
     return np.asarray(np.abs(along) if sign == 0.0 else np.maximum(sign * along, 0.0) + 0.0)  # + 0.0: never -0.0

@@ -187,7 +187,7 @@ class Law(ABC):
         return self._faint[self.n_states] if self.n_states < len(self._faint) else self.scaled(FAINT / self.initial_stiffness)
 
     def same_structure(self, other: "Law | None") -> bool:
-        """Return whether two laws are certainly computed alike but for the values of their parameters."""
+        """Tell whether two laws are certainly computed alike but for the values of their parameters."""
         # lists say how many parameters there are, texts and flags what is done with them
         counted = any(isinstance(value, tuple | str | bool) for value in vars(self).values())
         return type(self) is type(other) and (not counted or self == other)
@@ -199,7 +199,7 @@ class Law(ABC):
         return varied
 
     def certainly_valid(self, columns: Entries) -> bool:
-        """Return whether the law is valid, and at any deflection, with each entry of columns, (n,), of its parameters.
+        """Tell whether the law is valid, and at any deflection, with each entry of columns, (n,), of its parameters.
 
         False says nothing: each entry has to be tried. The law's own rules are asked, with columns in place of numbers; what
         they cannot say of many numbers at once NumPy refuses to take for true or false. A parameter that is several numbers
@@ -321,5 +321,5 @@ def is_law(value: object) -> bool:
 
 
 def anywhere(condition: bool | Booleans) -> bool:
-    """Return whether a condition on parameters is met, at any entry if they are columns."""
+    """Tell whether a condition on parameters is met, at any entry if they are columns."""
     return condition if isinstance(condition, bool) else bool(np.any(condition))

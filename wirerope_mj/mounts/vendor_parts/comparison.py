@@ -84,7 +84,7 @@ class Band:
 
 
 def left_out(name: str, isolator: Isolator) -> Band:
-    """Return what the rest says of each value of a part, by the name of its file in the catalogue or in a vendor's table."""
+    """Predict each value of a part from the rest, by the name of its file in the catalogue or in a vendor's table."""
     path = catalogue_folder() / "datasheets" / f"{name}.toml"
     part = next((one for one in vendor_parts() if name.lower() in (one.name.lower(), shipped_file(one))), None)
     values: list[ComparedValue] = []
