@@ -61,7 +61,7 @@ class DoublePulse(StartedMotion):
 
     @property
     def doubt(self) -> str:
-        """Question of whether a unit was another."""
+        """Question whether one of the units is wrong, if the pulses last long; else ""."""
         return doubt_of_length(self.duration, "is one of its units another?")
 
     @property
@@ -82,7 +82,7 @@ class DoublePulse(StartedMotion):
     @property
     @abstractmethod
     def _travel_factor(self) -> float:
-        """Displacement at the end of the first pulse, times a / V^2."""
+        """Displacement at the end of the first pulse over V^2/a [-], with its velocity V and its peak a."""
 
     @property
     def middle(self) -> float:
@@ -91,7 +91,7 @@ class DoublePulse(StartedMotion):
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `double half-sine 60 g, 2.25 m/s, 52.5 mm along z`."""
+        """Describe the pulses in a line, such as `double half-sine 60 g, 2.25 m/s, 52.5 mm along z`."""
         name = self.kind.replace("-", " ", 1)
         level = f"{self.peak / STANDARD_GRAVITY:.4g} g, {self.peak_velocity:.4g} m/s"
         text = f"{name} {level}, {1e3 * self.final_displacement:.4g} mm {self._line_text}"

@@ -20,14 +20,14 @@ FACES = {
     "bottom": (0, 0, -1), "top": (0, 0, 1), "-z": (0, 0, -1), "+z": (0, 0, 1),
     "-x": (-1, 0, 0), "+x": (1, 0, 0), "-y": (0, -1, 0), "+y": (0, 1, 0),
 }  # fmt: skip
-_ONTO = re.compile(r"\bonto\b((?:\s+(?:(?:bottom|top|[-+][xyz])\b,?|and))*)(?:\s+(face|side|edge|corner)\b)?")
-_MEET = {"face": 1, "side": 1, "edge": 2, "corner": 3}  # faces that meet there
+_LANDING = re.compile(r"\bonto\b((?:\s+(?:(?:bottom|top|[-+][xyz])\b,?|and))*)(?:\s+(face|side|edge|corner)\b)?")
+_FACE_COUNTS = {"face": 1, "side": 1, "edge": 2, "corner": 3}  # number of faces that meet
 _HOW = 'say what lands: "onto bottom", "onto -x", "onto bottom -x" (an edge), "onto bottom -x -y" (a corner)'
 
 
 def _onto_first(text: str, _: Path) -> tuple[None, str]:
-    """Write the faces that land as the direction in which the floor strikes."""
-    match = _ONTO.search(text)
+    """Replace the faces that land by the direction in which the floor strikes; nothing comes before the phrase."""
+    match = _LANDING.search(text)
     if match is None:
         signed = [part for part in text.split() if part[:1] in ("+", "-") and part[1:] in ("x", "y", "z")]
         if signed or set(text.split()) & {"x", "y"}:
@@ -35,7 +35,7 @@ def _onto_first(text: str, _: Path) -> tuple[None, str]:
         return None, text
     faces = [FACES[word.strip(",")] for word in match[1].split() if word != "and"]
     x, y, z = (-sum(face[axis] for face in faces) for axis in range(3))
-    if sum(map(abs, (x, y, z))) != len(faces) or len(faces) != _MEET.get(match[2], len(faces) or -1):
+    if sum(map(abs, (x, y, z))) != len(faces) or len(faces) != _FACE_COUNTS.get(match[2], len(faces) or -1):
         raise ValueError(f'"{short(match[0].strip())}" is no face, edge of two faces or corner of three; {_HOW}.')
     return None, f"{text[: match.start()]} {x},{y},{z} {text[match.end() :]}"
 
@@ -74,7 +74,7 @@ class Drop(ShockTableImpact):
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `drop 0.3 m onto bottom, 2.426 m/s`."""
+        """Describe the drop in a line, such as `drop 0.3 m onto bottom, 2.426 m/s`."""
         signs = np.sign(self.unit) * (np.abs(self.unit) > 1e-9)
         lands = [name for name, face in list(FACES.items())[:2] + list(FACES.items())[4:] if np.dot(face, signs) < 0.0]
         even = np.ptp(np.abs(self.unit[signs != 0.0])) < 1e-9

@@ -28,8 +28,8 @@ class Envelope:
 
     def derivatives(self, t: Array) -> tuple[Array, Array, Array]:
         """Return the factor and its first two derivatives at the times (n_t,)."""
-        one = np.ones_like(t), np.zeros_like(t), np.zeros_like(t)
-        up, up1, up2 = _step((t - self.start) / self.rise) if self.rise else one
+        constant = np.ones_like(t), np.zeros_like(t), np.zeros_like(t)
+        up, up1, up2 = _step((t - self.start) / self.rise) if self.rise else constant
         if not np.isfinite(self.stop):
             return up, up1 / (self.rise or 1.0), up2 / (self.rise or 1.0) ** 2
         down, down1, down2 = _step((self.stop - t) / self.fall)
@@ -49,7 +49,8 @@ class Envelope:
 def usual_ramp(name: str, given: float | None, *, lowest: float, duration: float) -> float:
     """Return the length of a rise or fall called `name` [s]: the given one, checked, or the usual one.
 
-    That is ten periods of the lowest frequency [Hz] or a tenth of the duration [s], the shorter one, but at least one period.
+    The usual one is ten periods of the lowest frequency [Hz] or a tenth of the duration [s], the shorter one, but at least one
+    period.
     """
     period = 1 / lowest
     if given is None:

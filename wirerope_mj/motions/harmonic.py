@@ -62,7 +62,7 @@ class Sine(StraightMotion):
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `sine 10 Hz 0.5 g along z`."""
+        """Describe the sine in a line, such as `sine 10 Hz 0.5 g along z`."""
         level = f"{self.frequency:.4g} Hz {self.amplitude / STANDARD_GRAVITY:.4g} g"
         ends = ((self.duration, "sine ends"),) if math.isfinite(self.duration) else ()
         events = ((0.0, f"sine of {self.frequency:.4g} Hz begins"), *ends)
@@ -163,7 +163,7 @@ class Sweep(StraightMotion):
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `sweep 0.1 to 30 Hz, 2 octaves/min, 0.1 g along z`, or `... 50 mm/s along z`, `... 1 mm along z`."""
+        """Describe the sweep, such as `sweep 0.1 to 30 Hz, 2 octaves/min, 0.1 g along z`, or `... 50 mm/s along z`."""
         course = f"sweep {self.start:.4g} to {self.stop:.4g} Hz, {self.rate:.4g} octaves/min"
         if self.quantity == "acceleration":
             level = f"{self.amplitude / STANDARD_GRAVITY:.4g} g"

@@ -19,12 +19,12 @@ from wirerope_mj.motions.phrases import SpokenMotion
 
 # corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours
 SAME_TIME = 1e-10
-# instants below which a product with three components costs least at once; of thousands it costs a quarter one by one
-_FEW = 200
+# number of instants below which one product with all components is fastest; above it a product for each component is
+_FEW_INSTANTS = 200
 
 
 class Said(NamedTuple):
-    """What a motion says of itself: a line for a human reader, instants [s] and short texts, shortest time scale [s]."""
+    """Description of a motion: a line for a human reader, events (instants [s] and short texts), shortest time scale [s]."""
 
     description: str
     events: tuple[tuple[float, str], ...]
@@ -39,7 +39,7 @@ class BaseMotion(ABC):
     """
 
     kind: ClassVar[str]  # name of the motion in stored files
-    phrases: ClassVar[tuple[SpokenMotion, ...]] = ()  # how commands, jobs and files of levels say it
+    phrases: ClassVar[tuple[SpokenMotion, ...]] = ()  # its phrases in commands, jobs and files of levels
     renamed: ClassVar[Mapping[str, str]] = {}  # arguments of the constructor that attributes of other names hold
 
     # length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop, of a sum from time
@@ -71,7 +71,7 @@ class BaseMotion(ABC):
     def corners(self) -> Array:
         """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, (n,).
 
-        Those of its events unless a motion says otherwise.
+        By default the instants of its events.
         """
         return unique_times(time for time, _ in self.events)
 
@@ -97,7 +97,7 @@ class BaseMotion(ABC):
 
     @cached_property
     def _said(self) -> Said:
-        """What the motion says of itself, for these three."""
+        """Description, events and shortest time scale of the motion, as the three properties above return them."""
         raise NotImplementedError
 
     @property
@@ -117,7 +117,7 @@ class BaseMotion(ABC):
 
     @property
     def loaded_sites(self) -> tuple[str, ...]:
-        """Sites of the payload at which forces come with the motion; none but for `PayloadForce` and sums with it."""
+        """Sites of the payload at which the motion has forces; empty except for `PayloadForce` and sums with it."""
         return ()
 
     def load(self, site: str, time: ArrayLike) -> Array:
@@ -131,12 +131,12 @@ class BaseMotion(ABC):
 
     @property
     def doubt(self) -> str:
-        """Question of whether a unit was another one that a phrase should have said; "" without."""
+        """Question whether a unit in the motion's phrase is wrong, such as s for ms; "" without a doubt."""
         return ""
 
     @property
     def parts(self) -> "tuple[BaseMotion, ...]":
-        """The elementary motions that this one is made of by adding, scaling and turning; itself if it is one."""
+        """Elementary motions of which this motion is made by adding, scaling and turning; itself if it is elementary."""
         return (self,)
 
     def to_dict(self, *, files: Mapping[Path, str] | None = None) -> Entries:
@@ -150,11 +150,11 @@ class BaseMotion(ABC):
 
     @classmethod
     def maker(cls) -> "Callable[..., BaseMotion]":
-        """What makes the motion of parameters that `to_dict` stored, in whatever version."""
+        """Return the callable that makes the motion from parameters that `to_dict` stored, in any version."""
         return cls
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        """Return the constructor's arguments as plain values, but for None and lengths without an end."""
+        """Return the constructor's arguments as plain values, without those that are None or infinite."""
         stated = {name: self._argument(name) for name in inspect.signature(type(self)).parameters}
         return {name: _plain(value, files) for name, value in stated.items() if value is not None and value != math.inf}
 
@@ -189,7 +189,7 @@ class StraightMotion(BaseMotion):
 
     def _derivative(self, t: Array, order: int) -> Array:
         along = self._along(t, order)
-        if along.size < _FEW:
+        if along.size < _FEW_INSTANTS:
             return along[:, np.newaxis] * self.unit
         vectors = np.empty((along.size, 3))
         for axis, component in enumerate(self.unit):
@@ -202,7 +202,7 @@ class StraightMotion(BaseMotion):
 
 
 class StartedMotion(StraightMotion):
-    """Base motion along one direction that begins at an instant of its own."""
+    """Base motion along one direction that begins at its `start`."""
 
     start: float  # instant at which the motion begins [s]
 
@@ -220,11 +220,11 @@ _LONGEST_SHOCK = 1.0  # [s] beyond which the unit of a pulse is questioned
 
 
 def doubt_of_length(duration: float, question: str) -> str:
-    """Question a shock that lasts [s] longer than shocks do."""
+    """Return a question about the unit of a shock that lasts longer than a second; "" for a shorter one."""
     return f"it lasts {duration:.4g} s, and shocks are over sooner: {question}" if duration > _LONGEST_SHOCK else ""
 
 
-_SAID = 6  # motions of a sum that are described one by one
+_MOST_DESCRIBED = 6  # motions of a sum that are described one by one
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -254,8 +254,8 @@ class SumOfMotions(AsCall, BaseMotion):
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """Velocity jumps of all terms; those at the same instant are added."""
         jumps: list[tuple[float, Array]] = []
-        every = (jump for term in self.terms for jump in term.velocity_jumps)
-        for time, change in sorted(every, key=lambda jump: jump[0]):
+        all_jumps = (jump for term in self.terms for jump in term.velocity_jumps)
+        for time, change in sorted(all_jumps, key=lambda jump: jump[0]):
             if jumps and time - jumps[-1][0] <= SAME_TIME:
                 jumps[-1] = (jumps[-1][0], jumps[-1][1] + change)
             else:
@@ -264,10 +264,10 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @cached_property
     def _said(self) -> Said:
-        """That of all terms; of many, as dwells of a table are, descriptions and events of the first and the last."""
+        """Describe all terms; of more than six, such as dwells of a table, the first and the last only."""
         texts = [term.description for term in self.terms]
         events = sorted((event for term in self.terms for event in term.events), key=lambda event: event[0])
-        if len(texts) > _SAID:
+        if len(texts) > _MOST_DESCRIBED:
             texts = [texts[0], f".. {len(texts) - 2} more ..", texts[-1]]
             events = [events[0], events[-1]] if events else []
         return Said(" + ".join(texts), tuple(events), min(term.shortest_time for term in self.terms))
@@ -279,7 +279,7 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @property
     def up(self) -> Array | None:
-        """That of the first term that falls."""
+        """Unit vector against gravity of the first term that falls, (3,); None where nothing falls."""
         return next((term.up for term in self.terms if term.up is not None), None)
 
     @property
@@ -309,10 +309,10 @@ def unique_times(times: Iterable[float] | Array) -> Array:
 
 
 def _plain(value: object, files: Mapping[Path, str]) -> object:
-    """Return a value with lists for tuples, and tables for motions."""
+    """Convert a parameter to plain values: lists for tuples, tables for motions."""
     if isinstance(value, BaseMotion):
         return value.to_dict(files=files)
-    return [_plain(one, files) for one in value] if isinstance(value, tuple) else value
+    return [_plain(item, files) for item in value] if isinstance(value, tuple) else value
 
 
 def _terms(motion: BaseMotion) -> "tuple[BaseMotion, ...]":

@@ -1,4 +1,4 @@
-"""Forces and moments on the payload: what they have in common, a harmonic one, a blow, and a table."""
+"""Forces and moments on the payload: their base class, a harmonic force, a blow, and a table."""
 
 import math
 from abc import abstractmethod
@@ -43,7 +43,7 @@ class PayloadForce(BaseMotion):
         return (self.site,)
 
     def load(self, site: str, time: ArrayLike) -> Array:
-        """Return force [N] and moment [N m] at a site at the times [s], (n_t, 6); zero at other sites, and outside its time."""
+        """Return force [N] and moment [N m] at a site at the times [s], (n_t, 6); zero elsewhere, before start and after end."""
         times = as_times(time)
         wrench = np.zeros((times.size, 6))
         acting = (times >= self.start) & (times <= self.end)
@@ -67,21 +67,21 @@ class PayloadForce(BaseMotion):
 
     @property
     def directions(self) -> Array:
-        """None: the base stands still, (0, 3)."""
+        """No direction, (0, 3): the base stands still."""
         return np.zeros((0, 3))
 
     def _derivative(self, t: Array, order: int) -> Array:
         return np.zeros((t.size, 3))
 
     def _check(self) -> None:
-        """Raise ValueError unless site and start are what they must be."""
+        """Check the name of the site and the start; ValueError."""
         if not isinstance(self.site, str) or not self.site:
             raise ValueError(f"`site` must be the name of a site, got {self.site!r}.")
         object.__setattr__(self, "start", ranges.start("start", self.start))
 
 
 def _harmonic(quantity: str) -> Callable[..., BaseMotion]:
-    """Return what makes a force or a moment of a phrase."""
+    """Return the function that makes a harmonic force or moment from a phrase; `quantity` is "force" or "moment"."""
 
     def make(shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
         amplitude: Entries = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist()}
@@ -93,7 +93,7 @@ def _harmonic(quantity: str) -> Callable[..., BaseMotion]:
 
 
 def _site_and_table(text: str, folder: Path) -> tuple[tuple[str, ForceRows], str]:
-    """Take site and table of forces off the beginning of a phrase."""
+    """Split site and table of forces from the beginning of a phrase; return both and the rest of the phrase."""
     site, rest = site_first(text, folder)
     rows, left = file_first(force_rows)(rest, folder)
     return (site, rows), left
@@ -144,10 +144,10 @@ class HarmonicForce(PayloadForce):
         return np.asarray(wave[:, np.newaxis] * np.array([*self.force, *self.moment]))
 
     def _described(self) -> tuple[str, float]:
-        """For instance `force (0, 0, 500) N at engine, 12 Hz`."""
+        """Describe the force in a line, such as `force (0, 0, 500) N at engine, 12 Hz`."""
         parts = []
         if any(self.force):
-            parts.append(f"force ({', '.join(f'{one:.4g}' for one in self.force)}) N")
+            parts.append(f"force ({', '.join(f'{part:.4g}' for part in self.force)}) N")
         if any(self.moment):
             parts.append(f"moment ({', '.join(f'{one:.4g}' for one in self.moment)}) N m")
         return f"{' and '.join(parts)} at {self.site}, {self.frequency:.4g} Hz", 1.0 / self.frequency
@@ -167,7 +167,7 @@ class Blow(PayloadForce):
     )  # fmt: skip
 
     site: str
-    impulse: float  #: J [N s]; negative for a blow against the direction
+    impulse: float  #: impulse J [N s]; negative for a blow against the direction
     duration: float  #: length D [s]
     direction: Direction  #: along the site's axes: `"x"`, `"y"`, `"z"` or a 3-vector
     start: float = 0.0  #: instant at which it begins [s]
@@ -178,11 +178,11 @@ class Blow(PayloadForce):
         self._set(direction=checked_direction(self.direction))
 
     def _wrench(self, t: Array) -> Array:
-        size = math.pi * self.impulse / (2.0 * self.duration) * np.sin(math.pi * t / self.duration)
-        return np.asarray(size[:, np.newaxis] * np.array([*unit_vector(self.direction), 0.0, 0.0, 0.0]))
+        force = math.pi * self.impulse / (2.0 * self.duration) * np.sin(math.pi * t / self.duration)
+        return np.asarray(force[:, np.newaxis] * np.array([*unit_vector(self.direction), 0.0, 0.0, 0.0]))
 
     def _described(self) -> tuple[str, float]:
-        """For instance `blow of 9800 N s in 1 ms at anvil along z`."""
+        """Describe the blow in a line, such as `blow of 9800 N s in 1 ms at anvil along z`."""
         along = direction_text(self.direction)
         return f"blow of {self.impulse:.4g} N s in {1e3 * self.duration:.4g} ms at {self.site} along {along}", self.duration
 
@@ -196,8 +196,8 @@ class ForceTable(PayloadForce):
         SpokenMotion(
             name="force-table", example="engine start.csv at 1 s", needs={}, begins=_site_and_table, directed=False,
             summary='forces and moments on the payload of a file with "time [s], fz [N], mx [N.m]" and the like.',
-            make=lambda shape, phrase, _, __, begun: shape(
-                site=begun[0], times=begun[1][0], loads=begun[1][1], start=phrase.start
+            make=lambda shape, phrase, _, __, site_and_rows: shape(
+                site=site_and_rows[0], times=site_and_rows[1][0], loads=site_and_rows[1][1], start=phrase.start
             ),
         ),
     )  # fmt: skip
@@ -232,6 +232,6 @@ class ForceTable(PayloadForce):
         return self.start + np.array(self.times)
 
     def _described(self) -> tuple[str, float]:
-        """For instance `force table at engine, 120 rows, up to 4.3 kN`; between the corners it is straight."""
+        """Describe the table in a line, such as `force table at engine, 120 rows, up to 4.3 kN`; its time scale is infinite."""
         largest = float(np.abs(np.array(self.loads)[:, :3]).max())
         return f"force table at {self.site}, {len(self.times)} rows, up to {largest / 1e3:.4g} kN", math.inf

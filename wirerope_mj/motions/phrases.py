@@ -1,4 +1,4 @@
-"""Phrases that say a base motion, as `15 g 11 ms z at 50 ms`: numbers with units, a direction, and words before a number."""
+"""Phrases of base motions, such as `15 g 11 ms z at 50 ms`: numbers with units, a direction, and words before a number."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -20,38 +20,38 @@ Read = TypeVar("Read")
 
 @dataclass(frozen=True, kw_only=True)
 class SpokenMotion:
-    """A phrase that says a motion: what stands in it, and what makes the motion of it."""
+    """Grammar of the phrases of one kind of motion, and the function that makes the motion from a phrase."""
 
-    name: str  # of the key in files, and of the option of commands
+    name: str  # name of the key in files, and of the option of commands
     example: str  # a phrase of this kind
-    summary: str  # what it says, for a list of options
-    needs: Mapping[str, int]  # how many values of each quantity there must be
+    summary: str  # meaning of the phrase, for a list of options
+    needs: Mapping[str, int]  # number of values of each quantity that the phrase must have
     # makes the motion from its class, the phrase, one direction, its number among several, and what `begins` returned
     make: Callable[..., Any]
-    words: Mapping[str, str] = field(default_factory=lambda: START)  # quantity of what may follow each word
-    needed_words: tuple[str, ...] = ()  # words that must be there
-    # takes what stands before the phrase, a file or a name, off it: returns what it means and the rest of the text
+    words: Mapping[str, str] = field(default_factory=lambda: START)  # quantity of the value that may follow each word
+    needed_words: tuple[str, ...] = ()  # words that the phrase must have
+    # splits a file or a name from the beginning of the phrase: returns its meaning and the rest of the text
     begins: Callable[[str, Path], tuple[object, str]] | None = None
-    may: Mapping[str, int] = field(default_factory=dict)  # quantities that may be there, and how many values at most
-    directed: bool = True  # whether it has a direction
-    says_more: bool = False  # than the motion's description does
-    option: str = ""  # name of the option of commands where it is another
-    written: str = ""  # pattern of the name as people write it, where it is another
+    may: Mapping[str, int] = field(default_factory=dict)  # largest number of values of each optional quantity
+    directed: bool = True  # whether the phrase has a direction
+    says_more: bool = False  # whether the phrase holds more than the motion's description
+    option: str = ""  # name of the option of commands where it differs from `name`
+    written: str = ""  # pattern of the name as people write it, where it differs from `name`
 
 
 def made_of(*, started: bool = True, **arguments: str) -> Callable[..., Any]:
-    """Return what makes a motion whose arguments are quantities or words of its phrase; of a force its site, too."""
+    """Return the function that makes a motion from its phrase: each argument is a quantity or a word of it, or its site."""
 
     def make(shape: Callable[..., Any], phrase: Phrase, direction: Direction, _: int, site: str | None) -> Any:
         begins = ({"start": phrase.start} if started else {}) | ({} if site is None else {"site": site})
-        values = {name: phrase.named[said] if said in phrase.named else phrase.one(said) for name, said in arguments.items()}
+        values = {name: phrase.named[key] if key in phrase.named else phrase.one(key) for name, key in arguments.items()}
         return shape(direction=direction, **values, **begins)
 
     return make
 
 
 def lasting(phrase: Phrase, direction: Direction, number: int) -> Entries:
-    """Read length, seed and ramps of a vibration; along several directions each has a seed of its own."""
+    """Return the arguments of a vibration from its phrase: length, seed, ramps; a seed of its own for each direction."""
     seed = phrase.named.get("seed", 1.0)
     if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:
         raise ValueError(f"a seed is an integer from 0 to {LARGEST_SEED}, got {seed:.17g}.")
@@ -60,7 +60,7 @@ def lasting(phrase: Phrase, direction: Direction, number: int) -> Entries:
 
 
 def file_first(read: Callable[[Path], Read]) -> Callable[[str, Path], tuple[Read, str]]:
-    """Make the reader of the file that a phrase begins with, whose name may hold spaces."""
+    """Return a function that reads the file at the beginning of a phrase, spaces in its name, and returns the rest, too."""
 
     def begins(text: str, folder: Path) -> tuple[Read, str]:
         words = text.split(" ")

@@ -1,4 +1,4 @@
-"""Exact integrals of an acceleration that is linear between knots, given there; splines of the displacement."""
+"""Exact integrals of an acceleration that is linear between given knots; splines of the displacement."""
 
 import itertools
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arrays import Array
 
-_BLOCK = 4096  # knots between two whose velocity and displacement are kept: a record may have millions of knots
+_BLOCK = 4096  # knots from one stored velocity and displacement to the next: a record may have millions of knots
 
 
 class PiecewiseLinear:
@@ -30,7 +30,7 @@ class PiecewiseLinear:
         self._velocity = np.zeros((count, *values.shape[1:]))
         self._displacement = np.zeros_like(self._velocity)
         for block in range(count - 1):
-            velocity, displacement = self._sums(block)
+            velocity, displacement = self._integrals(block)
             self._velocity[block + 1], self._displacement[block + 1] = velocity[-1], displacement[-1]
 
     def derivative(self, t: Array, order: int) -> Array:
@@ -43,7 +43,7 @@ class PiecewiseLinear:
         blocks = (after - 1) // _BLOCK  # -1 before the first knot
         for block in np.unique(blocks[after > 0]):
             rows = np.flatnonzero(blocks == block)
-            knot, (velocity, displacement) = after[rows] - 1 - block * _BLOCK, self._sums(int(block))
+            knot, (velocity, displacement) = after[rows] - 1 - block * _BLOCK, self._integrals(int(block))
             value, slope, tau = self._segments(t[rows], after[rows])
             if order == 1:
                 result[rows] = velocity[knot] + tau * (value + tau * slope / 2)
@@ -52,9 +52,9 @@ class PiecewiseLinear:
         return result
 
     def _segments(self, t: Array, after: NDArray[np.intp]) -> tuple[Array, Array, Array]:
-        """Return value and slope at the knot before each time, and the time since it; `after` is the knot behind it.
+        """Return value and slope at the knot before each time, and the time since that knot; `after` is the next knot's index.
 
-        A knot belongs to what follows it.
+        At a knot the segment that follows it counts.
         """
         last = self._knots.size - 1
         left, right = np.clip(after - 1, 0, last), np.clip(after, 0, last)
@@ -66,8 +66,8 @@ class PiecewiseLinear:
         slope = np.divide(rise, step, out=np.zeros_like(rise), where=inside & (step > 0))
         return value, slope, (t - self._knots[left]).reshape(shape)
 
-    def _sums(self, block: int) -> tuple[Array, Array]:
-        """Return velocity and displacement at the knots of a block and at the first one behind it."""
+    def _integrals(self, block: int) -> tuple[Array, Array]:
+        """Return velocity and displacement at the knots of a block and at the first knot of the next."""
         rows = slice(block * _BLOCK, (block + 1) * _BLOCK + 1)
         knots, values = self._knots[rows], self._values[rows]
         step = np.diff(knots).reshape((-1,) + (1,) * (values.ndim - 1))

@@ -1,4 +1,4 @@
-"""A density or a spectrum given by points, straight on logarithmic axes, zero outside; from CSV files, as tables of forces."""
+"""Densities and spectra given by points, straight on logarithmic axes, zero outside; their files, and tables of forces."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -33,7 +33,7 @@ _AMPLITUDE_UNITS = {"displacement": LENGTH_UNITS, "velocity": VELOCITY_UNITS, "a
 def checked_points(
     name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2, steps: bool = False
 ) -> Points:
-    """Return points (frequency [Hz], level) as plain floats, at least so many; frequencies rise, and both are positive.
+    """Check that points (frequency [Hz], level) are positive, rise, and are at least `least`; return them as plain floats.
 
     With `steps` two points, not the first or the last two, may have one frequency: there the level steps from one to the other.
     Messages call the argument `name` and the level `quantity`.
@@ -98,7 +98,7 @@ def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> Array:
 
 
 def psd_rms(psd: Sequence[Sequence[float]]) -> float:
-    """Return the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz."""
+    """Return the rms value of a stationary signal of a power spectral density, in the root of its unit times Hz."""
     points = checked_points("psd", psd, quantity="level", steps=True)
     return math.sqrt(float(psd_power(points, points[-1][0])))
 
@@ -167,7 +167,7 @@ def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Poin
 
 
 def force_rows(path: Path) -> ForceRows:
-    """Read times and loads of a file such as "time [s], fx [N], fz [kN], my [N.m]"; what is not there is zero."""
+    """Read times and loads of a file such as "time [s], fx [N], fz [kN], my [N.m]"; columns that are missing are zero."""
     header = read_header(path, kind="table of forces", example='"time [s], fz [N], mx [N.m]"')
     known = ("time", *FORCE_COLUMNS)
     for name in header.names:
@@ -178,7 +178,7 @@ def force_rows(path: Path) -> ForceRows:
             )
     if "time" not in header.names:
         raise RecordError(f'{header.location}: there is no column "time [s]".')
-    units = [TIME_UNITS if one == "time" else FORCE_UNITS if one[0] == "f" else MOMENT_UNITS for one in header.names]
+    units = [TIME_UNITS if name == "time" else FORCE_UNITS if name[0] == "f" else MOMENT_UNITS for name in header.names]
     rows = [dict(zip(header.names, row, strict=True)) for row in rows_in_si(header, dict(enumerate(units)))]
     loads = tuple(tuple(row.get(name, 0.0) for name in FORCE_COLUMNS) for row in rows)
     return tuple(row["time"] for row in rows), loads
@@ -187,18 +187,18 @@ def force_rows(path: Path) -> ForceRows:
 def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str, steps: bool = False) -> Points:
     """Read the points of a file of two columns; RecordError, which names the line, if it is not such a table."""
     header = read_header(path, kind=kind, example=example)
-    of_units = [
+    candidates = [
         [column for column, unit in enumerate(header.units) if unit is not None and find_unit(unit, known)]
         for known in (FREQUENCY_UNITS, units)
     ]
     if len(header.names) == 2:  # a column without a unit, or with another, is named below
-        of_units = [of_units[0] or [column for column in (0, 1) if column not in of_units[1]], of_units[1] or [1]]
-    if len(of_units[0]) != 1 or len(of_units[1]) != 1:
+        candidates = [candidates[0] or [column for column in (0, 1) if column not in candidates[1]], candidates[1] or [1]]
+    if len(candidates[0]) != 1 or len(candidates[1]) != 1:
         raise RecordError(
             f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: "
             f"{header.listed(units=True)}. Leave one column of frequencies [Hz] and one [{next(iter(units))}]."
         )
-    places = [of_units[0][0], of_units[1][0]]
+    places = [candidates[0][0], candidates[1][0]]
     try:
         rows = rows_in_si(header, dict(zip(places, (FREQUENCY_UNITS, units), strict=True)))
         return checked_points("rows", rows, quantity=header.names[places[1]], steps=steps)

@@ -45,12 +45,12 @@ class Pulse(StartedMotion):
 
     @property
     def doubt(self) -> str:
-        """Question of whether ms were meant."""
+        """Question whether the length was meant in ms, if it is above a second; else ""."""
         return doubt_of_length(self.duration, f"was {self.duration:.4g} ms meant?")
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `half-sine 15 g 11 ms along z`."""
+        """Describe the pulse in a line, such as `half-sine 15 g 11 ms along z`."""
         text = f"{self.kind} {self.peak / STANDARD_GRAVITY:.4g} g {duration_text(self.duration, 4)} {self._line_text}"
         return Said(text, ((self.start, f"{self.kind} begins"), (self.end, f"{self.kind} ends")), self.duration)
 
@@ -195,7 +195,7 @@ class VelocityStep(StartedMotion):
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `velocity step 2 m/s along z`; away from its jump the step has no time scale."""
+        """Describe the step in a line, such as `velocity step 2 m/s along z`; its time scale is infinite."""
         text = f"velocity step {self.velocity_change:.4g} m/s {self._line_text}"
         return Said(text, ((self.start, "velocity step"),), math.inf)
 
@@ -245,7 +245,7 @@ class StruckPlate(StartedMotion):
         for name in ("areal_mass", "impedance"):
             self._set(**{name: ranges.level(name, positive(name, getattr(self, name)))})
         self._set(direction=checked_direction(self.direction), start=ranges.start("start", self.start))
-        kick = self.decay if self._alike else self.decay * math.log(self.psi) / (self.psi - 1.0)
+        kick = self.decay if self._psi_is_one else self.decay * math.log(self.psi) / (self.psi - 1.0)
         self._set(duration=ranges.length("duration", kick))
 
     @property
@@ -260,21 +260,21 @@ class StruckPlate(StartedMotion):
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `plate of 320 kg/m^2 struck by 14 MPa decaying in 0.9 ms: 11.72 m/s along z`."""
+        """Describe the plate, such as `plate of 320 kg/m^2 struck by 14 MPa decaying in 0.9 ms: 11.72 m/s along z`."""
         wave = f"struck by {self.pressure / 1e6:.4g} MPa decaying in {1e3 * self.decay:.4g} ms"
         text = f"plate of {self.areal_mass:.4g} kg/m^2 {wave}: {self.velocity_change:.4g} m/s {self._line_text}"
         events = (self.start, "wave strikes the plate"), (self.end, "water lets go of the plate")
         return Said(text, events, min(self.decay, self.duration))
 
     @cached_property
-    def _alike(self) -> bool:
+    def _psi_is_one(self) -> bool:
         return abs(self.psi - 1.0) < ALIKE
 
     def _kick(self, since: Array, order: int) -> Array:
         """Return displacement, velocity or acceleration at times within the kick [s], (n,)."""
-        t, psi = since / self.decay, 1.0 if self._alike else self.psi
+        t, psi = since / self.decay, 1.0 if self._psi_is_one else self.psi
         falling, following = np.exp(-t), np.exp(-psi * t)
-        if self._alike:
+        if self._psi_is_one:
             shape = (1.0 - falling * (1.0 + t), falling * t, falling * (1.0 - t))[order]
         else:
             shape = (np.expm1(-psi * t) / psi - np.expm1(-t), falling - following, psi * following - falling)[order]

@@ -91,17 +91,17 @@ class RandomVibration(AsCall, StartedMotion):
 
     @classmethod
     def maker(cls) -> "Callable[..., RandomVibration]":
-        """The class, with the spline of versions that did not store which."""
+        """Return the constructor with the cubic spline, which versions that stored no `spline` used."""
         return partial(cls, spline="cubic")
 
     @property
     def rms(self) -> float:
-        """Rms acceleration between rise and fall [m/s^2]: of the density, about which that of random amplitudes scatters."""
+        """Rms acceleration between rise and fall [m/s^2], of the density; that of random amplitudes scatters about it."""
         return psd_rms(self.psd)
 
     @property
     def doubt(self) -> str:
-        """Question of whether the unit of the density is another."""
+        """Question whether the unit of the density is wrong, if its rms is above 50 g; else ""."""
         loud = self.rms > _LOUDEST
         return f"its rms is {self.rms / STANDARD_GRAVITY:.4g} g: is the unit of its density another?" if loud else ""
 
@@ -112,12 +112,12 @@ class RandomVibration(AsCall, StartedMotion):
 
     @property
     def corners(self) -> Array:
-        """Every knot [s], (n,): a derivative of the acceleration jumps at each, the third, of a cubic the first."""
+        """Every knot [s], (n,): the third derivative of the acceleration jumps there, with a cubic spline the first."""
         return self.start + self._spacing * np.arange(self._intervals + 1.0)
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `random 20 to 2000 Hz, 7.69 g rms, 60 s, seed 1 along z`."""
+        """Describe the vibration in a line, such as `random 20 to 2000 Hz, 7.69 g rms, 60 s, seed 1 along z`."""
         level = f"{self.psd[0][0]:.4g} to {self.psd[-1][0]:.4g} Hz, {self.rms / STANDARD_GRAVITY:.4g} g rms"
         seed = f"seed {self.seed}" + (", random amplitudes" if self.amplitudes == "random" else "")
         full, falls = self.steady
@@ -143,6 +143,7 @@ class RandomVibration(AsCall, StartedMotion):
 
     @cached_property
     def _curve(self) -> UniformSpline:
+        """Displacement [m]: inverse FFT of all sines, times the envelope, as coefficients of a spline."""
         h, knots, degree = self._spacing, self._intervals + 1, _DEGREES[self.spline]
         period = scipy.fft.next_fast_len(knots, real=True)
         width = 1 / (period * h)  # of the band of one line [Hz]

@@ -1,4 +1,4 @@
-"""Ranges of the numbers of a motion: far beyond what moves equipment, and near enough for all its integrals to be finite."""
+"""Ranges of the numbers of a motion: far beyond any that equipment undergoes, narrow enough for finite integrals."""
 
 from wirerope_mj.foundation.arguments import finite, nonzero, not_negative, positive
 

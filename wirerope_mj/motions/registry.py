@@ -78,7 +78,7 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None, alon
     """Make the base motion that a phrase says; along several axes, as in "xyz", the sum of one along each.
 
     `kind` is one of `SPOKEN_MOTIONS`; the relative path of a file starts in `folder`, the current one by default;
-    a phrase without a direction is `along` one, if that is given.
+    a phrase without a direction has the direction `along`, if one is given.
 
     Raises:
         ValueError: the phrase is not understood, or says too little or too much; ends with an example.
@@ -89,13 +89,13 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None, alon
     """
     spoken = SPOKEN_MOTIONS[kind]
     try:
-        begun, rest = (None, text) if spoken.begins is None else spoken.begins(text, folder or Path())
+        prefix, rest = (None, text) if spoken.begins is None else spoken.begins(text, folder or Path())
         phrase = parse_phrase(rest, words=spoken.words)
         if along and spoken.directed and not phrase.directions:
             phrase = replace(phrase, directions=(along,))
-        _check(spoken, phrase)
+        _check_phrase(spoken, phrase)
         directions = phrase.directions if spoken.directed else ("z",)
-        made = [spoken.make(phrase, direction, n, begun) for n, direction in enumerate(directions)]
+        made = [spoken.make(phrase, direction, n, prefix) for n, direction in enumerate(directions)]
     except ValueError as error:
         raise ValueError(f'{kind} "{short(text)}": {error} It is written like "{spoken.example}".') from None
     except ConvergenceError as error:
@@ -127,16 +127,16 @@ def motion_from_words(text: str) -> BaseMotion:
             rest = f"{named[: match.start()]} {named[match.end() :]}".replace(", ", " ")
             rest = " ".join(part.removesuffix(",") for part in rest.split())
             return motion_from_phrase(kind, rest, along="z")
-    near = [one for word in text.split() for one in get_close_matches(word.lower(), SPOKEN_MOTIONS, n=1)]
-    meant = f" Did you mean {near[0]}?" if near else ""
+    guesses = [kind for word in text.split() for kind in get_close_matches(word.lower(), SPOKEN_MOTIONS, n=1)]
+    meant = f" Did you mean {guesses[0]}?" if guesses else ""
     raise ValueError(
         f'"{short(text)}" names no kind of motion: {", ".join(SPOKEN_MOTIONS)}.{meant} It is written like '
         '"half-sine 15 g 11 ms z".'
     )
 
 
-def _check(spoken: SpokenMotion, phrase: Phrase) -> None:
-    """Raise ValueError unless a phrase says as much as its kind needs, and no more."""
+def _check_phrase(spoken: SpokenMotion, phrase: Phrase) -> None:
+    """Raise ValueError unless a phrase has the quantities, words and direction that its kind needs, and no more."""
     for quantity in dict.fromkeys((*spoken.needs, *phrase.quantities)):
         there, needed = len(phrase.quantities.get(quantity, ())), spoken.needs.get(quantity, 0)
         if there <= spoken.may.get(quantity, -1):
@@ -211,10 +211,10 @@ def check_records(motion: Entries, folder: Path) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Level:
-    """A motion of a file of levels."""
+    """One motion in a file of levels: its phrase, and a factor."""
 
-    phrase: Annotated[dict[str, str], Among(SPOKEN_MOTIONS)] = field(default_factory=dict)  #: in the words of its kind
-    factor: float | None = None  #: on it
+    phrase: Annotated[dict[str, str], Among(SPOKEN_MOTIONS)] = field(default_factory=dict)  #: phrase of the motion, by its kind
+    factor: float | None = None  #: factor on the motion
 
     def __post_init__(self) -> None:
         if len(self.phrase) != 1:
@@ -226,7 +226,7 @@ class Levels:
     """A file of levels: motions of a test, all of which are added."""
 
     motions: Annotated[tuple[Level, ...], Key("motion")] = ()
-    standard: str = ""  #: what the levels are from
+    standard: str = ""  #: standard or specification that states the levels
 
     def __post_init__(self) -> None:
         if not self.motions:
@@ -234,6 +234,7 @@ class Levels:
 
 
 def level_templates() -> dict[str, Path]:
+    """Return the files of levels that come with the package, by name."""
     return {path.stem: path for path in sorted((scenarios_folder() / "levels").glob("*.toml"))}
 
 

@@ -1,4 +1,4 @@
-"""A base motion at another level, and one in another direction."""
+"""Base motions made from another motion: at another level, or in another direction."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -14,16 +14,17 @@ from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, Said, SumOfMotions
 
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
-_SQUARE = 1e-9  # largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
+_ORTHONORMAL = 1e-9  # largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
 
 
-def _same(name: str) -> Any:
+def _forwarded(name: str) -> Any:
+    """Return a property that has the value of the inner motion's attribute."""
     return property(lambda self: getattr(self.motion, name))
 
 
 @dataclass(frozen=True)
-class _Changed(BaseMotion):
-    """A motion whose vectors are those of another one, times a matrix; its instants are the other's."""
+class _Transformed(BaseMotion):
+    """Motion whose vectors are those of another motion times a matrix, at the same instants."""
 
     motion: BaseMotion
     duration: float = field(init=False, repr=False)
@@ -34,39 +35,39 @@ class _Changed(BaseMotion):
         self._set(duration=self.motion.duration)
 
     @abstractmethod
-    def _changed(self, vectors: Array) -> Array:
+    def _transformed(self, vectors: Array) -> Array:
         """Return vectors of the other motion, (n, 3), as those of this one."""
 
     def _derivative(self, t: Array, order: int) -> Array:
-        return self._changed(self.motion._derivative(t, order))
+        return self._transformed(self.motion._derivative(t, order))
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
-        return tuple((time, self._changed(jump[np.newaxis])[0]) for time, jump in self.motion.velocity_jumps)
+        return tuple((time, self._transformed(jump[np.newaxis])[0]) for time, jump in self.motion.velocity_jumps)
 
     def load(self, site: str, time: ArrayLike) -> Array:
         return self.motion.load(site, time)  # the body turns it
 
-    end, corners, loaded_sites, files = map(_same, ("end", "corners", "loaded_sites", "files"))
-    parts = _same("parts")  # as they are before the change
+    end, corners, loaded_sites, files = map(_forwarded, ("end", "corners", "loaded_sites", "files"))
+    parts = _forwarded("parts")  # as they are before the change
 
     @cached_property
     def _said(self) -> Said:
-        """The other motion's, in brackets if something after it would seem to belong to its last term only."""
+        """Describe the motion after the other motion, whose description stands in brackets if it is a sum."""
         text = self.motion.description
         quoted = f"({text})" if isinstance(self.motion, SumOfMotions) else text
         return Said(self._described(quoted), self.motion.events, self.motion.shortest_time)
 
     @abstractmethod
     def _described(self, quoted: str) -> str:
-        """Return the description of the motion from that of the other one."""
+        """Return the description of the motion from the other motion's."""
 
 
 @dataclass(frozen=True)
-class Scaled(_Changed):
+class Scaled(_Transformed):
     """Another motion at another level: acceleration, velocity, displacement and velocity jumps times a factor.
 
-    Of a record it is what `load_record` made of it that is scaled.
+    A record is scaled after its baseline correction.
     """
 
     kind: ClassVar[str] = "scaled"
@@ -85,19 +86,19 @@ class Scaled(_Changed):
         return self.motion.directions
 
     def _described(self, quoted: str) -> str:
-        """For instance `1.5 x half-sine 15 g 11 ms along z`."""
+        """Describe the motion in a line, such as `1.5 x half-sine 15 g 11 ms along z`."""
         return f"{self.factor:.4g} x {quoted}"
 
     def load(self, site: str, time: ArrayLike) -> Array:
         """Return the other motion's forces [N] and moments [N m] at a site times the factor, (n_t, 6)."""
         return self.factor * self.motion.load(site, time)
 
-    def _changed(self, vectors: Array) -> Array:
+    def _transformed(self, vectors: Array) -> Array:
         return self.factor * vectors
 
 
 @dataclass(frozen=True, init=False)
-class Turned(_Changed):
+class Turned(_Transformed):
     """Another motion in another direction; exactly one of `rotation` and `direction` is given.
 
     Args:
@@ -131,7 +132,7 @@ class Turned(_Changed):
             matrix = np.empty(0)
         if matrix.shape != (3, 3) or not np.all(np.isfinite(matrix)):
             raise ValueError(f"`rotation` must be a rotation matrix of 3 x 3 finite numbers, got {rotation!r}.")
-        if np.abs(matrix @ matrix.T - np.eye(3)).max() > _SQUARE or np.linalg.det(matrix) < 0.0:
+        if np.abs(matrix @ matrix.T - np.eye(3)).max() > _ORTHONORMAL or np.linalg.det(matrix) < 0.0:
             raise ValueError(f"`rotation` must be orthonormal and not mirror, got {matrix.tolist()}.")
         self._set(rotation=tuple(map(tuple, matrix.tolist())), direction=None)
 
@@ -144,16 +145,16 @@ class Turned(_Changed):
 
     @property
     def up(self) -> Array | None:
-        """That of the other motion, turned."""
-        return None if self.motion.up is None else self._changed(self.motion.up[np.newaxis])[0]
+        """Unit vector against gravity of the other motion, turned, (3,); None where nothing falls."""
+        return None if self.motion.up is None else self._transformed(self.motion.up[np.newaxis])[0]
 
     @property
     def directions(self) -> Array:
         """Directions of the other motion, turned, (n, 3)."""
-        return self._changed(self.motion.directions)
+        return self._transformed(self.motion.directions)
 
     def _described(self, quoted: str) -> str:
-        """For instance `half-sine 15 g 11 ms along z, turned to (0, 1, 1)`, or `..., turned by 30 deg about (0, 0, 1)`."""
+        """Describe the motion: `half-sine 15 g 11 ms along z, turned to (0, 1, 1)`, or `.. by 30 deg about (0, 0, 1)`."""
         if self.direction is not None:
             return f"{quoted}, turned to {direction_text(self.direction)}"
         from scipy.spatial.transform import Rotation  # takes longer to import than the rest of this room
@@ -165,14 +166,14 @@ class Turned(_Changed):
         x, y, z = (float(part) + 0.0 for part in np.round(vector / angle, 4))
         return f"{quoted}, turned by {angle:.4g} deg about {direction_text((x, y, z))}"
 
-    def _changed(self, vectors: Array) -> Array:
+    def _transformed(self, vectors: Array) -> Array:
         # Sums of three products in this order, so that a row has the same bits however many there are.
         columns = vectors[:, :, np.newaxis] * self.matrix.T[np.newaxis]
         return columns[:, 0] + columns[:, 1] + columns[:, 2]
 
 
 def _line(motion: BaseMotion) -> Array:
-    """Return the unit vector of the line along which a motion moves, (3,); a ValueError if it is no line."""
+    """Return the unit vector of the line along which a motion moves, (3,); ValueError if it moves along several."""
     directions = motion.directions
     if np.linalg.matrix_rank(directions, tol=1e-9) != 1:
         raise ValueError(

@@ -19,8 +19,8 @@ from wirerope_mj.motions.phrases import START, SpokenMotion, made_of
 from wirerope_mj.motions.pulses import HalfSine
 
 LEFT_AT_END = 1e-3  # fraction of the oscillation that is left at `end`
-# length of a blow times the decay rate of the deck, at most: what its beginning sets off is gone long before its end, and e
-# to that power is far from the largest number
+# largest product of a blow's length and the deck's decay rate: the oscillation that its beginning excites is gone long
+# before its end, and e to that power is far from overflow
 SLOWEST_BLOW = 100.0
 
 
@@ -110,12 +110,12 @@ class DecayingSine(StartedMotion):
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
-        """The blow, if it is instant."""
+        """Instant [s] and jump (3,) [m/s] of a blow of no length; empty for others."""
         return () if self.impact_duration else ((self.start, self.velocity_change * self.unit),)
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `deck of 14 Hz, damping 0.05, struck to 2 m/s along z`."""
+        """Describe the deck in a line, such as `deck of 14 Hz, damping 0.05, struck to 2 m/s along z`."""
         deck = f"deck of {self.frequency:.4g} Hz, damping {self.damping:.4g}, struck to {self.velocity_change:.4g} m/s"
         blow = f" in {1e3 * self.impact_duration:.4g} ms" if self.impact_duration else ""
         events = (self.start, f"deck of {self.frequency:.4g} Hz is struck"), (self.end, "deck is at rest within 0.1 %")
@@ -136,7 +136,7 @@ class DecayingSine(StartedMotion):
 
     @cached_property
     def _forced(self) -> tuple[complex, complex]:
-        """Q and K of the displacement during the blow of V = 1: Im(Q e^(i p t)) + Re(K e^(s t)), p = pi/D."""
+        """Complex amplitudes Q, K of the displacement during the blow of V = 1: Im(Q e^(i p t)) + Re(K e^(s t)), p = pi/D."""
         p = math.pi / self.impact_duration
         q = p / 2 / complex(self._omega**2 - p**2, 2 * self.damping * self._omega * p)
         at_rest = -q.imag
@@ -144,7 +144,7 @@ class DecayingSine(StartedMotion):
 
     @cached_property
     def _free(self) -> complex:
-        """K of the displacement Re(K e^(s t)) after a blow of V = 1."""
+        """Complex amplitude K of the displacement Re(K e^(s t)) after a blow of V = 1."""
         if not self.impact_duration:
             return -1j / self._root.imag
         # The half-sine is a sine that starts at 0 and the same sine that starts at D: after that their forces cancel.
@@ -173,7 +173,7 @@ class ShockTableImpact(StartedMotion):
     at V (1 + e). That is the shock seen from a frame that moves with the falling table, but for one thing: a falling
     table leaves its payload weightless, so that the mounts have let go of their static deflection, or still swing about it,
     when the table strikes. With `fall` the fall of sqrt(2 h/g) is played too, at acceleration -g along the direction, which
-    is what a payload in a model with gravity g against the direction must feel to be weightless. Brakes and second impacts
+    is what a payload in a model with gravity g against the direction must undergo to be weightless. Brakes and second impacts
     are left out.
     """
 
@@ -238,12 +238,12 @@ class ShockTableImpact(StartedMotion):
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
-        """The impact, if the velocity changes at once."""
+        """Instant [s] and jump (3,) [m/s] of the impact, if the velocity changes at once; else empty."""
         return () if self.pulse_duration is not None else ((self.impact, self.velocity_change * self.unit),)
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `drop table 0.5 m, rebound 0.2, 3.758 m/s in 11 ms along z`."""
+        """Describe the impact in a line, such as `drop table 0.5 m, rebound 0.2, 3.758 m/s in 11 ms along z`."""
         pulse = "at once" if self.pulse_duration is None else f"in {1e3 * self.pulse_duration:.4g} ms"
         falls = " after its fall" if self.fall else ""
         size = f"{self.drop_height:.4g} m, rebound {self.rebound:.4g}, {self.velocity_change:.4g} m/s {pulse}{falls}"

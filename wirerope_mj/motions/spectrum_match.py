@@ -24,7 +24,7 @@ from wirerope_mj.motions.scaled import Scaled
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
-_PER_OCTAVE = 192  # frequencies at which an envelope is looked at: dips between the lines were seen 2 % wide
+_PER_OCTAVE = 192  # frequencies to an octave at which an envelope is checked: dips between the lines may be 2 % wide
 LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies at which the spectrum is matched
 # largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
 # at least one line lies within it. Twelve to an octave for 5 %.
@@ -32,7 +32,7 @@ SPACING_PER_DAMPING = 1.2
 LEAST_DAMPING = 0.01  # smallest damping ratio of a spectrum that is matched; those of earthquakes are for 2 % to 10 %
 SAMPLES_PER_PERIOD = 20  # samples in a period of the highest frequency: twice what the spectrum asks for
 OF_A_SAMPLE = 48  # bytes of a line at an instant: its sine and cosine, both lines and what they are made of
-ITERATIONS = 60  # corrections after which the search ends; those seen took 2 to 22
+ITERATIONS = 60  # corrections after which the search ends; most targets take 2 to 22
 # added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
 # ten times as much or a tenth the search was seen to take two or three times as many corrections.
 REGULARISATION = 1e-3
@@ -40,7 +40,7 @@ FORGOTTEN = 1e-6  # fraction of an impulse response below which it does not matt
 
 
 def too_steep(frequencies: Array, target: Array, damping: float) -> str:
-    """Return the message about the flank of a spectrum that is farthest beyond any motion; empty if there is none.
+    """Return a message about the flank of a target that is too steep for any motion, the worst one; "" if no flank is.
 
     Of all motions a steady sine at the frequency of one oscillator sets it the most apart from another: the amplifications
     |1 + 2 i zeta r| / |1 - r^2 + 2 i zeta r| of the two, r = sine's over oscillator's frequency, are the measure. The target is
@@ -78,12 +78,12 @@ class SpectrumMatch(Brief):
         SpokenMotion(
             name="spectrum", example="floor.csv 20 s x damping 5 % seed 1",
             summary='a motion with the response spectrum of a file with "frequency [Hz], acceleration [g]".', **_PHRASE,
-            make=lambda _, *said: _matched(*said).motion,
+            make=lambda _, *arguments: _matched(*arguments).motion,
         ),
         SpokenMotion(
             name="required-spectrum", example="rrs.csv 30 s x damping 5 % seed 1",
             summary="the same, its spectrum nowhere below that of the file, as IEEE 344 and GR-63 ask.", **_PHRASE,
-            make=lambda _, *said: _matched(*said).enveloping,
+            make=lambda _, *arguments: _matched(*arguments).enveloping,
         ),
     )  # fmt: skip
 
@@ -102,11 +102,11 @@ class SpectrumMatch(Brief):
 
     @cached_property
     def enveloping(self) -> BaseMotion:
-        """The motion at the lowest level at which its spectrum lies nowhere below the target, looked at 192 times an octave.
+        """Motion scaled to the lowest level whose spectrum lies nowhere below the target, at 192 frequencies an octave.
 
         That a test spectrum envelops the required one is the rule of IEEE 344 and of GR-63.
         """
-        fine, wanted = _at(self.points, _PER_OCTAVE)
+        fine, wanted = _interpolated(self.points, _PER_OCTAVE)
         time = np.arange(self.motion.start, self.motion.end, 1.0 / (SAMPLES_PER_PERIOD * fine[-1]))
         history = self.motion.acceleration(time) @ unit_vector(self.motion.direction)
         found = shock_response_spectrum(time, history, fine, q=0.5 / self.damping).maximax
@@ -165,7 +165,7 @@ def match_spectrum(
     first, last = (usual_ramp(n, v, lowest=points[0][0], duration=length) for n, v in (("rise", rise), ("fall", fall)))
     check_room(length, first, last)
 
-    frequencies, wanted = _at(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * float(damping))))
+    frequencies, wanted = _interpolated(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * float(damping))))
     count = (length + 1 / frequencies[0]) * SAMPLES_PER_PERIOD * frequencies[-1]
     require_memory(
         f"matching a spectrum of {frequencies.size} lines over {length:.4g} s up to {frequencies[-1]:.4g} Hz",
@@ -189,8 +189,8 @@ def _matched(phrase: Phrase, direction: Direction, number: int, points: Points) 
     return match_spectrum(points, damping=phrase.named["damping"], **lasting(phrase, direction, number))
 
 
-def _at(points: Points, per_octave: float) -> tuple[Array, Array]:
-    """Return so many frequencies an octave [Hz], evenly apart, and the level of the points there, (n,)."""
+def _interpolated(points: Points, per_octave: float) -> tuple[Array, Array]:
+    """Return `per_octave` frequencies to an octave [Hz], and the levels interpolated between the points there, (n,)."""
     f, levels = np.array(points).T
     count = math.ceil(per_octave * math.log2(f[-1] / f[0]) - 1e-9) + 1
     frequencies = np.geomspace(f[0], f[-1], count)
@@ -198,7 +198,7 @@ def _at(points: Points, per_octave: float) -> tuple[Array, Array]:
 
 
 class _Matching:
-    """The accelerations of all lines at all instants, and the impulse responses of all oscillators.
+    """Search for the amplitudes of lines whose spectrum is the target: all accelerations and impulse responses.
 
     Sums go through einsum: on a machine that is busy, threads of a linear algebra library wait for each other for longer
     than these sums take.
@@ -217,8 +217,8 @@ class _Matching:
         of_cosines = factor * cosine + 2 * first * sine / omega - second * cosine / omega**2
         self.lines = np.concatenate([of_sines, of_cosines])
         self.filters = []  # ramp-invariant, of the oscillators' absolute acceleration (Smallwood 1981, ISO 18431-4)
-        for one in (2 * math.pi * frequencies).tolist():
-            decay, angle = math.exp(-damping * one * step), one * step * math.sqrt(1 - damping**2)
+        for natural in (2 * math.pi * frequencies).tolist():
+            decay, angle = math.exp(-damping * natural * step), natural * step * math.sqrt(1 - damping**2)
             c, s = decay * math.cos(angle), decay * math.sin(angle) / angle
             self.filters.append(([1 - s, 2 * (s - c), decay**2 - s], [1.0, -2 * c, decay**2]))
         impulse = np.zeros(self.time.size)
@@ -277,7 +277,7 @@ class _Matching:
         return instants, np.array(values)
 
     def correction(self, q: Array, instants: list[int], signs: Array, excess: Array) -> Array:
-        """Return the smallest change of the amplitudes (2 n,) that makes the relative excess (n,), to first order."""
+        """Return the smallest change of the amplitudes (2 n,) that removes the relative excess (n,), to first order."""
         gains = np.empty((self.frequencies.size, q.size))
         for row, impulse, instant, sign in zip(gains, self.impulses, instants, signs, strict=True):
             first = max(instant + 1 - impulse.size, 0)

@@ -12,7 +12,7 @@ from wirerope_mj.foundation.arrays import Array, ComplexArray
 _SERIES_FROM = 50.0
 _FACTORIALS = np.array([math.factorial(n) for n in range(30)], dtype=float)
 _HARMONIC_FACTORIALS = _FACTORIALS * np.concatenate([[0.0], np.cumsum(1 / np.arange(1.0, 30.0))])
-_FEW_FROM, _FEW = 1000.0, 16  # From here on the others leave every bit of the sum as it is: 16! / 1000^16 is 2e-35.
+_FEW_FROM, _FEW = 1000.0, 16  # u from which 16 terms give every bit of the sum: 16! / 1000^16 is 2e-35.
 # Step of the double-exponential rule: measured error 4e-10 at 1/10, 5e-12 at 1/12, roundoff (2e-15) from 1/16 on.
 # Its nodes run from where exp(-exp(4)) to where exp(-exp(3.8)) is below 1e-19.
 _STEP = 1 / 16
@@ -43,7 +43,7 @@ def oscillating_tail(u: Array, order: int) -> ComplexArray:
 
 
 def _by_series(u: Array, order: int) -> ComplexArray:
-    """With q = -i/u: h1 = (i/u) sum n! q^n and h2 = -(i/u) sum n! (1 + 1/2 + ... + 1/n) q^n."""
+    """Return h1 or h2 by its series; with q = -i/u: h1 = (i/u) sum n! q^n and h2 = -(i/u) sum n! (1 + 1/2 + ... + 1/n) q^n."""
     factors = _FACTORIALS if order == 1 else _HARMONIC_FACTORIALS
     factors = factors[:_FEW] if u.min(initial=np.inf) >= _FEW_FROM else factors
     q = -1j / u
@@ -111,6 +111,7 @@ class Course:
         return 2 * math.pi * self.frequency(t)
 
     def u(self, within: Array) -> Array:
+        """Return u = w/K at times up to the end of the sweep."""
         return 2 * math.pi * self.start / self.growth * np.exp(self.sign * self.growth * within)
 
     def angle(self, within: Array) -> Array:
@@ -136,24 +137,24 @@ def _tail(course: Course, within: Array, order: int) -> ComplexArray:
     return np.exp(1j * course.angle(within)) * oscillating_tail(course.u(within), order)
 
 
-def _ends(course: Course, t: Array) -> bool:
+def _passes_end(course: Course, t: Array) -> bool:
     return bool((t > course.duration).any())
 
 
 def _after(course: Course, t: Array, function: Callable[[Array], Array]) -> Array:
-    """Return how far `function` of the phase has gone from its value at the end of the sweep; zero until then."""
+    """Return the change of `function` of the phase since the end of the sweep; zero before it."""
     return function(course.phase(t)) - function(course.phase(course.within(t)))
 
 
 def _velocity_of_acceleration(course: Course, t: Array) -> Array:
     swept = -np.imag(_tail(course, course.within(t), 1)) / course.growth
-    return swept - _after(course, t, np.cos) / course.last if _ends(course, t) else swept
+    return swept - _after(course, t, np.cos) / course.last if _passes_end(course, t) else swept
 
 
 def _displacement_of_acceleration(course: Course, t: Array) -> Array:
     within = course.within(t)
     swept = course.sign * np.imag(_tail(course, within, 2)) / course.growth**2
-    if not _ends(course, t):
+    if not _passes_end(course, t):
         return swept
     drift = _velocity_of_acceleration(course, within) + np.cos(course.phase(within)) / course.last
     return swept + drift * (t - within) - _after(course, t, np.sin) / course.last**2
@@ -161,13 +162,13 @@ def _displacement_of_acceleration(course: Course, t: Array) -> Array:
 
 def _displacement_of_velocity(course: Course, t: Array) -> Array:
     swept = course.sign * np.real(_tail(course, course.within(t), 1)) / course.growth
-    return swept - _after(course, t, np.sin) / course.last if _ends(course, t) else swept
+    return swept - _after(course, t, np.sin) / course.last if _passes_end(course, t) else swept
 
 
 def _acceleration_of_displacement(course: Course, t: Array) -> Array:
     omega, phase = course.omega(t), course.phase(t)
-    quickening = np.where(t < course.duration, course.sign * course.growth * omega, 0.0)
-    return omega**2 * np.sin(phase) - quickening * np.cos(phase)
+    omega_rate = np.where(t < course.duration, course.sign * course.growth * omega, 0.0)
+    return omega**2 * np.sin(phase) - omega_rate * np.cos(phase)
 
 
 Form = Callable[[Course, Array], Array]

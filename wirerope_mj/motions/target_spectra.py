@@ -1,4 +1,4 @@
-"""Spectra that standards ask for: of earthquakes, for `match_spectrum` and as files of levels; of naval shock, its pulses."""
+"""Spectra that standards prescribe: of earthquakes, for `match_spectrum` and files of levels; of naval shock, as pulses."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -87,6 +87,7 @@ def ac156_spectrum(frequencies: ArrayLike, *, s_ds: float, height_ratio: float, 
 
 
 def _above(frequencies: ArrayLike, least: float, reason: str) -> Array:
+    """Return the frequencies as an array; ValueError, with the reason, if one is below `least` [Hz]."""
     checked = np.asarray(frequencies, dtype=float)
     if not np.all(np.isfinite(checked)) or np.any(checked < least * (1 - 1e-9)):
         raise ValueError(f"`frequencies` must be at least {least:g} Hz: {reason}; got {np.min(checked):g} Hz.")
@@ -177,7 +178,7 @@ LEVELS = {"ac156": "ICC-ES AC156", "en1998": "EN 1998-1, type 1"}
 
 
 def ac156_levels(*, sds: float, z_h: float) -> dict[str, str]:
-    """Write the file of levels of AC156 and its two tables, by file name, for S_DS [g] and z/h."""
+    """Return the texts of the file of levels of AC156 and its two tables, by file name, for S_DS [g] and z/h."""
     frequencies = np.array([*AC156_FREQUENCIES, HIGHEST])
     spectra = [ac156_spectrum(frequencies, s_ds=sds, height_ratio=z_h, vertical=vertical) for vertical in (False, True)]
     (flexible, _, _, rigid), (vertical, _, _, vertical_rigid) = spectra
@@ -190,7 +191,7 @@ vertical 0.67 S_DS = {vertical:.4g} g and 0.27 S_DS = {vertical_rigid:.4g} g; fr
 
 
 def en1998_levels(*, ag: float, ground: str) -> dict[str, str]:
-    """Write the file of levels of EN 1998-1 and its two tables, by file name, for ag [g] and a type of ground."""
+    """Return the texts of the file of levels of EN 1998-1 and its two tables, by file name, for ag [g] and a ground type."""
     one_of("ground", ground, tuple(EN1998_TYPE_1))
     lowest = 1.0 / LONGEST_PERIOD
     frequencies = np.geomspace(lowest, HIGHEST, int(np.ceil(PER_OCTAVE * np.log2(HIGHEST / lowest))) + 1)
@@ -208,7 +209,7 @@ Of the ground: equipment in a building needs its floor's spectrum. A national an
 
 
 def _files(name: str, formulas: str, length: str, ramps: str, frequencies: Array, spectra: list[Array]) -> dict[str, str]:
-    """Write the tables, and the motions along x, y and z, whose seeds make them independent."""
+    """Return the texts of the file of levels and of its tables, by file name; different seeds make x, y, z independent."""
     lines = [f"# {line}" for line in (f"{LEVELS[name]}, required response spectra", *formulas.splitlines())]
     lines.append(f'standard = "{LEVELS[name]}"')
     for seed, (axis, kind) in enumerate((("x", "horizontal"), ("y", "horizontal"), ("z", "vertical")), start=1):

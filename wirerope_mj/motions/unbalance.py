@@ -1,4 +1,4 @@
-"""Unbalance of what rotates or reciprocates on the payload."""
+"""Unbalance of machines that rotate or reciprocate on the payload."""
 
 import math
 from collections.abc import Callable
@@ -24,7 +24,7 @@ _PHRASE: Entries = {
 
 
 def _shaft(kind: str) -> Callable[..., BaseMotion]:
-    """Make the force of an unbalance, its direction the `kind`: axis or line; a time is that of a run-up."""
+    """Return the function that makes an unbalance from a phrase, whose direction is its `kind`, "axis" or "line"."""
 
     def make(shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
         named, frequencies = phrase.named, phrase.quantities.get("frequency", ())
@@ -104,7 +104,7 @@ class Unbalance(PayloadForce):
 
     @cached_property
     def _across(self) -> tuple[Array, Array]:
-        """Unit vectors u and v: across the shaft, right-handed with it; of a line, it and nothing."""
+        """Unit vectors u and v across the shaft, right-handed with it, (3,); of a line, its unit vector and zero."""
         if self.line is not None:
             return unit_vector(self.line), np.zeros(3)
         assert self.axis is not None
@@ -119,18 +119,18 @@ class Unbalance(PayloadForce):
         t = as_times(time) - self.start
         if self.final_frequency is None:
             return np.full(t.size, self.frequency)
-        gone = np.clip(t / self.run_up, 0.0, 1.0)
-        return self.frequency + (self.final_frequency - self.frequency) * gone
+        progress = np.clip(t / self.run_up, 0.0, 1.0)
+        return self.frequency + (self.final_frequency - self.frequency) * progress
 
     def _wrench(self, t: Array) -> Array:
         omega = 2.0 * math.pi * self.shaft_frequency(t + self.start)
-        turn, alpha = 2.0 * math.pi * self.frequency * t, np.zeros(t.size)
+        shaft_angle, alpha = 2.0 * math.pi * self.frequency * t, np.zeros(t.size)
         if self.final_frequency is not None:
             rate = 2.0 * math.pi * (self.final_frequency - self.frequency) / self.run_up
             during = np.minimum(t, self.run_up)
-            turn = turn + rate * during * (t - 0.5 * during)
+            shaft_angle = shaft_angle + rate * during * (t - 0.5 * during)
             alpha[t < self.run_up] = rate
-        angle, k = self.order * turn + self.phase, self.order
+        angle, k = self.order * shaft_angle + self.phase, self.order
         (cosine, sine), square = (np.cos(angle), np.sin(angle)), (k * omega) ** 2
         u, v = self._across
         wrench = np.zeros((t.size, 6))
@@ -146,8 +146,8 @@ class Unbalance(PayloadForce):
         return np.sort(np.append(super().corners, self.start + self.run_up))
 
     def _described(self) -> tuple[str, float]:
-        """For instance `unbalance 0.02 kg m at engine about x, 25 Hz`."""
-        about, along = (direction_text(one) for one in (self.axis or "z", self.line or "z"))
+        """Describe the unbalance in a line, such as `unbalance 0.02 kg m at engine about x, 25 Hz`."""
+        about, along = (direction_text(direction) for direction in (self.axis or "z", self.line or "z"))
         way = f"about {about}" if self.axis is not None else f"along {along}"
         speed = f"{self.frequency:.4g} Hz"
         if self.final_frequency is not None:

@@ -21,8 +21,8 @@ from wirerope_mj.motions.psd_lines import Points, checked_points, table_lines
 
 _ORDER = {"acceleration": 2, "velocity": 1, "displacement": 0}
 _UNIT = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}
-# samples in a period of the highest frequency that say the peak, and sines of them that take a second
-_SAMPLES, _MOST = 32.0, 2e7
+# samples in a period of the highest frequency for the peak, and the largest number of sines for it: a second's work
+_SAMPLES, _MOST_SINES = 32.0, 2e7
 _BLOCK = 2**14  # samples at once: they stay in a processor's cache
 
 
@@ -33,20 +33,21 @@ def _dwells(
     shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, table: tuple[str, Points]
 ) -> BaseMotion:
     """Pass the lines of an amplitude table one after the other, each from rest to rest, and then dwell at some of them."""
-    amplitudes, chosen = dict(table[1]), phrase.quantities.get("frequency", ())
+    quantity, lines = table
+    amplitudes, chosen = dict(lines), phrase.quantities.get("frequency", ())
     if ("dwell" in phrase.named) != bool(chosen):
         raise ValueError(
             '"dwell" and its frequencies belong together, as in "dwell 60 s 7 Hz 12 Hz"; `wirerope shock` and a job find them.'
         )
     for frequency in chosen:
         if frequency not in amplitudes:
-            known = ", ".join(f"{one:g}" for one in amplitudes)
+            known = ", ".join(f"{line:g}" for line in amplitudes)
             raise ValueError(f"a dwell must be at a frequency of the table, {known} Hz, got {frequency:g} Hz.")
-    lasting = [(line, phrase.one("time")) for line in table[1]]
-    lasting += [((frequency, amplitudes[frequency]), phrase.named["dwell"]) for frequency in chosen]
+    stages = [(line, phrase.one("time")) for line in lines]
+    stages += [((frequency, amplitudes[frequency]), phrase.named["dwell"]) for frequency in chosen]
     dwells, start = [], phrase.start
-    for line, length in lasting:
-        amplitude: Entries = {table[0]: [line]}
+    for line, length in stages:
+        amplitude: Entries = {quantity: [line]}
         dwells.append(shape(direction=direction, duration=length, start=start, **amplitude))
         start += length
     return sum(dwells[1:], start=dwells[0])
@@ -146,12 +147,12 @@ class VibrationLines(AsCall, StartedMotion):
 
     @cached_property
     def envelope(self) -> Envelope:
-        """The rise and the fall."""
+        """Envelope of rise and fall."""
         return Envelope(start=self.start, stop=self.end, rise=self.rise, fall=self.fall)
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `3 lines from 5 to 12 Hz, each up to 0.5 m/s^2, peak acceleration 1.31 m/s^2, 8 s along z`.
+        """Describe the lines: `3 lines from 5 to 12 Hz, each up to 0.5 m/s^2, peak acceleration 1.3 m/s^2, 8 s along z`.
 
         The peak is that of samples, low by 0.5 % at most; of an endless or a very long vibration the rms value is given.
         """
@@ -162,7 +163,7 @@ class VibrationLines(AsCall, StartedMotion):
         if math.isfinite(samples):
             length = f", {self.duration:.4g} s"
         if f.size > 1:
-            if samples * f.size < _MOST:
+            if samples * f.size < _MOST_SINES:
                 kind, value, count = "peak", 0.0, math.ceil(samples)
                 for first in range(0, count + 1, _BLOCK):
                     steps = np.arange(first, min(first + _BLOCK, count + 1))

@@ -1,6 +1,6 @@
 """Warnings about a measured record: cut off, clipped, too coarse, in other units than its header says, drifting.
 
-None of these can be known for sure, so that each states its reason, and nothing is changed.
+No such fault can be known for sure: each warning states its reason, and nothing is changed.
 """
 
 from collections.abc import Iterator
@@ -16,10 +16,11 @@ _FEWEST = 16  # samples below which nothing is judged: a record so short was wri
 # fraction of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian vibration is
 # above half of its peak in two of a hundred samples
 _PULSE_END, _VIBRATION_END = 0.1, 0.5
-# a flat top has three equal samples or more; one top's length before and after it a smooth one fell by nine steps
+# least number of equal samples in a flat top; fall of the signal one top's length beside it, as a fraction of the range and
+# in steps of the converter: beside a smooth top it falls by nine
 _TOP, _FALL, _STEPS = 3, 0.02, 20.0
-# runs in which noise stands at a limit, and how many more samples stand there than within a fraction of the range, or two
-# steps of the converter, below: of noise that nothing cuts off fewer stand at its largest value than just below
+# runs at the limit that clipped noise has at least, and how many times as many samples it has there as within a fraction of
+# the range, or two steps of the converter, below: noise that is not clipped has fewer at its largest value than just below
 _RUNS, _CROWDED, _JUST = 4, 3.0, 0.002
 # fraction of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of
 # what a sensor measured take more than a sample
@@ -64,7 +65,7 @@ def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str
         return
     step, length = float(time[1] - time[0]), float(time[-1] - time[0])
     for axis, a in zip("xyz", samples.T, strict=True):
-        if not a.any() or moved_level(a, 1.0 / step):  # which was said
+        if not a.any() or moved_level(a, 1.0 / step):  # `reading_warnings` has warned of it
             continue
         rest = quiet_level(a)
         velocity = a[:-1] + a[1:]
@@ -72,17 +73,17 @@ def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str
         np.cumsum(velocity, out=velocity)
         end, speed = float(velocity[-1]), max(float(velocity.max()), -float(velocity.min()))
         travel = float(velocity.sum()) * step
-        gained = end if rest is None else rest * length  # what a steady part makes of the velocity
+        gained = end if rest is None else rest * length  # velocity that a steady offset adds up to
         velocity -= np.linspace(0.0, gained, velocity.size)
-        own = float(np.ptp(velocity))
+        velocity_range = float(np.ptp(velocity))
         course = f"along {axis} the base would reach {speed:.3g} m/s, and end {travel:.3g} m away at {end:.3g} m/s: "
         if rest is None:
             large = abs(gained) / length >= _OFFSET * float(np.abs(a).max())
-            drifts = abs(gained) > max(_SLOW, _DRIFT * own) and not large
-            yield from _strays(course, reading.text(gained / length, 3) if drifts else "", speed, travel)
+            drifts = abs(gained) > max(_SLOW, _DRIFT * velocity_range) and not large
+            yield from _runaway(course, reading.text(gained / length, 3) if drifts else "", speed, travel)
             continue
         rms = float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP  # four deviations of what white noise adds up to
-        if abs(gained) > max(_SLOW, _GAIN * own, 4.0 * rms * step * float(np.sqrt(a.size))):
+        if abs(gained) > max(_SLOW, _GAIN * velocity_range, 4.0 * rms * step * float(np.sqrt(a.size))):
             if baseline in ("mean", "velocity"):
                 constant = "mean" if baseline == "mean" else "final velocity"
                 yield (
@@ -102,8 +103,8 @@ def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str
             )
 
 
-def _strays(course: str, steady: str, speed: float, travel: float) -> Iterator[str]:
-    """Yield a warning about a motion without a quiet part that goes too far, by a steady acceleration or otherwise."""
+def _runaway(course: str, steady: str, speed: float, travel: float) -> Iterator[str]:
+    """Yield a warning about a motion without a quiet part whose speed or travel is too large, with the likely reason."""
     if steady:
         reason = f"the acceleration stands off zero by {steady} all along"
     elif speed > LARGEST_SPEED:
@@ -116,6 +117,7 @@ def _strays(course: str, steady: str, speed: float, travel: float) -> Iterator[s
 
 
 def _implausible(reading: Reading, rate: float) -> Iterator[str]:
+    """Yield warnings about a peak or a sampling rate [Hz] that no base has, as if in another unit."""
     peak = max(float(reading.samples.max()), -float(reading.samples.min()))
     units = " and ".join(reading.units)
     if peak > LARGEST_PEAK:
@@ -182,7 +184,7 @@ def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:
 
 
 def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
-    """Yield the extremes of a signal (n,) at which it was cut off, and how many samples stand there in a row.
+    """Yield the extremes at which a signal (n,) was clipped, and the number of samples that stand there in a row.
 
     Either the flanks beside are steeper than those of a smooth top, or noise lifts samples off it again and again, yet hardly
     any stand just below.
@@ -191,8 +193,8 @@ def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
     for extreme in (high, low):
         if abs(extreme - middle) <= 0.1 * (high - low):
             continue  # a record that never leaves its rest on this side
-        there = a == extreme
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(np.int8)))
+        at_extreme = a == extreme
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], at_extreme, [False]]).astype(np.int8)))
         lengths = edges[1::2] - edges[::2]
         first, length = int(edges[2 * lengths.argmax()]), int(lengths.max())  # of the longest run
         if length < _TOP or length > a.size // 2:
@@ -203,9 +205,9 @@ def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
         flanks = [i for i in (first - length, first + 2 * length - 1) if 0 <= i < a.size]
         fall = min((abs(float(a[i]) - extreme) for i in flanks), default=0.0)
         near = max(_JUST * (high - low), 2.5 * _converter_step(a))
-        below = np.count_nonzero(np.abs(a - extreme) <= near) - np.count_nonzero(there)
-        runs = np.count_nonzero(np.diff(there)) // 2
-        noisy = runs >= _RUNS and np.count_nonzero(there) > _CROWDED * below
+        below = np.count_nonzero(np.abs(a - extreme) <= near) - np.count_nonzero(at_extreme)
+        runs = np.count_nonzero(np.diff(at_extreme)) // 2
+        noisy = runs >= _RUNS and np.count_nonzero(at_extreme) > _CROWDED * below
         if noisy or fall > max(_FALL * (high - low), _STEPS * _converter_step(a)):
             yield extreme, length
 
@@ -219,7 +221,7 @@ def clipped_text(where: str, extreme: str, length: int) -> str:
 
 
 def _converter_step(a: Array) -> float:
-    """Return the smallest difference of two adjacent values that is none of rounding, 1 % of the range at most."""
+    """Return the step of the converter: the smallest step of the signal above rounding, 1 % of the range at most."""
     steps = np.abs(np.diff(a[:100_000]))
     kept = steps[steps > 1e-9 * np.abs(a).max()]
     return min(float(kept.min()), 0.01 * float(np.ptp(a))) if kept.size else 0.0

@@ -43,25 +43,25 @@ _EXAMPLES = '"base z g", "point/rack_top -x g", "body/floor displacement z mm" o
 
 @dataclass(frozen=True, kw_only=True)
 class ChannelPhrase:
-    """What a column of a file is, as far as its phrase says."""
+    """Measurement that a file's column holds, as far as its phrase states it."""
 
     subject: str  # "base", "body/NAME", "point/NAME" or "mount/NAME"
     quantity: Quantity | None  # None where only the unit in the file's header can say
     axis: Axis  # of the world; of a mount x is roll, y shear, z axial
     sign: float  # -1.0 for a sensor that points the other way
     unit: str | None  # None where the file's header says it
-    # of a displacement of a body or a point: whether it is that in space and not that relative to the base
+    # whether a displacement of a body or a point is that in space, not that relative to the base
     absolute: bool
 
     def quantity_of(self, unit: str) -> Quantity | None:
-        """Return the quantity that the phrase states, or that of a unit; None if the unit is not one of it."""
+        """Return the quantity that the phrase states, or else that of the unit; None if the unit does not fit."""
         if self.quantity is not None:
             return self.quantity if find_unit(unit, UNITS[self.quantity]) else None
         return quantity_of(unit, mount=self.subject.startswith("mount/"))
 
 
 def quantity_of(unit: str, *, mount: bool) -> Quantity | None:
-    """Return the quantity that a unit is of, None if it is not known: lengths are displacements, of a mount deflections."""
+    """Return the quantity of a unit, None for an unknown unit: lengths are displacements, of a mount deflections."""
     for known, units in UNITS.items():
         if find_unit(unit, units) and mount == (known in ("deflection", "force")):
             return known
@@ -69,7 +69,7 @@ def quantity_of(unit: str, *, mount: bool) -> Quantity | None:
 
 
 def parse_channel(column: str, phrase: str) -> ChannelPhrase:
-    """Parse what a column is: a subject, then in any order an axis with its sign, a quantity, a unit, "absolute".
+    """Parse the phrase of a column: a subject, then in any order an axis with its sign, a quantity, a unit, "absolute".
 
     A name with spaces stands in quotation marks. ValueError says what is missing, said twice or unknown.
     """
@@ -106,7 +106,7 @@ def parse_channel(column: str, phrase: str) -> ChannelPhrase:
     quantity, unit, word = found.get("quantity"), found.get("unit"), found["axis"]
     axis = word.lstrip("+-")
     parsed = ChannelPhrase(
-        subject=subject, quantity=next((one for one in UNITS if one == quantity), None),
+        subject=subject, quantity=next((known for known in UNITS if known == quantity), None),
         axis=_OF_MOUNT.get(axis) or ("x" if axis == "x" else "y" if axis == "y" else "z"),
         sign=-1.0 if word.startswith("-") else 1.0, unit=unit, absolute=found.get("reference") == "absolute",
     )  # fmt: skip
@@ -134,7 +134,7 @@ _OFFSET = 0.02  # level at rest, as a fraction of a channel's range, from which 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredChannel:
-    """What one sensor measured."""
+    """Samples of one sensor, and the place, quantity and axis that it measured."""
 
     subject: str  #: "base", "body/NAME", "point/NAME" or "mount/NAME"
     quantity: Quantity  #: "acceleration", "velocity" or "displacement"; of a mount "deflection" or "force"
@@ -149,7 +149,7 @@ class MeasuredChannel:
 
     @property
     def key(self) -> str:
-        """For instance "point/rack_top acceleration z"."""
+        """Name of the channel, such as "point/rack_top acceleration z"."""
         reference = "absolute " if self.absolute else ""
         return f"{self.subject} {reference}{self.quantity} {self.axis}"
 
@@ -319,7 +319,7 @@ def _warnings(
     where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: tuple[Quantity, str], baseline: str,
     rest: float | None,
 ) -> Iterator[str]:  # fmt: skip
-    """Yield what looks wrong about a channel [SI], as it was measured, in the unit of its column."""
+    """Yield warnings about a channel [SI] before its baseline is taken off, in the unit of its column."""
     (quantity, unit), spread = known, float(np.ptp(values))
     factor = UNITS[quantity][unit]
     if spread == 0.0:

@@ -58,8 +58,8 @@ def quiet_level(a: Array) -> float | None:
     band = max(_BAND * float(np.ptp(a)), _NEAR * abs(middle))
     if np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size < _RESTS:
         return None
-    off = np.abs(a - middle)
-    spread = float(np.median(off[:: max(1, off.size // _ENOUGH)]))
+    deviation = np.abs(a - middle)
+    spread = float(np.median(deviation[:: max(1, deviation.size // _ENOUGH)]))
     few = max(_FEW, a.size // 50)
     for part in (a[:few], a[-few:]):  # is its median the level, but for what its own noise does to it or for what is near?
         level = float(np.median(part))
@@ -70,13 +70,13 @@ def quiet_level(a: Array) -> float | None:
         return None
     quiet = _NOISE * spread
     if spread == 0.0:  # most samples are equal to the level, and others a step of the converter off it if that is dithered
-        step = 1.5 * float(off[off > 0.0].min(initial=np.inf))
-        quiet = step if np.count_nonzero((off > 0.0) & (off <= step)) > _DITHERED * off.size else 0.0
-    return float(a[off <= quiet].mean())
+        step = 1.5 * float(deviation[deviation > 0.0].min(initial=np.inf))
+        quiet = step if np.count_nonzero((deviation > 0.0) & (deviation <= step)) > _DITHERED * deviation.size else 0.0
+    return float(a[deviation <= quiet].mean())
 
 
 def offset_of(a: Array) -> float:
-    """Return the value of a signal (n,) before and after: its level at rest, a vibration's mean, zero for a bare pulse."""
+    """Return the offset of a signal (n,): its level at rest, else a vibration's mean, or zero for a pulse."""
     rest = quiet_level(a)
     if rest is not None:
         return rest
@@ -85,7 +85,7 @@ def offset_of(a: Array) -> float:
 
 
 def level_at_rest(a: Array) -> float | None:
-    """Return the level of a response (n,) at rest: of its quiet part, else of what stands before it first moves; None without.
+    """Return the level of a response (n,) at rest: of its quiet part, else before its onset; None if it has neither.
 
     A response may ring on until its record ends, so that it is near its level nowhere but before the event.
     """
@@ -109,5 +109,5 @@ def is_pulse(a: Array, rest: float) -> bool:
 
 
 def peak_from(a: Array, rest: float) -> float:
-    """Return how far a signal (n,) goes from its rest, to either side."""
+    """Return the largest distance of a signal (n,) from its level at rest."""
     return max(float(a.max()) - rest, rest - float(a.min()))

@@ -29,7 +29,7 @@ _EVEN = 1e-3  # of an interval, by which the last digit of an instant may shift 
 _MEASURED = frozenset(
     [".csv", ".txt", ".tsv", ".dat", ".asc", ".mat", ".xlsx", ".xlsm", ".uff", ".unv", ".lvm", ".tdms", ".at2", ".v2"]
 )
-_BLOCK = 100_000  # samples that are looked at together, so that a long record is not copied
+_BLOCK = 100_000  # samples that are searched for the peak together, so that a long record is not copied
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,7 +81,7 @@ class Record(BaseMotion):
 
     @cached_property
     def _said(self) -> Said:
-        """For instance `record deck.csv, 2.5 s, peak 14.2 g`."""
+        """Describe the record in a line, such as `record deck.csv, 2.5 s, peak 14.2 g`."""
         blocks = np.array_split(self.samples, -(-len(self.samples) // _BLOCK))
         peak = max(float(np.linalg.norm(block, axis=1).max()) for block in blocks) / STANDARD_GRAVITY
         record = f"record {self.path.name}"
@@ -240,6 +240,7 @@ def record_channels(path: str | Path, *, accelerations: bool = False) -> tuple[s
 
 
 def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
+    """Return the cutoff [Hz] of the baseline "highpass", else None; ValueError if it is missing or has no use."""
     one_of("baseline", baseline, BASELINES)
     if baseline != "highpass":
         if highpass is not None:
@@ -253,12 +254,13 @@ def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
 
 
 def _checked_channels(channels: Mapping[str, str | Sequence[float]]) -> dict[str, Direction]:
+    """Return the directions of the channels; ValueError if there are none, or two have one direction."""
     if not channels:
         raise ValueError('`channels` must name at least one column, for instance {"ch3": "z"}, got none.')
     directions = {name: checked_direction(direction) for name, direction in channels.items()}
     for name, direction in directions.items():
-        here = unit_vector(direction)
-        alike = [other for other in directions if np.array_equal(unit_vector(directions[other]), here)]
+        vector = unit_vector(direction)
+        alike = [other for other in directions if np.array_equal(unit_vector(directions[other]), vector)]
         if len(alike) > 1:
             raise ValueError(f"`channels` gives {name} and {alike[1]} the same direction {direction_text(direction)}.")
     return directions

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of
 
-# of the prediction, and the samples next to an end that it is made from: sixteen lines, a thousandth of the rate apart
+# order of the linear prediction, and samples next to an end that it is fitted to: sixteen lines, a thousandth of the rate apart
 _LAGS, _WINDOW = 32, 1000
 _EXACT = 1e-10  # error of the prediction, as a fraction of the signal's power, at which it is good enough
 # fraction of an interval by which an instant may be off without further reason: far below what a clock's jitter does
@@ -56,7 +56,7 @@ def continued(a: Array, count: int) -> Array:
 
 
 def _predicted(a: Array, count: int) -> Array:
-    """Return the samples that come after a signal as far as its past tells, by Burg's method: its filter is always stable."""
+    """Return `count` samples that continue a signal, by linear prediction: Burg's method, whose filter is always stable."""
     from scipy.signal import lfilter, lfiltic
 
     weights = np.ones(1)  # 1 and those of the past in the error of prediction
@@ -75,14 +75,14 @@ def _predicted(a: Array, count: int) -> Array:
 
 
 def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
-    """Return the record of a file at equal intervals, with a warning of what had to be done for it.
+    """Return the record of a file at equal intervals, with a warning if its samples had to be changed for it.
 
     RecordError says where there is a gap, unless `gaps` is "fill": with straight lines, or a time stamp far from all others.
     """
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
     blocks = (np.arange(first, min(first + _BLOCK, time.size)) for first in range(0, time.size, _BLOCK))  # needs no memory
-    if max(float(np.abs(time[i] - (time[0] + step * i)).max()) for i in blocks) <= max(_ROUNDED * step, _printed(time, step)):
+    if max(float(np.abs(time[i] - (time[0] + step * i)).max()) for i in blocks) <= max(_ROUNDED * step, _rounding(time, step)):
         even_time = step * np.arange(float(time.size))
         even_time += time[0]
         return replace(reading, time=even_time)
@@ -96,7 +96,7 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
             f"{usual:.6g} s apart: at equal intervals, {time.size} samples would be {count:.3g}. Is a time stamp wrong? "
             "Correct it, or use what lies before or behind."
         )
-    regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _printed(time, usual))
+    regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _rounding(time, usual))
     if np.mean(regular) >= _REGULAR and np.all(intervals[~regular] >= _GAP * usual):
         return _without_gaps(path, reading, np.flatnonzero(~regular), usual, fill=gaps == "fill")
     # curves, finer where samples are dense, then the filter
@@ -157,8 +157,8 @@ def filtered(samples: Array, up: int, down: int) -> Array:
     return made
 
 
-def _printed(time: Array, step: float) -> float:
-    """Return the last decimal place of the instants [s], as far as the first thousand show it; 0 if it explains nothing."""
+def _rounding(time: Array, step: float) -> float:
+    """Return the last decimal place of printed instants [s], from the first thousand; 0 if it is too small or too large."""
     first = time[:1000] - time[0]
     for digits in range(10):
         scaled = first * 10.0**digits
@@ -180,10 +180,10 @@ def _without_gaps(path: Path, reading: Reading, gaps: NDArray[np.intp], usual: f
         )
     count = round(float(time[-1] - time[0]) / usual) + 1
     even_time = np.linspace(time[0], time[-1], count)
-    return _at(reading, even_time).warned(f"{text} filled with straight lines.")
+    return _interpolated(reading, even_time).warned(f"{text} filled with straight lines.")
 
 
-def _at(reading: Reading, time: Array) -> Reading:
+def _interpolated(reading: Reading, time: Array) -> Reading:
     columns = [np.interp(time, reading.time, column) for column in reading.samples.T]
     return replace(reading, time=time, samples=np.column_stack(columns))
 
@@ -192,14 +192,14 @@ def _curved(reading: Reading, time: Array, usual: float) -> Reading:
     """Return the record on Akima's curves, which swing less beside a step than splines; lines where it is sparse."""
     from scipy.interpolate import Akima1DInterpolator
 
-    straight = _at(reading, time)
+    straight = _interpolated(reading, time)
     if reading.time.size < _FEWEST:
         return straight
     interval = np.clip(np.searchsorted(reading.time, time, side="right") - 1, 0, reading.time.size - 2)
-    near = np.diff(reading.time)[interval] < _FAR * usual
+    dense = np.diff(reading.time)[interval] < _FAR * usual
     for column, result in zip(reading.samples.T, straight.samples.T, strict=True):
         if column.any():
-            result[near] = Akima1DInterpolator(reading.time, column, method="makima")(time[near], extrapolate=True)
+            result[dense] = Akima1DInterpolator(reading.time, column, method="makima")(time[dense], extrapolate=True)
     return straight
 
 
@@ -225,6 +225,7 @@ def without_baseline(time: Array, samples: Array, baseline: str, highpass: float
 
 
 def _highpassed(time: Array, samples: Array, cutoff: float) -> tuple[Array, Array]:
+    """Return instants and accelerations, lengthened by rest and high-pass filtered without phase at a cutoff [Hz]."""
     from scipy.signal import butter, sosfiltfilt
 
     step = float(time[-1] - time[0]) / (time.size - 1)

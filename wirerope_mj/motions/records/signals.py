@@ -1,4 +1,4 @@
-"""Warnings about a signal: a zero that a sensor moves, AC coupling, and what its sampling cannot hold."""
+"""Warnings about a signal: a shift of its zero, AC coupling, and a sampling rate too low for its pulses or vibration."""
 
 import math
 from collections.abc import Iterator
@@ -18,8 +18,8 @@ _FOOT = 0.1  # fraction of the peak above which samples belong to a pulse; of it
 # of the length of a pulse above its foot, that its flank takes to an undershoot: one that brakes the base takes longer
 _FLANK = 0.8
 _BLOCKS = 64  # means of what follows a pulse, which take the noise off
-# part of what follows a pulse that may be left where one stage, or two, couple the velocity back
-_LEFT, _LEFT_OF_RETURN = {1: 0.25, 2: 0.12}, 0.06  # and of what follows an undershoot, with which no flank is mixed
+# largest residual, over the signal behind its pulse, of a fit with one stage of AC coupling, or with two
+_RESIDUAL, _RESIDUAL_OF_RETURN = {1: 0.25, 2: 0.12}, 0.06  # and behind an undershoot, where no flank disturbs
 _LOST = 0.1  # fraction of the pulse's velocity that must be lost
 _DAMPED = 0.65  # damping ratio from which two stages of coupling are told from a base that swings; of a Butterworth filter 0.71
 _NOISE = 1.2  # times the noise of these means that may be left
@@ -57,8 +57,8 @@ def moved_level(a: Array, rate: float) -> tuple[float, float, int] | None:
         return None
     before, after, at = found
     gained = abs(after - before) * min(at, a.size - at) / rate
-    own = a - np.where(np.arange(a.size) < at, before, after)
-    return found if gained > max(_SLOW, _GAIN * float(np.ptp(np.cumsum(own))) / rate) else None
+    deviation = a - np.where(np.arange(a.size) < at, before, after)
+    return found if gained > max(_SLOW, _GAIN * float(np.ptp(np.cumsum(deviation))) / rate) else None
 
 
 def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *, played: bool = True) -> Iterator[str]:
@@ -93,10 +93,10 @@ def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *
 
 
 def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
-    """Find limit [Hz], velocity at the end of the pulse and at the end of the record [m/s] of an AC-coupled signal.
+    """Identify AC coupling: its lower limit [Hz], and the velocities [m/s] at the ends of the pulse and of the record.
 
     Behind its pulse such a signal is -v/tau, v being its own integral; of two stages in a row a sum of v and its integral,
-    whose poles are real or nearly: a base that swings is damped less. None where what follows the pulse is not so.
+    whose poles are real or nearly: a base that swings is damped less. None where the signal after its pulse is different.
     """
     rest = offset_of(a)
     peak = peak_from(a, rest)
@@ -126,10 +126,10 @@ def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
     noise = float(np.median(np.abs(np.diff(a[first:last])))) / 0.954 * len(blocks) / math.sqrt(last - first)
     for order in (1, 2):
         factors = -np.linalg.lstsq(means[:, :order], level, rcond=None)[0]
-        remains = float(np.linalg.norm(level + means[:, :order] @ factors))
+        residual = float(np.linalg.norm(level + means[:, :order] @ factors))
         damped = factors[0] > 0.0 and (order == 1 or 0.0 < factors[1] < (factors[0] / (2.0 * _DAMPED)) ** 2)
-        limit = _LEFT[order] if first != lowest else _LEFT_OF_RETURN
-        if damped and remains <= max(limit * size, _NOISE * noise) and size > 2.0 * noise:
+        limit = _RESIDUAL[order] if first != lowest else _RESIDUAL_OF_RETURN
+        if damped and residual <= max(limit * size, _NOISE * noise) and size > 2.0 * noise:
             return (float(factors[0]) if order == 1 else math.sqrt(factors[1])) / (2.0 * math.pi), reached, left
     return None
 
@@ -176,7 +176,7 @@ def _lone_samples(a: Array) -> list[int]:
     tallest = np.argpartition(out, -several)[-several:]
     usual = float(out[tallest].min())
     found = []
-    for number in sorted(tallest[out[tallest] > usual], key=lambda one: -out[one]):
+    for number in sorted(tallest[out[tallest] > usual], key=lambda place: -out[place]):
         i, height = int(number) + 1, float(out[number])
         beside = np.diff(a[max(i - 2, 0) : i]).tolist() + np.diff(a[i + 1 : i + 3]).tolist()
         level = max([*map(abs, beside), abs(float(a[i + 1] - a[i - 1]))])
@@ -197,17 +197,17 @@ def _coarse(where: str, a: Array, rest: float, rate: float, unit: str) -> Iterat
     if samples > _FEW:
         return
     values = np.abs(a[max(first - 1, 0) : last + 1] - rest)
-    off = "its peak is not known"
+    peak = "its peak is not known"
     if samples > 2:
         length = (samples - 1) / _WIDE  # at least, of a half-sine whose foot has just so many samples, in intervals
         most = 1.0 / math.cos(math.pi / (2.0 * length))  # its peak lies in the middle of two samples
-        off = f"if it is a half-sine, its true peak may be up to {100.0 * (most - 1.0):.0f} % higher"
+        peak = f"if it is a half-sine, its true peak may be up to {100.0 * (most - 1.0):.0f} % higher"
     elif samples == 2:
         about = 0.5 * math.pi * float(values.sum()) * _WIDE / samples  # velocity change: 2/pi peak x length
-        off += f", and of a half-sine with its velocity change would be about {about:.4g} {unit}"
+        peak += f", and of a half-sine with its velocity change would be about {about:.4g} {unit}"
     count = "one sample" if samples == 1 else f"{samples} samples"
     yield (
-        f"{where} its shortest pulse, of {values.max():.4g} {unit}, has {count} at {rate:.4g} samples a second: {off}. "
+        f"{where} its shortest pulse, of {values.max():.4g} {unit}, has {count} at {rate:.4g} samples a second: {peak}. "
         "Measure at a higher rate, ten samples across the shortest pulse or more."
     )
 

@@ -109,7 +109,7 @@ def _parsed_rows(header: Header) -> Iterator[str]:
 
 
 def most_rows(path: Path) -> int:
-    """Return a number of lines that the file does not exceed, whatever its lines end with."""
+    """Return an upper bound of the number of lines of a file, whatever its lines end with."""
     rows = 1
     with path.open("rb") as file:
         while block := file.read(1 << 20):
@@ -150,7 +150,7 @@ def table_channels(path: Path) -> tuple[str, ...]:
 
 
 def acceleration_channels(path: Path) -> tuple[str, ...]:
-    """Return the names of the columns whose unit is one of an acceleration; all but the time if there is none."""
+    """Return the names of the columns whose unit is one of an acceleration; all but the time if no column has one."""
     header, time, _ = _opened(path)
     found = [name for name, unit in zip(header.names, header.units, strict=True) if find_unit(unit or "", ACCELERATION_UNITS)]
     return tuple(found) or table_channels(path)
@@ -199,7 +199,7 @@ def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Readi
 def _in_si(
     header: Header, columns: Sequence[int], clock: Clock | None, matrix: Array, *, fill: bool
 ) -> tuple[Array, Array, list[str]]:
-    """Return instants [s], (n,), the columns behind the time times a matrix (n_columns, k), and what had to be filled."""
+    """Read instants [s], (n,), the other columns times a matrix (n_columns, k), and warnings of samples that were filled."""
     path, content = header.path, header.content
     time_factor = header.factor(columns[0], TIME_UNITS) if clock is None else 1.0
     blocks: Iterable[Array]
@@ -231,7 +231,7 @@ def _in_si(
 
 
 def _opened(path: Path, names: Iterable[str] = ()) -> tuple[Header, int, Clock | None]:
-    """Return the header of a table, the column of the time of some channels, and how its cells are read if a clock wrote them.
+    """Open a table: return its header, the index of the time column of some channels, and the parser of clock times, if any.
 
     RecordError: no column, or none alone, is the time.
     """
@@ -261,7 +261,7 @@ def _opened(path: Path, names: Iterable[str] = ()) -> tuple[Header, int, Clock |
 
 
 def _seconds_since(header: Header, first: str) -> Clock:
-    """Return what reads the seconds since midnight of the first instant, in the order of day and month that fits all dates."""
+    """Return the parser of clock times [s] since midnight before the first, whose order of day and month fits all dates."""
     began: dict[bool, int] = {}  # the first day, by whether days stand before months
     for day_first in (False, True):
         with suppress(ValueError):

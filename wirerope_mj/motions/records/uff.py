@@ -15,7 +15,7 @@ from wirerope_mj.foundation.table_files import LARGEST
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, VELOCITY_UNITS, find_unit
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
-_ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
+_DIRECTION_NAMES = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
 _VECTORS: dict[str, Direction] = {"-x": (-1.0, 0.0, 0.0), "-y": (0.0, -1.0, 0.0), "-z": (0.0, 0.0, -1.0)}
 _TIME_RESPONSE, _GENERAL, _TIME, _ACCELERATION = 1, 0, 17, 12
 _UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
@@ -24,7 +24,7 @@ _MEASURED = {
     _ACCELERATION: ("", "m/s^2"), 11: ("velocity", "m/s"), 8: ("displacement", "m"), 13: ("force", "N"), 9: ("force", "N"),
 }  # fmt: skip
 _UNITS = ACCELERATION_UNITS | VELOCITY_UNITS | LENGTH_UNITS | FORCE_UNITS
-_REAL = (2, 4)
+_REAL_TYPES = (2, 4)  # types of ordinate data: single and double precision
 _SI = 1  # code of the system of units
 # fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it
 _SAME_CLOCK = 1e-3
@@ -58,7 +58,7 @@ def uff_channels(path: Path) -> tuple[str, ...]:
 def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | None) -> Reading:
     """Return the time histories of acceleration in a universal file.
 
-    Without `channels`, named as by `uff_channels`, they are all, along their own directions; without a `unit` it is that of the
+    Without `channels`, named as by `uff_channels`, all are read, along their own directions; the default `unit` is that of the
     ordinate's label, then that of dataset 164.
     """
     histories, systems = _histories(path, unit)
@@ -67,7 +67,7 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
         chosen = _all_of_one_node(path, histories)
     else:
         names = _names(list(heads.values()))
-        places = {_place(path, list(heads.values()), names, name): direction for name, direction in channels.items()}
+        places = {_index_of(path, list(heads.values()), names, name): direction for name, direction in channels.items()}
         chosen = {histories[place][0]: direction for place, direction in places.items()}
     units, factors = zip(*(_unit(path, heads[number], unit, systems) for number in chosen), strict=True)
     time, samples = _on_one_clock(path, {number: _name(heads[number]) for number in chosen})
@@ -91,7 +91,7 @@ def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[s
     names_there = _names([head for _, head in histories], [_MEASURED.get(kind, ("",))[0] for kind in kinds])
     chosen, units = dict[int, str](), list[str | None]()
     for name in names:
-        place = _place(path, [head for _, head in histories], names_there, name)
+        place = _index_of(path, [head for _, head in histories], names_there, name)
         (number, head), kind = histories[place], kinds[place]
         chosen[number] = name
         label = _label(head, "ordinate")
@@ -114,8 +114,9 @@ def _histories(path: Path, unit: str | None) -> tuple[Histories, list[Entries]]:
     kinds, heads, systems = _datasets(path)
     histories = []
     for n, head in heads:
-        of, known = int(head.get("ordinate_spec_data_type", 0)), unit or find_unit(_label(head, "ordinate"), ACCELERATION_UNITS)
-        if _is_in_time(head) and (of == _ACCELERATION or (of in _UNKNOWN and known)):
+        kind = int(head.get("ordinate_spec_data_type", 0))
+        known = unit or find_unit(_label(head, "ordinate"), ACCELERATION_UNITS)
+        if _is_in_time(head) and (kind == _ACCELERATION or (kind in _UNKNOWN and known)):
             histories.append((n, head))
     if not histories and not _is_complete(path):
         raise RecordError(f"{path}: this universal file holds no complete time history of an acceleration{_CUT}")
@@ -143,14 +144,15 @@ def _datasets(path: Path) -> tuple[list[int], Histories, list[Entries]]:
 
 
 def _is_in_time(head: Entries) -> bool:
+    """Return whether a header is of a real translation over time."""
     kind, over = (int(head.get(k, 0)) for k in ("func_type", "abscissa_spec_data_type"))
     in_time = kind == _TIME_RESPONSE or (kind == _GENERAL and over == _TIME)
     turns = abs(int(head.get("rsp_dir", 0))) > 3
-    return in_time and int(head.get("ord_data_type", 0)) in _REAL and not turns
+    return in_time and int(head.get("ord_data_type", 0)) in _REAL_TYPES and not turns
 
 
 def _unit(path: Path, head: Entries, unit: str | None, systems: list[Entries]) -> tuple[str, float]:
-    """Return the unit of a history as text, and what it is in m/s^2."""
+    """Return the unit of a history as text, and its factor to m/s^2."""
     label = unit if unit is not None else _label(head, "ordinate")
     if found := find_unit(label, ACCELERATION_UNITS):
         return found, ACCELERATION_UNITS[found]
@@ -179,19 +181,19 @@ def _label(head: Entries, axis: str) -> str:
 
 
 def _name(head: Entries) -> str:
-    node, end = int(head.get("rsp_node", 0)), _ENDS.get(int(head.get("rsp_dir", 0)))
+    node, end = int(head.get("rsp_node", 0)), _DIRECTION_NAMES.get(int(head.get("rsp_dir", 0)))
     return f"{node}:{end}" if end else f"{node}"
 
 
 def _names(heads: Sequence[Entries], quantities: Sequence[str] | None = None) -> list[str]:
-    """Return what histories are called; of those of one node and direction `1:z#1`, `1:z#2`, in the order of the file."""
+    """Return the names of histories; of several with one node and direction `1:z#1`, `1:z#2`, in the order of the file."""
     words = quantities if quantities is not None else [""] * len(heads)
     bare = [f"{_name(head)} {word}".strip() for head, word in zip(heads, words, strict=True)]
     return [f"{name}#{bare[: i + 1].count(name)}" if bare.count(name) > 1 else name for i, name in enumerate(bare)]
 
 
-def _place(path: Path, heads: Sequence[Entries], names: Sequence[str], name: str) -> int:
-    """Return which history is called so; of several of one node, `1:z#2` or, by its ID line, `1:z#run 2`."""
+def _index_of(path: Path, heads: Sequence[Entries], names: Sequence[str], name: str) -> int:
+    """Return the index of the history of a name; of several of one node, `1:z#2` or, by its ID line, `1:z#run 2`."""
     if name in names:
         return names.index(name)
     bare, _, line = name.partition("#")

@@ -1,4 +1,4 @@
-"""Power spectral densities of random vibration, their statistical uncertainty, what responds to them, and fatigue damage."""
+"""Power spectral densities of random vibration, their statistical uncertainty, responses of oscillators, and fatigue damage."""
 
 import math
 from collections.abc import Sequence
@@ -58,7 +58,7 @@ class PowerSpectralDensity(Summarised):
         return self.rms_between(0.0, math.inf)
 
     def rms_between(self, low: float, high: float) -> Array:
-        """Return the root mean square of the frequencies from `low` to `high` [Hz] as [m/s^2], (), or (k,).
+        """Return the root mean square over the frequencies from `low` to `high` [Hz], [m/s^2], (), or (k,).
 
         A line stands for the width of one resolution about it; of a line that is cut only the part inside counts.
         """
@@ -153,10 +153,10 @@ def power_spectral_density(
 Method = Literal["dirlik", "narrow-band"]
 _POWERS = (0, 1, 2, 4)  # powers of the frequency in the moments that the rules of damage take
 _PER_OCTAVE = 400  # Frequencies to an octave by which a density is integrated: 1e-4 of the moments of Q = 50
-_ROUNDS, _EQUAL = 100, 1e-3  # Corrections of an equivalent density, and the relative error of its damage that ends them
-_LEAST = 1e-6  # of the largest level
-# half-power bandwidths to either side of a resonance between which the integral is parted, so that it sees the peak
-_NEAR = 40.0
+_ROUNDS, _DAMAGE_ERROR = 100, 1e-3  # Corrections of an equivalent density, and the relative error of its damage that ends them
+_LEAST_LEVEL = 1e-6  # smallest level of an equivalent density, as a fraction of the largest
+# half-power bandwidths on both sides of a resonance where the integral is split, so that the quadrature resolves the peak
+_PEAK_WIDTHS = 40.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -211,7 +211,7 @@ def vibration_response_spectrum(
 ) -> VibrationSpectrum:
     """Return the rms responses of oscillators to random vibration of a power spectral density.
 
-    The squared transfer functions are integrated over the density segment by segment, straight on logarithmic axes as it is.
+    The squared transfer functions are integrated over the density segment by segment, each straight on logarithmic axes.
 
     Args:
         psd: points (frequency [Hz], level [(m/s^2)^2/Hz]); zero outside.
@@ -275,10 +275,10 @@ def equivalent_psd(
     levels = np.ones(corners.size)
     for _ in range(_ROUNDS):
         least = scipy.ndimage.minimum_filter1d(relative_damage(levels), every // 2 * 2 + 1, mode="nearest")[::every]
-        if np.abs(least - 1.0).max() < _EQUAL:
+        if np.abs(least - 1.0).max() < _DAMAGE_ERROR:
             break
         levels = levels * least ** (-2.0 / b)
-        levels = np.maximum(levels, _LEAST * levels.max())
+        levels = np.maximum(levels, _LEAST_LEVEL * levels.max())
     relative = relative_damage(levels)
     lack = min(1.0, float(relative.min()))  # what the corrections have left: damage goes with the level to the power b / 2
     return tuple(zip(corners.tolist(), (levels * lack ** (-2.0 / b)).tolist(), strict=True)), relative / lack
@@ -287,7 +287,7 @@ def equivalent_psd(
 def _integrals(points: Points, natural: float, q: float) -> Array:
     """Return the moments of the deflection's density and the mean square of the absolute acceleration, (5,)."""
     total = np.zeros(len(_POWERS) + 1)
-    near = natural * (1.0 + _NEAR * np.array([-1.0, 0.0, 1.0]) / q)
+    splits = natural * (1.0 + _PEAK_WIDTHS * np.array([-1.0, 0.0, 1.0]) / q)
     for (f1, s1), (f2, s2) in zip(points[:-1], points[1:], strict=True):
         if f1 == f2:  # a step
             continue
@@ -301,7 +301,7 @@ def _integrals(points: Points, natural: float, q: float) -> Array:
             moments = [f**power * density(f) / (2.0 * math.pi * natural) ** 4 for power in _POWERS]
             return np.array([*moments, density(f) * (1.0 + (f / natural / q) ** 2)])
 
-        ends = [f1, *(f for f in near if f1 < f < f2), f2]
+        ends = [f1, *(f for f in splits if f1 < f < f2), f2]
         for low, high in zip(ends[:-1], ends[1:], strict=True):
             total += [
                 scipy.integrate.quad(lambda f, k: parts(f)[k], low, high, args=(k,), limit=200, epsabs=0.0, epsrel=1e-10)[0]

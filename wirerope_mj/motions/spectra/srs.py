@@ -55,7 +55,7 @@ class Extremes(Brief):
 
     @classmethod
     def of(cls, during: Array, after: Array, quantity: int, scale: float) -> "Extremes":
-        """Return the magnitudes of a quantity from highest and lowest values while it is driven and after, (6, ...)."""
+        """Return the magnitudes of a quantity from its highest and lowest values while the base moves and after, (6, ...)."""
         high, low = quantity, quantity + 1
         return cls(
             positive=scale * np.maximum(during[high], after[high]), negative=-scale * np.minimum(during[low], after[low]),
@@ -172,7 +172,7 @@ def shock_response_spectrum(
 
 
 def _frequencies(frequencies: ArrayLike | None, step: float, samples: int) -> Array:
-    """Return the checked frequencies [Hz], or those that are taken without any."""
+    """Return the checked frequencies [Hz], or the default ones for None."""
     rate = 1.0 / step
     highest = rate / SAMPLES_PER_PERIOD
     if frequencies is None:
@@ -198,7 +198,7 @@ def _frequencies(frequencies: ArrayLike | None, step: float, samples: int) -> Ar
 
 
 def ramp_steps(angles: Array, damping: float) -> Array:
-    """Return what u, v and the accelerations at both ends of a step give for u and v at its end, (n_f, 2, 4).
+    """Return the matrices from u, v and the accelerations at both ends of a step to u, v at its end, (n_f, 2, 4).
 
     From the exponential of the oscillator with the ramp as two more states: no coefficient is a difference of large numbers.
     Its norm is at most about 10, and it is the series of a sixteenth, squared four times: as exact as SciPy's `expm` to a few
@@ -222,12 +222,12 @@ def ramp_steps(angles: Array, damping: float) -> Array:
     return np.ascontiguousarray(steps)
 
 
-_HELD = 0.01  # error of a line that samples hold
-_COARSER = (2, 3)  # every so many samples are looked at by themselves
+_HELD = 0.01  # largest relative error of a line that the samples resolve
+_COARSER = (2, 3)  # spectra of every second and every third sample are compared
 
 
 def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> float:
-    """Return the frequency up to which samples hold a spectrum of theirs within 1 % [Hz]; 0 where they hold no line.
+    """Return the frequency [Hz] up to which the sampling resolves its spectrum within 1 %; 0 where it resolves no line.
 
     Errors of samples, of straight lines between them and of what is faster than they can tell, fall with the square of the rate
     as a rule, and by chance do not: lines hold up to the first that every other sample changes by more than 1 %, or every third
@@ -242,12 +242,12 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
         return 0.0
     within = np.ones_like(fine, dtype=bool)
     for every in _COARSER:
-        told = lines[lines <= rate / (SAMPLES_PER_PERIOD * every)]
-        if not told.size:
+        coarse_lines = lines[lines <= rate / (SAMPLES_PER_PERIOD * every)]
+        if not coarse_lines.size:
             continue
-        coarse = shock_response_spectrum(time[::every], acceleration[::every], told, q=spectrum.q).maximax
-        allowed = _HELD * (every**2 - 1.0) / 3.0 * np.abs(fine[: told.size])
-        within[: told.size] &= np.abs(coarse - fine[: told.size]) <= allowed
+        coarse = shock_response_spectrum(time[::every], acceleration[::every], coarse_lines, q=spectrum.q).maximax
+        allowed = _HELD * (every**2 - 1.0) / 3.0 * np.abs(fine[: coarse_lines.size])
+        within[: coarse_lines.size] &= np.abs(coarse - fine[: coarse_lines.size]) <= allowed
     corners = np.sort(np.abs(np.diff(acceleration, 2, axis=0)), axis=0)[-2:].sum(axis=0) / (12.0 * rate)
     pulsation = 2.0 * math.pi * lines.reshape((-1,) + (1,) * (fine.ndim - 1))
     within &= pulsation * corners <= _HELD * fine
