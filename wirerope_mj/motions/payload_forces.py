@@ -43,7 +43,7 @@ class PayloadForce(BaseMotion):
         return (self.site,)
 
     def load(self, site: str, time: ArrayLike) -> Array:
-        """Return force [N] and moment [N m] at a site at the times [s], (n_t, 6); zero elsewhere, before start and after end."""
+        """Return force [N] and moment [N m] at a site at the times [s], (n_t, 6); zero elsewhere, and before and after."""
         times = as_times(time)
         wrench = np.zeros((times.size, 6))
         acting = (times >= self.start) & (times <= self.end)
