@@ -8,7 +8,7 @@ from house import sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.content.credibility import (
-    _KINDS,
+    _PROVENANCE_GRADES,
     compared_credibility_blocks,
     credibility_blocks,
     study_credibility_blocks,
@@ -131,4 +131,4 @@ def test_a_comparison_is_as_good_as_the_weakest_part_of_all_runs(identified):
 
 
 def test_every_kind_of_provenance_has_a_grade():
-    assert set(_KINDS) == set(KINDS)
+    assert set(_PROVENANCE_GRADES) == set(KINDS)

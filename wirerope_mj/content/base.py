@@ -1,4 +1,4 @@
-"""The base's motion: its histories, extremes, events and spectrum, and the measured records in it, their baselines."""
+"""Blocks on the base's motion: histories, extremes, events, spectrum, and measured records with baseline corrections."""
 
 import math
 from collections.abc import Iterator
@@ -21,14 +21,14 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import BaseMotion, RandomVibration, Record
 from wirerope_mj.motions.records.record import records_in
 
-_KEPT = 1e-3  # [m/s] at the end, from which the base keeps a velocity
-_FAINT = 1e-6  # of the largest component of a force, what is not drawn
-_MOST_EVENTS = 12  # in the table of what the base does: a record may have any number
-_MOST_CORNERS = 100  # a record has a corner at every sample: its samples are enough
-_INSTANTS = 4001  # of a motion, beside its corners: the peak of a half-sine within 1e-6
-_BETWEEN = 64  # between two corners: the peak of a half-sine within 0.03 %
+_RESIDUAL_VELOCITY = 1e-3  # [m/s] at the end of the motion, above which the base is said to keep a velocity
+_NEGLIGIBLE = 1e-6  # fraction of the largest component of a force, below which a component is not drawn
+_MOST_EVENTS = 12  # rows of the table of base events: a record may have any number
+_MOST_CORNERS = 100  # above it no instants are added: a record has a corner at every sample
+_INSTANTS = 4001  # at which a motion is sampled beside its corners: finds the peak of a half-sine within 1e-6
+_INTERVALS = 64  # of equal length between two corners: find the peak of a half-sine within 0.03 %
 _MOST_SAMPLES = 200_000  # of a response whose corners are joined to its samples
-_TEXTS = {
+_BASELINE_TEXTS = {
     "none": "no baseline correction", "rest": "baseline: the level at rest taken off", "mean": "baseline: the mean taken off",
     "velocity": "baseline: the constant taken off that leaves no final velocity",
     "highpass": "baseline: high-pass filter without phase",
@@ -82,27 +82,30 @@ def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Ar
     if corners.size > _MOST_CORNERS or response.time.size > _MOST_SAMPLES:
         return response.time, response.base.acceleration
     inside = corners[(corners > response.time[0]) & (corners <= response.time[-1])]
-    between = np.linspace(inside[:-1], inside[1:], _BETWEEN + 1).ravel() if inside.size > 1 else inside
+    between = np.linspace(inside[:-1], inside[1:], _INTERVALS + 1).ravel() if inside.size > 1 else inside
     time = np.unique(np.concatenate([response.time, between, np.nextafter(inside, -np.inf)]))  # both sides of a jump
     return time, motion.acceleration(time)
 
 
 def _loads_chart(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Chart:
+    """Draw forces and moments at the loaded sites, and the force on the foundation without its initial value."""
+
     def components(values: Array, label: str, unit: str, xlabel: str = "") -> Panel:
         size = np.abs(values).max(initial=0.0)
-        axes = [axis for axis in range(3) if np.abs(values[:, axis]).max(initial=0.0) > _FAINT * size] or [2]
+        axes = [axis for axis in range(3) if np.abs(values[:, axis]).max(initial=0.0) > _NEGLIGIBLE * size] or [2]
         curves = [Curve(response.time, values[:, axis], name="xyz"[axis], kind=axis) for axis in axes]
         return Panel(curves, label, xlabel=xlabel, xlim=window, unit=unit)
 
     rows = []
     for site in motion.loaded_sites:
         load = motion.load(site, response.time)
-        for values, what, unit in ((load[:, :3], "force", "N"), (load[:, 3:], "moment", "N m")):
+        for values, quantity, unit in ((load[:, :3], "force", "N"), (load[:, 3:], "moment", "N m")):
             if np.abs(values).max(initial=0.0) > 0.0:
-                rows.append([components(values, f"{what} at {site} [{unit}]", unit)])
-    passed = foundation_force(response)
+                rows.append([components(values, f"{quantity} at {site} [{unit}]", unit)])
+    transmitted = foundation_force(response)
+    rows.append([components(transmitted - transmitted[0], "on the foundation [N]", "N", "time [s]")])
     return Chart(
-        rows=[*rows, [components(passed - passed[0], "on the foundation [N]", "N", "time [s]")]], height=95.0, id="loads",
+        rows=rows, height=95.0, id="loads",
         caption="What acts on the payload, along the axes of its site, and what the mounts pass on to the foundation, along "
         "the world's, without what they carry at the beginning.",
         alt="Histories of the forces on the payload and on the foundation.",
@@ -110,6 +113,7 @@ def _loads_chart(response: Response, motion: BaseMotion, window: tuple[float, fl
 
 
 def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, float], axes: list[int]) -> Chart:
+    """Draw acceleration, velocity and displacement of the base along the axes that it moves along."""
     time, acceleration = base_acceleration(response, motion)
     rows = []
     for label, unit, x, values in (
@@ -122,7 +126,7 @@ def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, f
     names = listed(["xyz"[axis] for axis in axes])
     still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
     end = float(np.linalg.norm(response.base.velocity[-1]))
-    kept = f" The base keeps {end:.3g} m/s after the motion." if end > _KEPT else ""
+    kept = f" The base keeps {end:.3g} m/s after the motion." if end > _RESIDUAL_VELOCITY else ""
     return Chart(
         rows=rows, height=95.0, id="base-motion", caption=f"The base's acceleration, velocity and displacement{still}.{kept}",
         alt=f"Histories of the base along {names}.",
@@ -130,7 +134,7 @@ def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, f
 
 
 def warnings_of(run: JudgedRun) -> Statement | None:
-    """State the warnings of the records that were played; None without any."""
+    """State the warnings about the records that were played; None without warnings."""
     text = "Said of the measured record, on which every figure here rests:"
     items = run.record_warnings
     return Statement("record-warnings", text, items=items, tone="unjudged") if items else None
@@ -178,7 +182,7 @@ def record_chart(played: Record) -> Chart:
                 title="xyz"[axis] if number == 0 else "", unit=unit,
             ))  # fmt: skip
         rows.append(row)
-    along, text = listed(["xyz"[axis] for axis in axes]), _TEXTS[played.baseline]
+    along, text = listed(["xyz"[axis] for axis in axes]), _BASELINE_TEXTS[played.baseline]
     text += "" if played.highpass is None else f", {played.highpass:g} Hz"
     velocity, displacement = ends(played)
     at_end = "; ".join(f"{velocity[n]:+.3g} m/s and {displacement[n]:+.3g} m along {'xyz'[n]}" for n in axes)
@@ -191,7 +195,7 @@ def record_chart(played: Record) -> Chart:
 
 
 def ends(record: Record) -> tuple[np.ndarray, np.ndarray]:
-    """Find velocity [m/s] and displacement [m] at the last sample, (3,) each; rounding is cut off."""
+    """Compute velocity [m/s] and displacement [m] at the end of a record, (3,) each, rounded to 1e-9."""
     return record.velocity(record.end)[0].round(9) + 0.0, record.displacement(record.end)[0].round(9) + 0.0
 
 
@@ -206,7 +210,7 @@ def shock_peak(motion: BaseMotion) -> float:
 
 
 def amplified(value: float, motion: BaseMotion) -> str:
-    """Write as a clause that a peak [m/s^2] is larger than that of the base's shock; "" where it is not."""
+    """Describe in a clause the amplification of a peak [m/s^2] over the base's shock; "" without amplification."""
     peak = shock_peak(motion)
     if not (peak > 0.0 and value > AMPLIFIED * peak):
         return ""

@@ -1,4 +1,4 @@
-"""A content: sections of statements, tables, charts and scenes by their ids, the data of its document, its layout on paper."""
+"""The content of a result: sections of statements, tables, charts and scenes with ids, document data, and appendices."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
@@ -15,19 +15,19 @@ from wirerope_mj.foundation.structure import DATE, Key
 from wirerope_mj.foundation.tables import TONES, Column, Table, left
 
 WIDTH, LEFT, RIGHT = 760.0, 58.0, 16.0  # of a chart, about pixels of a page; margins beside its panels
-# Kinds of curves beside the numbered colours; the last: what must not be exceeded
+# Kinds of curves beside the numbered colours; `LIMIT` is a curve that must not be exceeded
 BASE, OTHERS, LIMIT = "base", "others", "limit"
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A line, dots, or bars."""
+    """A curve of a panel: a line, dots or bars."""
 
     # x, y: positions, (n,)
     x: Array
     y: Array
     _: KW_ONLY
-    name: str  # in the legend; "" for none
+    name: str  # in the legend; "" for a curve without a name
     kind: int | str  # number of a colour, `BASE`, `OTHERS` or `LIMIT`
     marks: bool = False  # whether dots are drawn at the positions instead of a line
     bars: float = 0.0  # height of the bars that go from zero to each x instead; 0 for none
@@ -46,9 +46,9 @@ class Field:
     # x, y: edges of the cells, (n_x + 1,) and (n_y + 1,), rising
     x: Array
     y: Array
-    values: Array  # (n_y, n_x); NaN for none
-    name: str  # of what they are, with the unit
-    limit: float | None = None  # beyond which a value is set apart; None for none
+    values: Array  # (n_y, n_x); NaN where there is no value
+    name: str  # quantity with its unit
+    limit: float | None = None  # value beyond which cells are marked; None without a limit
 
 
 Note = tuple[float, float, str, bool]  # A text beside a position, and whether it stands on its left
@@ -66,19 +66,19 @@ class Panel:
     xlabel: str = ""
     title: str = ""
     limits: Sequence[tuple[str, float]] = ()  # levels that are dashed, with their names
-    xlimits: Sequence[tuple[str, float]] = ()  # the same across
+    xlimits: Sequence[tuple[str, float]] = ()  # the same on the horizontal axis
     dots: Sequence[tuple[float, float]] = ()  # positions of single points
     notes: Sequence[Note] = ()  # texts at positions
     field: Field | None = None  # behind the curves; None for none
     # yticks, xticks: where round numbers would not do: names of bars, angles
     yticks: Ticks = ()
     xticks: Ticks = ()
-    bands: Sequence[tuple[str, float, float]] = ()  # ranges across that are shaded, with their names
-    # xlim, ylim: ranges; None for what the curves take
+    bands: Sequence[tuple[str, float, float]] = ()  # ranges of the horizontal axis that are shaded, with their names
+    # xlim, ylim: ranges; None for those of the curves
     xlim: tuple[float, float] | None = None
     ylim: tuple[float, float] | None = None
-    log: str = ""  # whether both axes are logarithmic, or only the one across ("x")
-    # unit, xunit: of the values that are read
+    log: str = ""  # logarithmic axes: "xy" for both, "x" for the horizontal axis
+    # unit, xunit: units of the vertical and the horizontal axis
     unit: str = ""
     xunit: str = "s"
 
@@ -90,20 +90,21 @@ class Chart:
     rows: Sequence[Sequence[Panel]]  # of panels beside each other
     height: float = 120.0  # of a panel without its texts; a page is `WIDTH` wide
     id: str = ""  # the same in every output
-    caption: str = ""  # what it shows, below it
-    alt: str = ""  # the same in few words, for who cannot see it
+    caption: str = ""  # description below the chart
+    alt: str = ""  # text alternative in few words
 
 
-_NOTHING = 1e-6  # g or mm: an axis on which nothing is larger has no panel
-_LETTERS = 28  # letters of a name in a legend
+_NEGLIGIBLE = 1e-6  # g or mm: an axis without larger values has no panel
+_LEGEND_LETTERS = 28  # longest name in a legend
 _CRESTS = 300  # intervals of an envelope: each should hold a period at least
 
 
-def short(name: str, most: int = _LETTERS) -> str:
+def short(name: str, most: int = _LEGEND_LETTERS) -> str:
     return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[-most // 2 :]}"
 
 
 def crest(x: Array, values: Array) -> tuple[Array, Array]:
+    """Reduce a history to its maxima over `_CRESTS` intervals: positions and values."""
     length = max(x.size // _CRESTS, 1)
     parts = values[: length * (x.size // length)].reshape(-1, length)
     rows = length * np.arange(parts.shape[0]) + parts.argmax(axis=1)
@@ -111,12 +112,14 @@ def crest(x: Array, values: Array) -> tuple[Array, Array]:
 
 
 def stacked(panels: Sequence[Panel]) -> Chart:
-    kept = [panel for panel in panels if any(np.abs(curve.y).max() > _NOTHING for curve in panel.curves)] or panels[-1:]
+    """Stack panels below each other without their titles; panels of negligible values are left out."""
+    kept = [panel for panel in panels if any(np.abs(curve.y).max() > _NEGLIGIBLE for curve in panel.curves)] or panels[-1:]
     rows = [[replace(panel, title="", xlabel="time [s]" if panel is kept[-1] else "")] for panel in kept]
     return Chart(rows=rows, height=190.0 if len(kept) == 1 else 140.0)
 
 
 def with_room(x: Array, part: float = 0.05) -> tuple[float, float]:
+    """Compute the range of `x`, widened at both ends by a fraction of it, by 1 if all are equal."""
     room = part * float(np.ptp(x)) or 1.0
     return float(x.min()) - room, float(x.max()) + room
 
@@ -154,7 +157,7 @@ class Document:
     author: str = ""
     checker: str = ""
     approver: str = ""
-    classification: str = ""  # said on every page
+    classification: str = ""  # printed on every page
     client: str = ""  # for whom it is written
     standard: str = ""  # by which the load cases and limits were chosen
     logo: Path | None = None  # PNG or JPEG file; None for none
@@ -203,7 +206,7 @@ class Statement:
     _: KW_ONLY
     items: tuple[str, ...] = ()  # below it
     tone: str = ""  # one of `foundation.tables.TONES`
-    values: Mapping[str, float | str | None] = field(default_factory=dict)  # what it says in numbers, SI, by name
+    values: Mapping[str, float | str | None] = field(default_factory=dict)  # numbers of the sentence by name, SI
 
     def __post_init__(self) -> None:
         if self.tone not in TONES:
@@ -216,15 +219,15 @@ class Statement:
 
 @dataclass(frozen=True, kw_only=True)
 class SceneView:
-    """A scene from two sides: in its modelled geometry, or as it stands at an instant over that."""
+    """A scene from two sides: its modelled geometry, or its position at an instant over the modelled geometry."""
 
     scene: Scene  # in the modelled geometry
     caption: str  # what it shows
-    # at an instant, relative to its base; None for the modelled geometry alone
+    # the scene at an instant, relative to its base; None for the modelled geometry alone
     moved: Scene | None = None
-    ring: tuple[str, Array] | None = None  # name and position (3,) [m] of what is ringed; None for nothing
+    ring: tuple[str, Array] | None = None  # name and position (3,) [m] of the ringed part; None without a ring
     exceeded: bool = False  # whether the ring is red
-    # mounts that are not fitted, whose places are crossed; None to label all
+    # names of mounts that are not fitted, drawn as crosses; None to label all mounts
     absent: tuple[str, ...] | None = None
     id: str = ""  # the same in every output
 
@@ -239,7 +242,7 @@ class Section:
     id: str  # the same in every output
     title: str  # its heading
     build: Callable[[], Iterable[Block | None]]  # makes its blocks in reading order; None among them is left out
-    depth: Depth = "full"  # from which on it is shown
+    depth: Depth = "full"  # least depth at which it is shown
     appendix: bool = False  # whether it stands behind all others, with a letter in place of a number
 
     @cached_property
@@ -271,19 +274,19 @@ class Content:
         return next((block for block in self.blocks() if isinstance(block, Table) and block.id == name), None)
 
     def to_dict(self, *sections: str) -> Entries:
-        said: Entries = {"headline": self.verdict.to_dict()}
+        entries: Entries = {"headline": self.verdict.to_dict()}
         for section in self.sections:
             for block in section.blocks if section.id in sections else ():
                 if isinstance(block, Table | Statement) and block.id:
-                    said[block.id] = block.to_dict()
-        return said
+                    entries[block.id] = block.to_dict()
+        return entries
 
 
-_FITS = 30  # rows of a table that stands whole where it belongs
+_MOST_ROWS = 30  # of a table that is not moved into an appendix
 
 
 def with_appendices(content: Content) -> Content:
-    """Unfold every table; long ones go into appendices."""
+    """Show every table in full; tables of more than `_MOST_ROWS` rows move into appendices."""
     sections: list[Section] = []
     appendices: list[Section] = []
     for section in sorted(content.sections, key=lambda section: section.appendix):
@@ -294,11 +297,11 @@ def with_appendices(content: Content) -> Content:
                 blocks.append(block)
                 continue
             whole = replace(block, shown=None)
-            if section.appendix or len(block.rows) <= _FITS:
+            if section.appendix or len(block.rows) <= _MOST_ROWS:
                 blocks.append(whole)
                 continue
-            rest = f"{shown} of {len(block.rows)} rows; all of them stand in appendix {letter_of(len(appendices))}."
-            blocks.append(replace(whole, rows=block.rows[:shown], note=" ".join(filter(None, (block.note, rest)))))
+            remark = f"{shown} of {len(block.rows)} rows; all of them stand in appendix {letter_of(len(appendices))}."
+            blocks.append(replace(whole, rows=block.rows[:shown], note=" ".join(filter(None, (block.note, remark)))))
             title = f"{section.title}: {block.title}" if section.title else block.title
             appendices.append(Section(f"{section.id}-{block.id}", title, partial(list, [whole]), section.depth, appendix=True))
         (appendices if section.appendix else sections).append(replace(section, build=partial(list, blocks)))
@@ -306,4 +309,5 @@ def with_appendices(content: Content) -> Content:
 
 
 def letter_of(number: int) -> str:
+    """Name an appendix by its number from 0: A to Z, then AA, AB and so on."""
     return chr(ord("A") + number) if number < 26 else letter_of(number // 26 - 1) + letter_of(number % 26)

@@ -1,4 +1,4 @@
-"""What a calibration says, whoever shows it: the values that the tests tell, what they do not, and how the model follows."""
+"""Content of a calibration: identified values with intervals, agreement of the model with the tests, and predictions."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -16,22 +16,22 @@ from wirerope_mj.studies.calibration.calibrate import DISCREPANT, LEVEL, LITTLE,
 from wirerope_mj.studies.calibration.predict import Prediction
 from wirerope_mj.studies.results.varied import StatedLimit
 
-_ACROSS = {"time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": ""}
+_AXIS_LABELS = {"time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": ""}
 
-_DRAWN = 8  # channels that are drawn, those that the model follows least first
+_SHOWN_CHANNELS = 8  # channels that are drawn, those of the largest discrepancy first
 _NORMAL = 1.645  # standard deviations on both sides that hold 90 % of a normal distribution
-_BEYOND = {
+_BAND_TEXT = {
     True: "The band holds what laws may do there that follow the tests alike, hardening free",
     False: "The band holds no other hardening than that of the laws: those that follow the tests as well fall there",
 }
-_BEST = 1e-3  # probability that the number of draws resolves
+_RESOLUTION = 1e-3  # probability that the number of draws resolves
 
 
 def calibration_content(
     result: Calibration, *, title: str, sources: Sequence[str], warnings: Sequence[str] = (),
     predictions: Sequence[tuple[Prediction, Sequence[StatedLimit]]] = (),
 ) -> Content:  # fmt: skip
-    """Compose values, how the model follows, and predictions against their limits."""
+    """Compose the content of a calibration: values, agreement in each channel, and predictions against their limits."""
     return Content(
         title=title,
         facts=(("Tests", several(len(result.forward.tests), "test")), ("By", f"wirerope-mj {version('wirerope-mj')}")),
@@ -53,6 +53,7 @@ def calibration_content(
 
 
 def _headline(result: Calibration) -> Statement:
+    """State the values with their intervals and the model's error, or that the fit did not converge."""
     error = float(result.discrepancies.max())
     values = {"model_error": error, "emulator_error": result.posterior.emulator_error}
     if not result.fit.converged:
@@ -62,8 +63,8 @@ def _headline(result: Calibration) -> Statement:
         if not name.startswith("channel/"):
             value, half = result.values[k], 0.5 * (high - low)
             digits = int(np.clip(2 + math.ceil(math.log10(abs(value) / half)), 2, 6)) if value and half > 0.0 else 3
-            shown, least, most = (number(value, digits=digits) for value in (value, low, high))
-            texts.append(f"{name} {shown} ({least} to {most}) {_unit(result, k)}".rstrip())
+            shown, lower, upper = (number(value, digits=digits) for value in (value, low, high))
+            texts.append(f"{name} {shown} ({lower} to {upper}) {_unit(result, k)}".rstrip())
     warnings = [f"{name} is at the {end} end of its prior" for name, end in result.at_an_end.items()]
     if error > DISCREPANT:
         warnings.insert(0, f"the model does not follow the tests: its own error is {100.0 * error:.2g} % of the response")
@@ -73,14 +74,14 @@ def _headline(result: Calibration) -> Statement:
 
 
 def _unit(result: Calibration, k: int) -> str:
-    """Name the unit of a value; "" of a factor."""
+    """Find the unit of the k-th value; "" for a factor."""
     name, unit = result.names[k], result.units[k]
     if unit != "SI":
         return unit
     if not name.startswith("channel/"):
         parameter = name.rpartition("/")[2].rpartition(".")[2].partition("[")[0]
-        of_laws = {law.units()[parameter] for law in LAWS.values() if parameter in law.units()}
-        return of_laws.pop() if len(of_laws) == 1 else unit  # laws use some names in several senses
+        law_units = {law.units()[parameter] for law in LAWS.values() if parameter in law.units()}
+        return law_units.pop() if len(law_units) == 1 else unit  # laws use some names in several senses
     units = {series.unit for series in result.problem.series}
     return units.pop() if len(units) == 1 else unit
 
@@ -91,15 +92,17 @@ def _values_table(result: Calibration) -> Table:
         low, high = result.intervals()[k]
         decimals = 3 - math.floor(math.log10(high - low)) if high > low else 12
         value, low, high = (round(float(value), decimals) for value in (result.values[k], low, high))
-        of_prior = float(result.learned[k])
+        deviation_ratio = float(result.learned[k])
         note = ""
         if end := result.at_an_end.get(name):
             note = f"at the {end} end of its prior"
-        elif of_prior > LITTLE:
+        elif deviation_ratio > LITTLE:
             note = "the tests say little of it"
         elif name in result.insignificant:
             note = "not significant; consider dropping it"
-        rows.append([name, value, low, high, _unit(result, k) or "factor", of_prior, Mark(note, "unjudged") if note else ""])
+        rows.append(
+            [name, value, low, high, _unit(result, k) or "factor", deviation_ratio, Mark(note, "unjudged") if note else ""]
+        )
     percent = f"{100.0 * LEVEL:.0f} %"
     return Table(
         "values", f"Values, and the interval that holds each with a probability of {percent}",
@@ -136,14 +139,15 @@ def _findings(result: Calibration) -> Statement:
 
 
 def _channel_table(result: Calibration) -> Table:
+    """Tabulate for each channel the peak ratio, residual, noise, and the model's error with its correlation length."""
     rows: list[list[Cell]] = []
     model = result.problem.split(result.fit.model)
     for series, noise, calculated in zip(result.problem.series, result.fit.noises, model, strict=True):
         in_time = series.across == "time"
         error = float(np.sqrt(np.mean((calculated - series.values) ** 2))) / series.rms
         peak = float(np.abs(calculated).max() / np.abs(series.values).max()) if in_time else None
-        of_sample = noise.white / series.averaged
-        white = with_unit(of_sample, series.unit, digits=2) if series.unit else f"{100.0 * of_sample:.2g} %"
+        sample_noise = noise.white / series.averaged
+        white = with_unit(sample_noise, series.unit, digits=2) if series.unit else f"{100.0 * sample_noise:.2g} %"
         length = noise.length if in_time else None
         rows.append([series.name, peak, error, white, noise.discrepancy, length, series.frequency or None])
     columns = (
@@ -158,15 +162,16 @@ def _channel_table(result: Calibration) -> Table:
 
 
 def _charts(result: Calibration) -> Iterator[Chart]:
+    """Yield measured and calculated histories with the 90 % band, of the channels of largest discrepancy."""
     draws = [result.problem.split(series) for series in result.posterior.series]
-    middle = result.problem.split(np.median(result.posterior.series, axis=0))
-    for k in np.argsort(-result.discrepancies)[:_DRAWN].tolist():
+    medians = result.problem.split(np.median(result.posterior.series, axis=0))
+    for k in np.argsort(-result.discrepancies)[:_SHOWN_CHANNELS].tolist():
         series, noise = result.problem.series[k], result.fit.noises[k]
         unit = shown_in(series.unit)[0]
         spread = np.std([draw[k] for draw in draws], axis=0)
         half = _NORMAL * np.sqrt(spread**2 + noise.deviation(series) ** 2)
-        y = [in_unit(values, unit) for values in (series.values, middle[k], middle[k] - half, middle[k] + half)]
-        x, what = series.at, _ACROSS[series.across]
+        y = [in_unit(values, unit) for values in (series.values, medians[k], medians[k] - half, medians[k] + half)]
+        x, xlabel = series.at, _AXIS_LABELS[series.across]
         ylabel, log = f"{series.name.split('/')[-2]} [{unit}]" if unit else "", ""
         if series.across == "logarithm of frequency":
             x, y, ylabel, log = np.exp(x), [np.exp(values) for values in y], "transmissibility", "xy"
@@ -177,7 +182,7 @@ def _charts(result: Calibration) -> Iterator[Chart]:
                 Curve(x, y[2], name="90 % band", kind=0, dash="dotted"),
                 Curve(x, y[3], name="", kind=0, dash="dotted"),
             ),
-            ylabel, xlabel=what, unit=unit, log=log,
+            ylabel, xlabel=xlabel, unit=unit, log=log,
         )  # fmt: skip
         steps = np.diff(series.at)
         gaps = series.across == "time" and bool((steps > 1.5 * np.median(steps)).any())
@@ -196,16 +201,18 @@ def _correlations(result: Calibration) -> Iterator[Table]:
 
 
 def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) -> Iterator[Block]:
+    """Yield probabilities of exceeding the limits, cautions, and predicted measures with their bands."""
     items, worst, beyond = [], 0.0, prediction.farthest.beyond
     for limit in limits:
         for name in limit.measures:
-            chance, value = prediction.exceedance(name, limit.limit), limit.text.partition("=")[2].strip()
-            if math.isnan(chance):
+            probability, value = prediction.exceedance(name, limit.limit), limit.text.partition("=")[2].strip()
+            if math.isnan(probability):
                 items.append(f"{name}: {value} is not judged, since it is not predicted")
                 continue
-            worst = max(worst, chance)
-            text = "less than 0.1 %" if chance < _BEST else f"{100.0 * chance:.{3 if chance > 0.99 else 2}g} %"
-            text = "more than 99.9 %" if chance > 1.0 - _BEST else text
+            worst = max(worst, probability)
+            text = f"{100.0 * probability:.{3 if probability > 0.99 else 2}g} %"
+            text = "less than 0.1 %" if probability < _RESOLUTION else text
+            text = "more than 99.9 %" if probability > 1.0 - _RESOLUTION else text
             items.append(f"{name}: {value} is exceeded with a probability of {text}{', beyond the tests' if beyond else ''}")
     if items:
         tone = "exceeded" if worst > 0.5 else "near" if worst > 1.0 - LEVEL else "within"
@@ -215,7 +222,7 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
     if beyond:
         yield Statement(
             "beyond-tests", tone="unjudged",
-            text=f"Prediction {prediction.farthest.text}. {_BEYOND[prediction.hardening]}; test as far as that, or take it "
+            text=f"Prediction {prediction.farthest.text}. {_BAND_TEXT[prediction.hardening]}; test as far as that, or take it "
             "for an estimate.",
         )  # fmt: skip
     if prediction.refused:

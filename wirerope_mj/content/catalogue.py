@@ -1,4 +1,4 @@
-"""The catalogue: what ships, the vendors' parts, one isolator with what its loops measure, fits and estimates."""
+"""Contents of the catalogue: shipped isolators, vendors' parts, one isolator with its loop measures, fits and estimates."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,14 +27,14 @@ def catalogue_table(devices: Mapping[str, Isolator]) -> Table:
 
 
 def parts_table(parts: Sequence[VendorPart]) -> Table:
-    """Tabulate the vendors' parts as stated, and where each one's isolator is from."""
+    """Tabulate the vendors' parts with their stated values, and the origin of the isolator of each."""
     rows: list[Row] = []
     for part in parts:
         along, across = part.modes["compression"], part.modes["shear"]
-        whole = None not in (part.height, part.width, part.rope, along.travel, along.vibration, along.shock)
-        made = "shipped" if shipped_file(part) else "fitted" if whole else None
+        complete = None not in (part.height, part.width, part.rope, along.travel, along.vibration, along.shock)
+        origin = "shipped" if shipped_file(part) else "fitted" if complete else None
         sizes = [part.height, part.width, part.rope, along.static_load, along.travel, across.travel]
-        rows.append((part.name, *sizes, along.vibration, along.shock, made))
+        rows.append((part.name, *sizes, along.vibration, along.shock, origin))
     return Table(
         "vendor-parts", "",
         (
@@ -59,9 +59,9 @@ def isolator_content(device: Isolator, band: Band | None = None) -> Content:
             for row in band.values
             if row.vendor is not None and row.error is not None
         )
-        of_table = [f"{axis} {100.0 * error:.0f} %" for axis, error in band.others.items() if math.isfinite(error)]
-        nine = f"; nine in ten parts of the vendor's table stay below {', '.join(of_table)}" if of_table else ""
-        text = f"Band of error by leaving out: {100.0 * band.largest:.0f} %{nine}."
+        table_errors = [f"{axis} {100.0 * error:.0f} %" for axis, error in band.others.items() if math.isfinite(error)]
+        others = f"; nine in ten parts of the vendor's table stay below {', '.join(table_errors)}" if table_errors else ""
+        text = f"Band of error by leaving out: {100.0 * band.largest:.0f} %{others}."
         yield Statement("band", text, items=lines, values={"largest": band.largest})
 
     return Content(
@@ -109,13 +109,14 @@ def estimate_content(estimate: LoopEstimate) -> Content:
 
 
 def _estimate_remarks(estimate: LoopEstimate) -> Iterator[Statement]:
-    without = (
+    """Yield the errors of the estimate, an assumed bar, and the rotational stiffnesses."""
+    left_out = (
         "each estimated without itself"
         if estimate.left_out == "part"
         else "each estimated without all parts of its rope, because no part has the rope asked for"
     )
     text = (
-        f"Errors are those of the same estimate for the 50 parts of Enidine's table, {without}, and for VMC's parts, which it "
+        f"Errors are those of the same estimate for the 50 parts of Enidine's table, {left_out}, and for VMC's parts, which it "
         "never saw; a factor of 1.2 means 1 / 1.2 to 1.2 times. Vibration stiffness in shear is the shock stiffness, as in "
         "Enidine's table. None of this was measured."
     )
@@ -124,11 +125,11 @@ def _estimate_remarks(estimate: LoopEstimate) -> Iterator[Statement]:
         bar = f"{in_unit(estimate.bar, 'mm'):.3g} mm"
         text = f"Bars of {bar} are assumed, as Enidine's parts of this rope have; --bar gives others."
         yield Statement("estimate-bar", text)
-    about = zip(("roll", "shear", "axial"), estimate.rotation, strict=True)
-    known = [f"{value:.4g} about the {axis} axis" for axis, value in about if math.isfinite(value)]
-    more = "" if estimate.bar_length is not None else " The others need --bar-length."
+    stiffnesses = zip(("roll", "shear", "axial"), estimate.rotation, strict=True)
+    known = [f"{value:.4g} about the {axis} axis" for axis, value in stiffnesses if math.isfinite(value)]
+    hint = "" if estimate.bar_length is not None else " The others need --bar-length."
     text = (
         f"Rotational stiffness of small vibration about mid-height [N m/rad]: {', '.join(known)}; no vendor states any to "
-        f"compare with.{more}"
+        f"compare with.{hint}"
     )
     yield Statement("estimate-rotation", text)

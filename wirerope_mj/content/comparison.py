@@ -1,4 +1,4 @@
-"""What a comparison of runs says: which is better and why, what differs, and peaks side by side, by both rulers of travel."""
+"""Content of a comparison of runs: the better run, differing inputs and histories, and peaks side by side."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -35,16 +35,16 @@ from wirerope_mj.mounts.isolator import AXES
 # Inputs of each run, by the run's name: names of inputs and their values as text
 Inputs = Mapping[str, Mapping[str, str]]
 
-# The two rulers of a mount's travel: each axis against its rating, and all axes at once (in-house rule)
+# The two measures of a mount's travel: each axis against its rating, and all axes at once (in-house rule)
 SINGLE, TOGETHER = "Travel along single axes", "Combined travel"
-_MOST_MOUNTS = 8  # shown at once: those that use most of their rated travel in any run
+_MOST_MOUNTS = 8  # mounts that are shown at once: those that use most of their rated travel in any run
 _WIDEST = 24  # characters of an input that still fit into a column beside others
-_APART = 1.0  # instants of two shocks that are told apart [ms]
-_LATE = 10.0  # from which seconds are read more easily than milliseconds [s]
+_DIFFERENT_INSTANT = 1.0  # difference above which the instants of two shocks are reported [ms]
+_LONGEST_IN_MS = 10.0  # instant from which seconds are written instead of milliseconds [s]
 
 
 def comparison_content(comparison: Comparison, inputs: Inputs, judged: Mapping[str, JudgedRun] | None = None) -> Content:
-    """Compose which run is better, what differs, peaks side by side, and how far `judged` runs are relied on."""
+    """Compose the comparison of runs: the better run, differences, peaks side by side, and credibility of `judged` runs."""
 
     def headlines() -> Iterator[Block]:
         for run in comparison.runs:
@@ -55,7 +55,7 @@ def comparison_content(comparison: Comparison, inputs: Inputs, judged: Mapping[s
         for quantity, unit in (("deflection", "mm"), ("force", "kN")):
             for axis, along in reversed(list(enumerate(AXES))):
                 if rows := [row for row in mount_rows(comparison, quantity, axis) if any(row.values)]:
-                    yield _peaks(f"{quantity}-{along}", f"Largest {along} {quantity}", comparison, rows, (unit, "z.2f"))
+                    yield _peaks_table(f"{quantity}-{along}", f"Largest {along} {quantity}", comparison, rows, (unit, "z.2f"))
 
     return Content(
         title=" and ".join(run.name for run in comparison.runs),
@@ -68,7 +68,7 @@ def comparison_content(comparison: Comparison, inputs: Inputs, judged: Mapping[s
             Section("travel", "Mounts", lambda: travel_tables(comparison), "summary"),
             Section("components", "Along the axes", lambda: (accelerations_table(comparison, axis) for axis in range(3))),
             Section("mounts", "Deflections and forces", mounts),
-            Section("apart", "Farthest apart", lambda: _apart(comparison)),
+            Section("apart", "Farthest apart", lambda: _difference_blocks(comparison)),
             Section("credibility", "How far this can be relied on", lambda: compared_credibility_blocks(judged or {})),
         ),
     )
@@ -79,15 +79,15 @@ def findings(comparison: Comparison) -> Statement:
 
 
 def figures_table(comparison: Comparison) -> Table:
-    """Tabulate the few figures by which runs are compared."""
+    """Tabulate the main figures of the runs: exceeded checks, struck stops, and largest peaks."""
 
-    def largest(label: str, row: PeakRow | None, look: Column) -> list[Row]:
+    def largest(label: str, row: PeakRow | None, column: Column) -> list[Row]:
         if row is None:
             return []
         cells: list[Cell] = [label]
         for value, note in zip(row.values, row.notes, strict=True):
-            text = f"{look.text(value)} {note}".strip()
-            cells.append(Mark(text, used_mark(value).tone) if look.unit == "%" and _known(value) else text)
+            text = f"{column.text(value)} {note}".strip()
+            cells.append(Mark(text, used_mark(value).tone) if column.unit == "%" and _is_finite(value) else text)
         return [cells]
 
     rows: list[Row] = []
@@ -112,10 +112,10 @@ def figures_table(comparison: Comparison) -> Table:
 
 
 def accelerations_table(comparison: Comparison, axis: int | None = None) -> Table:
-    """Tabulate peak accelerations along an axis, or sizes with what is used of limits."""
+    """Tabulate peak accelerations along an axis, or magnitudes with their utilisation of limits."""
     rows, along = acceleration_rows(comparison, axis), "" if axis is None else "xyz"[axis]
     name, title = (f"accelerations-{along}", f"Peak accelerations along {along}") if along else _ACCELERATIONS
-    table = _peaks(name, title, comparison, rows, ("g", "z.2f"), times=True)
+    table = _peaks_table(name, title, comparison, rows, ("g", "z.2f"), times=True)
     limits = [acceleration_limits(run.verdicts) for run in comparison.runs]
     if along or not any(limits):
         return table
@@ -132,32 +132,38 @@ def accelerations_table(comparison: Comparison, axis: int | None = None) -> Tabl
 
 def travel_tables(comparison: Comparison) -> Iterator[Table]:
     single = travel_rows(comparison)
-    if any(_known(value) for row in single for value in row.values):
-        yield _peaks("travel-single", f"{SINGLE}, % of the rating used", comparison, single, ("%", "z.0f"), shown=_MOST_MOUNTS)
+    if any(_is_finite(value) for row in single for value in row.values):
+        yield _peaks_table(
+            "travel-single", f"{SINGLE}, % of the rating used", comparison, single, ("%", "z.0f"), shown=_MOST_MOUNTS
+        )
         if combined := combined_rows(comparison):
             title = f"{TOGETHER}, % of the ellipsoid through the ratings used (in-house rule)"
-            yield _peaks("travel-combined", title, comparison, combined, ("%", "z.0f"), shown=_MOST_MOUNTS)
+            yield _peaks_table("travel-combined", title, comparison, combined, ("%", "z.0f"), shown=_MOST_MOUNTS)
     elif single:
         rows = mount_rows(comparison, "deflection", None)
-        yield _peaks("deflections", "Largest deflections", comparison, rows, ("mm", "z.2f"), times=True, shown=_MOST_MOUNTS)
+        yield _peaks_table(
+            "deflections", "Largest deflections", comparison, rows, ("mm", "z.2f"), times=True, shown=_MOST_MOUNTS
+        )
 
 
-_ACCELERATIONS = "accelerations", "Peak accelerations"
+_ACCELERATIONS = "accelerations", "Peak accelerations"  # id and title of the table of magnitudes
 
 
 def _summary(comparison: Comparison, inputs: Inputs) -> Iterator[Block]:
+    """Yield the main figures, and the inputs that differ: short values in a table, long values in a list."""
     yield figures_table(comparison)
-    if given := different_inputs(comparison, inputs):
+    if differing := different_inputs(comparison, inputs):
         names = [run.name for run in comparison.runs]
         columns = (*left(""), *(Column(name, align="text") for name in names))
-        short = [(key, *values) for key, values in given if max(map(len, values)) <= _WIDEST]
+        short = [(key, *values) for key, values in differing if max(map(len, values)) <= _WIDEST]
         yield Table("inputs", "Inputs that differ", columns, short)
-        long = [(key, zip(names, values, strict=True)) for key, values in given if max(map(len, values)) > _WIDEST]
+        long = [(key, zip(names, values, strict=True)) for key, values in differing if max(map(len, values)) > _WIDEST]
         items = [f"{key}: {'; '.join(f'{name}: {value}' for name, value in pairs)}" for key, pairs in long]
         yield Statement("long-inputs", items=tuple(items))
 
 
-def _apart(comparison: Comparison) -> Iterator[Block]:
+def _difference_blocks(comparison: Comparison) -> Iterator[Block]:
+    """Yield for each run its largest differences from the first run."""
     first = comparison.runs[0].name
     columns = (*left(""), Column("farthest apart"), Column("at", "ms", "z.1f"), Column(f"of {first}'s peak"))
     for run in comparison.runs[1:]:
@@ -170,12 +176,13 @@ def _apart(comparison: Comparison) -> Iterator[Block]:
             yield Statement(f"apart-{run.name}", f"{title}: histories do not differ.")
 
 
-def _peaks(
-    name: str, title: str, comparison: Comparison, rows: Sequence[PeakRow], look: tuple[str, str], *,
+def _peaks_table(
+    name: str, title: str, comparison: Comparison, rows: Sequence[PeakRow], unit_and_form: tuple[str, str], *,
     times: bool = False, shown: int | None = None,
 ) -> Table:  # fmt: skip
+    """Tabulate peaks of all runs with their differences from the first run, with their instants if `times`."""
     first = comparison.runs[0].name
-    unit, form = look
+    unit, form = unit_and_form
     noted = any(note for row in rows for note in row.notes)
     columns = left("")
     for number, run in enumerate(comparison.runs):
@@ -186,20 +193,20 @@ def _peaks(
     for row in rows:
         cells: list[Cell] = [row.label]
         for number, (value, time, note) in enumerate(zip(row.values, row.times, row.notes, strict=True)):
-            cells.append(used_mark(value if _known(value) else None) if unit == "%" else Mark(value, "strong"))
+            cells.append(used_mark(value if _is_finite(value) else None) if unit == "%" else Mark(value, "strong"))
             cells += [note] if noted else []
-            cells += [time if _known(value) else None] if times else []
+            cells += [time if _is_finite(value) else None] if times else []
             cells += [difference_text(row, number)] if number else []
         body.append(cells)
     return Table(name, title, columns, body, shown=shown)
 
 
-def _known(value: float | None) -> bool:
+def _is_finite(value: float | None) -> bool:
     return value is not None and bool(np.isfinite(value))
 
 
 def difference_text(row: PeakRow, number: int) -> str:
-    """Write the difference of a run to the first: "=", "+12.3 %", or "-" where there is none."""
+    """Write the difference of a run to the first: "=", "+12.3 %", or "-" where it is unknown."""
     difference = row.difference(number)
     if difference is None:
         return "-"
@@ -207,16 +214,16 @@ def difference_text(row: PeakRow, number: int) -> str:
 
 
 def different_inputs(comparison: Comparison, inputs: Inputs) -> list[tuple[str, tuple[str, ...]]]:
-    """List the inputs that differ: name, and the value of each run ("-" if none)."""
+    """List the inputs that differ: name, and its value in each run ("-" where it is missing)."""
     keys = dict.fromkeys(key for run in comparison.runs for key in inputs.get(run.name, {}))
     rows = [(key, tuple(inputs.get(run.name, {}).get(key, "-") for run in comparison.runs)) for key in keys]
     return [(key, values) for key, values in rows if len(set(values)) > 1]
 
 
 def better_run(comparison: Comparison) -> Statement:
-    """State which run is better: the one that exceeds fewer checks, then the one that uses less of what is most critical.
+    """State the better run: fewest exceeded checks, then smallest utilisation of the most critical limit.
 
-    Where nothing is judged it is the one with the smaller peak acceleration of the payload.
+    Where a run has no judged limit, the smallest peak acceleration of the payload decides.
     """
     first, *others = comparison.runs
     names = [run.name for run in comparison.runs]
@@ -242,13 +249,13 @@ def better_run(comparison: Comparison) -> Statement:
 
 
 def comparison_lines(comparison: Comparison) -> list[str]:
-    """Write what differs, where and when; what cannot be compared comes last."""
+    """Describe how runs differ from the first, a line each: shock instants, histories, exceeded travel, unshared parts."""
     first, *others = comparison.runs
     lines = [f"{run.name} is moved by {1e3 * run.moved:+.4g} ms to the shock of {first.name}." for run in others if run.moved]
     for run in others:
         if first.response.events and run.response.events:
             apart = 1e3 * (run.response.events[0][0] - first.response.events[0][0])
-            if abs(apart) > _APART:
+            if abs(apart) > _DIFFERENT_INSTANT:
                 late = f"{abs(apart):.4g} ms {'later' if apart > 0.0 else 'earlier'}"
                 lines.append(
                     f"The base of {run.name} moves {late} than that of {first.name}: --align shock lays both shocks together."
@@ -261,7 +268,7 @@ def comparison_lines(comparison: Comparison) -> list[str]:
             if entry.subject == BASE:
                 lines.append(
                     f"{run.name}: the acceleration of the base differs from that of {first.name} by up to {size_text(entry)}, "
-                    f"at {_instant(entry)}."
+                    f"at {_instant_text(entry)}."
                     if entry.value
                     else f"{run.name}: the base moves as that of {first.name} does."
                 )
@@ -270,7 +277,7 @@ def comparison_lines(comparison: Comparison) -> list[str]:
             for entry in [entry for entry in riding if isinstance(entry.subject, kind)][:1]:
                 lines.append(
                     f"{run.name}: {what} differ most from those of {first.name} at {subject_label(entry.subject)}: by "
-                    f"{size_text(entry)} at {_instant(entry)}, {ratio_text(entry)} of {first.name}'s peak."
+                    f"{size_text(entry)} at {_instant_text(entry)}, {ratio_text(entry)} of {first.name}'s peak."
                     if entry.value
                     else f"{run.name}: {what} are those of {first.name}, bit for bit."
                 )
@@ -307,5 +314,5 @@ def ratio_text(entry: HistoryDifference) -> str:
     return f"{100 * entry.ratio:.3g} %" if np.isfinite(entry.ratio) else "-"
 
 
-def _instant(entry: HistoryDifference) -> str:
-    return f"{1e3 * entry.time:.1f} ms" if entry.time < _LATE else f"{entry.time:.2f} s"
+def _instant_text(entry: HistoryDifference) -> str:
+    return f"{1e3 * entry.time:.1f} ms" if entry.time < _LONGEST_IN_MS else f"{entry.time:.2f} s"

@@ -1,4 +1,4 @@
-"""The content of a run against tests: where it is low or high, measures, ratings, and all curves over each other."""
+"""Content of a run against tests: agreement, measures, ratings, and measured and calculated curves over each other."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -16,18 +16,18 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.isolator import AXES
 
-MEASURED, MODEL = 0, 1  # numbers of the colours of both, in every chart
-GHOST = 6  # number of the colour of a measured channel among the curves of a run, in a recording
+MEASURED, MODEL = 0, 1  # colour numbers of measured and calculated curves, in every chart
+GHOST = 6  # colour number of a measured channel among the curves of a run, in a recording
 
 _UNITS = {"acceleration": "g", "velocity": "m/s", "displacement": "mm", "deflection": "mm", "force": "kN"}
 _TONES = {"excellent": "within", "good": "within", "fair": "near", "poor": "exceeded"}
-_HEIGHT, _MOST_DB = 105.0, 12.0  # of a panel; of a ratio that is drawn [dB]
+_HEIGHT, _MOST_DB = 105.0, 12.0  # height of a panel; largest ratio that is drawn [dB]
 
 
 def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
     names = " and ".join(test.name for test in tests)
     worst = min(tests, key=lambda test: min(channel.rating.overall for channel in test.responses))
-    facts = tuple((f"Clock of {test.name}", _clock(test)) for test in tests)
+    facts = tuple((f"Clock of {test.name}", _clock_text(test)) for test in tests)
     question = f"How well does the model agree with what was measured in {names}?"
     return Content(
         title=f"{run} against {names}", verdict=agreement(worst), facts=facts, question=(question,),
@@ -48,7 +48,7 @@ def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
 
 
 def agreement(test: Correlation) -> Statement:
-    """State where the model is farthest off, and how the worst channel is rated."""
+    """State the largest deviation of the model from a test, and the rating of the worst channel."""
     worst = min(test.responses, key=lambda channel: channel.rating.overall)
     rated = f"lowest ISO/TS 18571 rating {worst.rating.overall:.2f}, {worst.rating.grade} ({worst.label})"
     band = max(
@@ -64,7 +64,8 @@ def agreement(test: Correlation) -> Statement:
     )  # fmt: skip
 
 
-def _clock(test: Correlation) -> str:
+def _clock_text(test: Correlation) -> str:
+    """Describe the compared interval and how the clock of a test was aligned with that of the run."""
     channel = test.channels[0]
     first, last = channel.pair.time[[0, -1]].round(4) + 0.0
     compared = f"compared from {first:g} to {last:g} s at {channel.pair.rate:.5g} Hz"
@@ -76,21 +77,21 @@ def _clock(test: Correlation) -> str:
 
 
 def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:
-    """Lay measured channels over the panels of a run, and add a panel for each."""
-    laid = dict(panels)
+    """Add measured curves to the panels of a run, and for each channel a panel of model and measurement."""
+    overlaid = dict(panels)
     for test in tests:
         for channel in test.channels:
             kind, _, subject = channel.channel.subject.partition("/")
             axis = "xyz".index(channel.channel.axis)
             key = (channel.channel.quantity, AXES[axis] if kind == "mount" else "xyz"[axis])
             panel = channel_panel(channel)
-            if key in laid and kind != "base":
+            if key in overlaid and kind != "base":
                 ghost = replace(panel.curves[1], name=short(f"{subject} measured"), kind=GHOST)
-                laid[key] = replace(laid[key], curves=[*laid[key].curves, ghost])
-            laid["measured", f"{channel.channel.quantity}s", test.name, channel.label] = replace(
+                overlaid[key] = replace(overlaid[key], curves=[*overlaid[key].curves, ghost])
+            overlaid["measured", f"{channel.channel.quantity}s", test.name, channel.label] = replace(
                 panel, title=f"{panel.title} {panel.ylabel}"
             )
-    return laid
+    return overlaid
 
 
 def channel_panel(channel: ChannelCorrelation, model: str = "model") -> Panel:
@@ -108,6 +109,7 @@ def _curve(x: Array, y: Array, name: str) -> Curve:
 
 
 def _histories(test: Correlation) -> Iterator[Block]:
+    """Yield a chart of measured and calculated histories of all channels."""
     spans = [channel.pair.time[channel.event][[0, -1]] for channel in test.responses]
     window = min(float(span[0]) for span in spans), max(float(span[1]) for span in spans)
     panels = [replace(channel_panel(channel), xlim=window) for channel in test.channels]
@@ -127,7 +129,7 @@ def _histories(test: Correlation) -> Iterator[Block]:
 
 def _spectra(test: Correlation) -> Iterator[Block]:
     rows = [
-        [_both(channel, ratio), _ratio(ratio)]
+        [_spectra_panel(channel, ratio), _ratio_panel(ratio)]
         for channel in test.responses
         for ratio in (channel.shock, channel.density)
         if ratio
@@ -142,7 +144,8 @@ def _spectra(test: Correlation) -> Iterator[Block]:
         )  # fmt: skip
 
 
-def _both(channel: ChannelCorrelation, ratio: SpectrumRatio) -> Panel:
+def _spectra_panel(channel: ChannelCorrelation, ratio: SpectrumRatio) -> Panel:
+    """Draw spectra of model and measurement: an SRS in its unit, the root of a PSD over its measured peak."""
     unit = _UNITS[channel.channel.quantity]
     factor = in_unit(1.0, unit) if unit != "g" else 1.0 / STANDARD_GRAVITY
     shown = unit if ratio.kind == "SRS" else "relative"
@@ -154,13 +157,14 @@ def _both(channel: ChannelCorrelation, ratio: SpectrumRatio) -> Panel:
     return spectrum_panel(curves, label, shown, title=f"{channel.label}: {ratio.kind}", decades=POWER_DECADES)
 
 
-def _ratio(ratio: SpectrumRatio) -> Panel:
+def _ratio_panel(ratio: SpectrumRatio) -> Panel:
+    """Draw the ratio of model to measurement over the frequency [dB]."""
     decibels = 20.0 * np.log10(np.maximum(ratio.ratio, 1e-12))
-    three = 20.0 * float(np.log10(THREE_DB))
+    three_db = 20.0 * float(np.log10(THREE_DB))
     return Panel(
         [Curve(ratio.frequency, np.clip(decibels, -_MOST_DB, _MOST_DB), name="", kind=MODEL)],
         "model / meas. [dB]", xlabel="frequency [Hz]", title=f"ratio, {100.0 * ratio.within_3db:.0f} % within 3 dB",
-        limits=[("+3 dB", three), ("-3 dB", -three)], xlim=(float(ratio.frequency[0]), float(ratio.frequency[-1])),
+        limits=[("+3 dB", three_db), ("-3 dB", -three_db)], xlim=(float(ratio.frequency[0]), float(ratio.frequency[-1])),
         ylim=(-_MOST_DB, _MOST_DB), log="x", unit="dB", xunit="Hz",
     )  # fmt: skip
 
@@ -184,6 +188,7 @@ def _transmissibility(test: Correlation) -> Iterator[Block]:
 
 
 def _loops(test: Correlation) -> Iterator[Block]:
+    """Yield a chart of force over deflection, measured and calculated, of mounts with both channels."""
     by_key = {channel.channel.key: channel for channel in test.channels}
     panels = []
     for key, channel in by_key.items():

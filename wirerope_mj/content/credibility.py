@@ -24,19 +24,19 @@ from wirerope_mj.mounts.laws.law import Law
 if TYPE_CHECKING:
     from wirerope_mj.studies.result import StudyResult  # of tables: a run says its verdict without them
 
-# What a part of an answer rests on, 0 to 4, after NASA-STD-7009's credibility levels
+# Names of the grades of a part, 0 to 4, after NASA-STD-7009's credibility levels
 GRADES = ("not known", "assumed", "stated", "measured", "measured, error known")
 NORMAL = 1.645  # standard deviations on both sides that hold 90 % of a normal distribution
 
 _STATED, _TITLE = 2, "What the answer rests on"
-_KINDS = {"illustrative": 1, "estimated": 1, "catalogue": 2, "published": 2, "identified": 3}
-_STEP = 1e-3  # of a parameter, by which it is moved for its effect on the stiffness
-_DAMPED = 0.5  # power of the stiffness in a frequency, and so in peaks of a velocity change
+_PROVENANCE_GRADES = {"illustrative": 1, "estimated": 1, "catalogue": 2, "published": 2, "identified": 3}
+_STEP = 1e-3  # relative change of a parameter, for the derivative of the stiffness
+_STIFFNESS_EXPONENT = 0.5  # of the stiffness in a frequency, and so in peaks after a velocity change
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Part:
-    """One part: its name, grade, what is known of it, and by how much it moves peaks (90 %), NaN where nothing says it."""
+    """A part of the credibility: name, grade, description, and relative effect on peaks (90 %), NaN if unknown."""
 
     name: str
     grade: int
@@ -45,11 +45,11 @@ class _Part:
 
 
 def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
-    yield from _blocks(_parts(run))
+    yield from _blocks(_run_parts(run))
 
 
 def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
-    """Yield what the answer of a study rests on, by the largest deflections of all variants."""
+    """Yield the credibility of a study's answer, at the largest deflections of all variants."""
 
     def largest(measure: str) -> float:
         values = np.asarray(result.table[measure], dtype=np.float64)
@@ -61,36 +61,28 @@ def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
         for name, mount in study.base.mounts.items()
         if not mount.isolator.is_stop
     }
-    halves = {name: np.array([roll, shear, 0.5 * (down + up)]) for name, (down, up, shear, roll) in reached.items()}
+    half_strokes = {name: np.array([roll, shear, 0.5 * (down + up)]) for name, (down, up, shear, roll) in reached.items()}
     step = f"steps of at most {with_unit(study.work.timestep, 'ms', digits=4)} in all variants"
-    isolators = _isolators(study.base)
+    isolators = _isolator_part(study.base)
     if any(name.startswith("mount/") for name in study.vary):
         isolators = replace(isolators, text=f"{isolators.text}; what varies of them is in the study's bands", size=math.nan)
     warnings = [text for motion in study.motions for text in record_warnings(motion)]
-    others = any(name.endswith("/isolator") for name in study.vary)  # whose friction may yield over shorter travels
-    moves = f"halving them moves peaks of the nominal system by {with_unit(error, '%', digits=2)}"
-    yield from _blocks(
-        (
-            _Part(
-                name="computation",
-                grade=3 if others else 4,
-                size=error,
-                text=f"{step}; {moves}{', those of the other parts by what is not known' if others else ''}",
-            )  # fmt: skip
-            if math.isfinite(error)
-            else _Part(name="computation", grade=1, text=f"{step}; their error is not known"),
-            _input(study.motions, len(warnings)),
-            _form(study.base, halves, slowest_period(study.base)),
-            isolators,
-        )
-    )
+    isolators_vary = any(name.endswith("/isolator") for name in study.vary)  # whose friction may yield over shorter travels
+    effect = f"halving them moves peaks of the nominal system by {with_unit(error, '%', digits=2)}"
+    computation = _Part(name="computation", grade=1, text=f"{step}; their error is not known")
+    if math.isfinite(error):
+        unknown = ", those of the other parts by what is not known" if isolators_vary else ""
+        text = f"{step}; {effect}{unknown}"
+        computation = _Part(name="computation", grade=3 if isolators_vary else 4, size=error, text=text)
+    motion = _input_part(study.motions, len(warnings))
+    yield from _blocks((computation, motion, _form_part(study.base, half_strokes, slowest_period(study.base)), isolators))
 
 
 def compared_credibility_blocks(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
-    """Yield what the answers of several runs rest on, a column for each run."""
+    """Yield the credibility of the answers of several runs, a column for each run."""
     if not runs:
         return
-    parts = {name: _parts(run) for name, run in runs.items()}
+    parts = {name: _run_parts(run) for name, run in runs.items()}
     weakest, name = min(((part, name) for name, of_run in parts.items() for part in of_run), key=lambda pair: pair[0].grade)
     yield Statement(
         "credibility",
@@ -107,24 +99,27 @@ def compared_credibility_blocks(runs: Mapping[str, JudgedRun]) -> Iterator[Block
     yield Table("credibility-parts", _TITLE, columns, rows)
 
 
-def _parts(run: JudgedRun) -> tuple[_Part, ...]:
+def _run_parts(run: JudgedRun) -> tuple[_Part, ...]:
+    """Grade computation, input, form of the model and isolator data of a run."""
     peaks, slowest = run.response.peaks, run.response.numerics.slowest_period
-    halves = {
+    half_strokes = {
         name: 0.5 * (np.asarray(peak.deflection.maximum) - np.asarray(peak.deflection.minimum))
         for name, peak in peaks.mounts.items()
     }
     numerics = run.response.numerics
-    known, given = math.isfinite(numerics.error_estimate), math.isnan(numerics.accuracy)
-    computed = 4 if numerics.error_estimate <= numerics.accuracy else 1 if given and not known else 3
+    known, step_given = math.isfinite(numerics.error_estimate), math.isnan(numerics.accuracy)
+    grade = 1 if step_given and not known else 3
+    grade = 4 if numerics.error_estimate <= numerics.accuracy else grade
     size = numerics.error_estimate if known else math.nan
-    computation = _Part(name="computation", grade=computed, text=numerics.error_text, size=size)
+    computation = _Part(name="computation", grade=grade, text=numerics.error_text, size=size)
     return (
-        computation, _input([run.motion], len(run.record_warnings)), _form(run.system, halves, slowest),
-        _isolators(run.system),
+        computation, _input_part([run.motion], len(run.record_warnings)), _form_part(run.system, half_strokes, slowest),
+        _isolator_part(run.system),
     )  # fmt: skip
 
 
 def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
+    """Yield the weakest part with the effect of all graded parts on peaks, and a table of the parts."""
     weakest = min(parts, key=lambda part: part.grade)
     known = [part for part in parts if math.isfinite(part.size)]
     total = sum(part.size**2 for part in known)
@@ -153,7 +148,7 @@ def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
     yield Table("credibility-parts", _TITLE, columns, rows)
 
 
-def _input(motions: Sequence[BaseMotion], warnings: int) -> _Part:
+def _input_part(motions: Sequence[BaseMotion], warnings: int) -> _Part:
     text = "; ".join(motion.description for motion in motions)
     if not all(list(records_in(motion)) for motion in motions):
         return _Part(name="input", grade=2, text=f"{text}: as it was stated; the event itself may differ")
@@ -161,19 +156,19 @@ def _input(motions: Sequence[BaseMotion], warnings: int) -> _Part:
     return _Part(name="input", grade=2 if warnings else 3, text=text)
 
 
-def _form(system: System, halves: Mapping[str, Array], slowest: float) -> _Part:
-    """Compare deflections, half of their range (3,) [m], with the tests that the laws come from."""
+def _form_part(system: System, half_strokes: Mapping[str, Array], slowest: float) -> _Part:
+    """Grade the form of the model: half strokes of the mounts (3,) [m] against the tests behind their laws."""
     farthest, untested, frequencies = (0.0, ""), set[str](), []
-    for name, ranges in halves.items():
+    for name, strokes in half_strokes.items():
         mount = system.mounts[name]
-        for half, (axis, law) in zip(ranges.tolist(), mount.isolator.axes.items(), strict=True):
-            if law is None or half <= MOVING * ranges.max():
+        for stroke, (axis, law) in zip(strokes.tolist(), mount.isolator.axes.items(), strict=True):
+            if law is None or stroke <= MOVING * strokes.max():
                 continue
             tested = mount.isolator.validity.stated.get(axis)
             if tested is None:
                 untested.add(axis)
                 continue
-            farthest = max(farthest, (half / tested.amplitude[1], f"{name} {axis}"))
+            farthest = max(farthest, (stroke / tested.amplitude[1], f"{name} {axis}"))
             frequencies += list(tested.frequency or ())
     if not farthest[1]:
         return _Part(
@@ -193,27 +188,27 @@ def _form(system: System, halves: Mapping[str, Array], slowest: float) -> _Part:
     return _Part(name="form of the model", grade=3 if ratio <= 1.0 and not untested else 2, text="; ".join(texts))
 
 
-def _isolators(system: System) -> _Part:
+def _isolator_part(system: System) -> _Part:
     devices = {mount.isolator.name: mount.isolator for mount in system.mounts.values()}
     if not devices:
         return _Part(name="isolator data", grade=4, text="there are no isolators")
-    kinds: list[str] = sorted({device.provenance.kind for device in devices.values()}, key=_KINDS.__getitem__)
+    kinds: list[str] = sorted({device.provenance.kind for device in devices.values()}, key=_PROVENANCE_GRADES.__getitem__)
     assumed = sum(len(device.provenance.assumed) for device in devices.values())
     scatter = [_scatter(device) for device in devices.values() if device.spread is not None]
-    grade = _KINDS[kinds[0]] + (len(scatter) == len(devices) and kinds[0] == "identified")
+    grade = _PROVENANCE_GRADES[kinds[0]] + (len(scatter) == len(devices) and kinds[0] == "identified")
     text = f"{several(len(devices), 'isolator')}: {listed(kinds)}"
     text += f"; {several(assumed, 'value')} assumed" if assumed else ""
     if not scatter:
         return _Part(name="isolator data", grade=grade, text=f"{text}; no file states a scatter")
-    size = NORMAL * _DAMPED * max(scatter)
+    size = NORMAL * _STIFFNESS_EXPONENT * max(scatter)
     text += f"; stiffness scatters by {with_unit(max(scatter), '%', digits=2)} (one standard deviation)"
     return _Part(name="isolator data", grade=grade, text=text, size=size)
 
 
 def _scatter(isolator: Isolator) -> float:
-    """Find the largest relative standard deviation of a secant stiffness by the stated scatter.
+    """Compute the largest relative standard deviation of a secant stiffness under the stated scatter of parameters.
 
-    Secants are those from rest to half of each rated travel, and of vanishing deflections where none is rated.
+    Secants run from rest to half of each rated travel; on axes without a rating they are initial stiffnesses.
     """
     assert isolator.spread is not None
     ratios = [0.0]
@@ -225,8 +220,8 @@ def _scatter(isolator: Isolator) -> float:
                 continue
             slopes = []
             for name in isolator.spread.parameters:
-                first, _, parameter = name.partition(".")
-                value = law.parameter(parameter) if first == axis else 0.0
+                law_axis, _, parameter = name.partition(".")
+                value = law.parameter(parameter) if law_axis == axis else 0.0
                 step = _STEP * value if isinstance(value, float) else 0.0
                 moved = replace(law, **law.completed({parameter: value + step})) if step else law
                 slopes.append((_secant(moved, end) - stiffness) / step if step else 0.0)
@@ -236,5 +231,5 @@ def _scatter(isolator: Isolator) -> float:
 
 
 def _secant(law: Law, deflection: float) -> float:
-    """Compute the stiffness of an unloaded law from rest to a deflection, at 0 its slope [N/m]."""
+    """Compute the secant stiffness of a law from rest to a deflection, its initial stiffness at 0 [N/m]."""
     return float(law.trace([0.0, deflection]).force[-1]) / deflection if deflection else law.initial_stiffness

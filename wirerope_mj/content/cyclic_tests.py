@@ -19,10 +19,10 @@ from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softenin
 
 FREQUENCY = 5.0  # Of the tests of an isolator [Hz]; without effect on a rate-independent law
 _FRACTIONS = (0.25, 0.5, 1.0)  # of the rated travel
-_UNRATED = 0.002  # [m], at which an axis without rated travel is measured: small for every mount
+_UNRATED_TRAVEL = 0.002  # [m], for axes without rated travel: small for every mount
 _MOST_NAMES = 8  # in a legend: more would hide the loops
-_CLOSED = 1e-10  # of the force range: what cyclic tests close to
-_DAMPED = 1e-9  # damping ratio, below which loops have no width to speak of
+_CLOSURE = 1e-10  # fraction of the force range to which loops of cyclic tests close
+_LEAST_DAMPING = 1e-9  # damping ratio below which loops have no measurable width
 _COLUMNS = (
     *left("axis"), Column("amplitude", "mm", ".4g"), Column("secant\nstiffness", "kN/m", ".4g"),
     Column("energy\nper cycle", "J", ".4g"), Column("damping\nratio", "%", ".4g"),
@@ -36,20 +36,20 @@ class CyclicTests:
     """Cyclic tests of the axes of an isolator."""
 
     isolator: Isolator
-    laws: Mapping[str, Law]  # of its axes, by what they are called
-    loops: Mapping[str, Sequence[Loop]]  # of each, by the same names
-    operating_point: float  # about which it was tested [m]
+    laws: Mapping[str, Law]  # of its axes, by their titles
+    loops: Mapping[str, Sequence[Loop]]  # of each law, by the same titles
+    operating_point: float  # deflection about which it was tested [m]
     frequency: float  # of the tests [Hz]
 
 
 def loops_content(tests: CyclicTests) -> Content:
-    """Describe cyclic tests: laws, measures of every loop and of all, and a chart."""
+    """Compose the content of cyclic tests: laws, measures of each loop, findings over all loops, and a chart."""
     about = f", about {in_unit(tests.operating_point, 'mm'):.4g} mm" if tests.operating_point else ""
     rate = "" if all(law.rate_independent for law in tests.laws.values()) else f", at {tests.frequency:g} Hz"
     title = f"{tests.isolator.name}{about}{rate}"
     # In the titles of the panels, a rate-dependent law has the frequency.
-    each = {name: "" if law.rate_independent else f", {tests.frequency:g} Hz" for name, law in tests.laws.items()}
-    titled = {f"{name}{each[name]}": loops for name, loops in tests.loops.items()}
+    rates = {name: "" if law.rate_independent else f", {tests.frequency:g} Hz" for name, law in tests.laws.items()}
+    titled = {f"{name}{rates[name]}": loops for name, loops in tests.loops.items()}
     return Content(
         title=title,
         verdict=Statement("tests", title),
@@ -74,7 +74,7 @@ def _test_blocks(tests: CyclicTests) -> Iterator[Block]:
     for title, loops in tests.loops.items():
         for loop in loops:  # a rate-dependent force turns round smoothly and has no tangent to state
             tangents = loop.tangents_at_reversal if tests.laws[title].rate_independent else (None, None)
-            closed = f"{loop.cycles}" if loop.closure <= _CLOSED else f"{loop.cycles}, open by {loop.closure:.1g}"
+            closed = f"{loop.cycles}" if loop.closure <= _CLOSURE else f"{loop.cycles}, open by {loop.closure:.1g}"
             measures = loop.amplitude, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio
             rows.append([title, *measures, *tangents, closed])
     note = "Tangent: stiffness right after the largest and the smallest deflection, where the motion turns round."
@@ -85,8 +85,9 @@ def _test_blocks(tests: CyclicTests) -> Iterator[Block]:
 
 
 def _findings(loops: Sequence[Loop]) -> Iterator[str]:
+    """Yield the hardening overlap of two amplitudes or more, and the softening to hardening of three or more."""
     amplitudes = {loop.amplitude for loop in loops}
-    if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > _DAMPED:
+    if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > _LEAST_DAMPING:
         try:
             yield f"hardening overlap {hardening_overlap(loops):.3f} (0: all amplitudes load along one path in tension)"
         except ValueError as error:
@@ -105,18 +106,18 @@ def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
 
 
 def measures_table(device: Isolator) -> Table:
-    """Tabulate steady loops at 25, 50 and 100 % of the rated travel, unrated ones beyond the gap."""
+    """Tabulate measures of steady loops at 25, 50 and 100 % of the rated travel, or of 2 mm beyond the gap if unrated."""
     rows: list[list[Cell]] = []
     for axis, law in device.axes.items():
         if law is None:
             continue
         rated = max((travel for travel in device.rated_travel(axis) if travel is not None), default=None)
         for fraction in _FRACTIONS:
-            wanted = largest_gap(law) + fraction * _UNRATED if rated is None else fraction * rated
-            amplitude = min(wanted, fraction * law.finite_travel)
+            largest = largest_gap(law) + fraction * _UNRATED_TRAVEL if rated is None else fraction * rated
+            amplitude = min(largest, fraction * law.finite_travel)
             loop = cyclic_test(law, amplitude, frequency=FREQUENCY)[0]
-            used = None if rated is None else amplitude / rated
-            rows.append([axis, amplitude, used, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio])
+            utilisation = None if rated is None else amplitude / rated
+            rows.append([axis, amplitude, utilisation, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio])
     columns = (
         *left("axis"), Column("amplitude", "mm", ".3g"), Column("of rated", "%", ".0f"),
         Column("secant\nstiffness", "kN/m", ".4g"), Column("energy\nper cycle", "J", ".4g"),
@@ -134,7 +135,7 @@ def isolator_chart(device: Isolator) -> Chart:
     panels = []
     for title, axis, law in distinct_axes(device):
         loops = cyclic_test(law, amplitudes_of(device, axis, _FRACTIONS), frequency=FREQUENCY)
-        curves = [*_ratings(device, axis, law), *_curves(loops, "kN")]
+        curves = [*_rating_curves(device, axis, law), *_curves(loops, "kN")]
         panels.append(_panel(curves, title if law.rate_independent else f"{title}, {FREQUENCY:g} Hz", "kN"))
     return _chart(panels, "Steady loops, the first loading, the rated travel on it and the rated static load.")
 
@@ -151,7 +152,7 @@ def _panel(curves: Sequence[Curve], title: str, unit: str) -> Panel:
 
 
 def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:
-    """Draw loops of deepening colour; of many only some are named."""
+    """Draw loops in rising opacity, at most `_MOST_NAMES` of them with a name in the legend."""
     named = set(np.linspace(0, len(loops) - 1, min(len(loops), _MOST_NAMES)).round().astype(int))
     shades = np.linspace(0.45, 1.0, len(loops)) if len(loops) > 1 else [1.0]
     curves = []
@@ -164,11 +165,12 @@ def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:
     return curves
 
 
-def _ratings(device: Isolator, axis: str, law: Law) -> Iterator[Curve]:
+def _rating_curves(device: Isolator, axis: str, law: Law) -> Iterator[Curve]:
+    """Yield marks of the rated load and travel on the first loading, and the first loading."""
     travel = device.rated_travel(axis)
-    below, load = travel[0], device.limits.static_load
-    if axis == "axial" and load is not None and below is not None:
-        path = law.trace(-np.linspace(0.0, below, 2001))
+    compression, load = travel[0], device.limits.static_load
+    if axis == "axial" and load is not None and compression is not None:
+        path = law.trace(-np.linspace(0.0, compression, 2001))
         if -path.force[-1] >= load:  # the first loading carries it within the rated travel
             depth = float(np.interp(load, -path.force, -path.deflection))
             yield _mark(-depth, -load, f"rated load {in_unit(load, 'kN'):.3g} kN", BASE)
@@ -190,7 +192,7 @@ def _mark(deflection: float, force: float, name: str, kind: str) -> Curve:
 
 
 def law_choice_statement(table: LawComparison, files: str) -> Statement:
-    """State which of several laws to trust, for which amplitudes, and the command that fits it."""
+    """State the recommended law, the range of its tests, and the command that fits it."""
     best, general, chosen = table.best, table.most_general, table.recommended
     items = [f"{best.law} has the best criterion, {general.law} the smallest error on an amplitude left out."]
     if chosen is not general:

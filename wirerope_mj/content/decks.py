@@ -1,4 +1,4 @@
-"""The deck: loads on it and its bolts, what a rigid one leaves out, peaks on decks that bend; and what a flexible part is."""
+"""Blocks on the deck: its loads and bolts, peaks on flexible decks against the rigid deck; content of a flexible part."""
 
 import math
 from collections.abc import Iterator
@@ -22,21 +22,21 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 
 DECKS = (8.0, 12.0, 18.0, 25.0)  # natural frequencies of decks and platforms between frames [Hz]
 DAMPING = 0.04
-HEAVIER = 2.0  # mass of the panel over that of what it carries, as of a field of deck between frames
+HEAVIER = 2.0  # mass of the panel over that of its payload, as of a field of deck between frames
 LONGEST = 10.0  # simulated time above which four more runs take too long for a page [s]
-MOVES = 1.1  # factor from which a peak is said to move
-_FLAT = 1e-9  # acceleration along z below which the base does not move along it [m/s^2]
-_BOLTS = 10  # bolts that are shown at once
+MOVES = 1.1  # ratio to the peak on the rigid deck above which a peak is reported to grow
+_STILL = 1e-9  # acceleration along z below which the base does not move along it [m/s^2]
+_SHOWN_BOLTS = 10  # bolts that are shown at once
 
 
 def decks_blocks(run: JudgedRun) -> Iterator[Block]:
-    """Yield how governing peaks move on decks of four frequencies if that was asked for, or why it was not looked at."""
+    """Yield the governing peaks on decks of four frequencies if the run asks for them, or why they were not computed."""
     if not run.response.scene.mounts:
         return
     if run.system.assembly.subjects.modes or any(body.name == NAME for body in run.response.scene.bodies):
-        return  # it bends already
-    why = _why_not(run)
-    if not (why or run.decks):
+        return  # the deck bends already
+    obstacle = _obstacle(run)
+    if not (obstacle or run.decks):
         yield Statement(
             "decks",
             f"The deck is rigid here: `wirerope report RUN --decks` adds the peaks on decks of {DECKS[0]:g} to {DECKS[-1]:g} "
@@ -44,20 +44,21 @@ def decks_blocks(run: JudgedRun) -> Iterator[Block]:
             tone="quiet",
         )
         return
-    if not why:
+    if not obstacle:
         try:
             mass = HEAVIER * sum(payload.mass for payload in payloads_of(run.system))
-            decks = _on_decks(run, mass)
+            decks = _governing_on_decks(run, mass)
         except (WireRopeError, ValueError) as error:
-            why = str(error).rstrip(".")
+            obstacle = str(error).rstrip(".")
         else:
-            yield from _compared_decks(decks, mass)
+            yield from _deck_comparison(decks, mass)
             return
-    text = f"The deck is rigid here; one that bends was not looked at: {why}. "
+    text = f"The deck is rigid here; one that bends was not looked at: {obstacle}. "
     yield Statement("decks", f'{text}--deck "10 Hz 800 kg 4 %" puts the model on one.', tone="unjudged")
 
 
-def _why_not(run: JudgedRun) -> str:
+def _obstacle(run: JudgedRun) -> str:
+    """Describe why a run cannot be repeated on decks; "" if it can."""
     response = run.response
     if not run.system.base:
         return "the base is fixed in the world"
@@ -67,7 +68,7 @@ def _why_not(run: JudgedRun) -> str:
         return "MuJoCo computed the run, which takes longer"
     if response.time[-1] - response.time[0] > LONGEST:
         return f"the run is longer than {LONGEST:g} s"
-    if float(abs(response.base.acceleration[:, 2]).max(initial=0.0)) < _FLAT:
+    if float(abs(response.base.acceleration[:, 2]).max(initial=0.0)) < _STILL:
         return "the base does not move along z"
     return ""
 
@@ -76,7 +77,8 @@ def _why_not(run: JudgedRun) -> str:
 Governing = tuple[tuple[str, float], tuple[str, float]]
 
 
-def _on_decks(run: JudgedRun, mass: float) -> dict[str, Governing | str]:
+def _governing_on_decks(run: JudgedRun, mass: float) -> dict[str, Governing | str]:
+    """Simulate the run on each of `DECKS`: governing peaks by deck, or the reason why a deck has none."""
     panels = [Panel(frequency=frequency, mass=mass, damping=DAMPING) for frequency in DECKS]
     step, duration = run.response.numerics.timestep, float(run.response.time[-1])
     peaks_of = peaks_on_decks(
@@ -90,6 +92,7 @@ def _on_decks(run: JudgedRun, mass: float) -> dict[str, Governing | str]:
 
 
 def _governing(run: JudgedRun, peaks: Peaks) -> Governing:
+    """Find the largest acceleration of the payload and the largest deflection of a mount."""
     accelerations = {name: peaks.bodies[name].acceleration.value for name in payload_bodies(run.response)}
     accelerations |= {name: point.acceleration.value for name, point in peaks.points.items()}
     deflections = {mount.name: peaks.mounts[mount.name].deflection.value for mount in run.response.scene.isolating}
@@ -97,7 +100,8 @@ def _governing(run: JudgedRun, peaks: Peaks) -> Governing:
     return first, second
 
 
-def _compared_decks(decks: dict[str, Governing | str], mass: float) -> Iterator[Block]:
+def _deck_comparison(decks: dict[str, Governing | str], mass: float) -> Iterator[Block]:
+    """Tabulate governing peaks on each deck against those on the rigid deck, and state the largest growth."""
     rigid = decks["rigid"]
     assert not isinstance(rigid, str)
     rows: list[Row] = []
@@ -182,13 +186,13 @@ def deck_blocks(run: JudgedRun) -> Iterator[Block]:
         yield Table(
             "bolts", "Largest loads of a bolt on the base side", columns, bolts,
             note="A rigid plate, the force across acting at half the isolator's height; without prying and preload.",
-            shown=_BOLTS,
+            shown=_SHOWN_BOLTS,
         )  # fmt: skip
 
 
-CAPTURED = 0.9  # of the mass along an axis below which omitted modes matter, as in seismic rules
+CAPTURED = 0.9  # fraction of the mass along an axis below which omitted modes matter, as in seismic rules
 # Fraction of a point's static compliance that may be missing, and of its largest one that an axis has to count.
-_SOFTER, _STIFF = 0.01, 0.01
+_MISSING_COMPLIANCE, _COUNTED_COMPLIANCE = 0.01, 0.01
 # Effective mass that decks and machines have [kg]; beyond it units are perhaps other ones.
 _LIGHTEST, _HEAVIEST = 1.0, 1e6
 
@@ -196,10 +200,10 @@ _LIGHTEST, _HEAVIEST = 1.0, 1e6
 def flexible_content(
     name: str, part: FlexiblePart, *, mass: float | Array | None = None, whole: FlexiblePart | None = None
 ) -> Content:
-    """Describe a flexible part.
+    """Compose the content of a flexible part: its modes, and checks of them.
 
-    With its mass [kg], perhaps along x, y, z, how much of it the modes bring along; with the `whole` part, of which modes were
-    left out, how much of its static compliance is left.
+    With its mass [kg], perhaps along x, y, z, the fraction that the modes capture; with the `whole` part, of which modes were
+    left out, the fraction of its static compliance that remains.
     """
     modes = ~part.residual
     frequencies, added = part.frequencies[modes], int((~modes).sum())
@@ -207,13 +211,13 @@ def flexible_content(
     text += with_unit(float(frequencies.max()), "Hz") + (f" and {several(added, 'residual vector')}" if added else "")
     headline = Statement("part", f"{text} at {several(len(part.points), 'point')}.", tone="strong")
     sections = (
-        Section("modes", "", lambda: [_table(part, mass, modes)], "summary"),
+        Section("modes", "", lambda: [_modes_table(part, mass, modes)], "summary"),
         Section("checks", "", lambda: _checks(part, mass, whole or part, modes), "summary"),
     )
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
 
 
-def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> Table:
+def _modes_table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> Table:
     effective = part.participation**2
     names = [f"{number}" if mode else f"{number} residual" for number, mode in enumerate(modes, 1)]
     rows: list[list[Cell]] = [
@@ -223,7 +227,7 @@ def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> T
     rows.append(["all", None, None, *map(float, effective.sum(axis=0))])
     if mass is not None:
         size = with_unit(float(np.max(mass)), "kg")
-        rows.append([f"of {size}", None, None, *(f"{100.0 * c:.1f} %" for c in _ratios(effective.sum(axis=0), mass))])
+        rows.append([f"of {size}", None, None, *(f"{100.0 * ratio:.1f} %" for ratio in _captured(effective.sum(axis=0), mass))])
     columns = (
         *left("mode"), Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.2f"),
         *(Column(f"mass\n{axis}", "kg", "z.2f") for axis in "xyz"),
@@ -234,11 +238,13 @@ def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> T
     return Table("flexible-modes", "Modes and the mass that takes part", columns, rows, note=note)
 
 
-def _ratios(total: Array, mass: float | Array) -> Array:
+def _captured(total: Array, mass: float | Array) -> Array:
+    """Divide effective masses (3,) by the mass along each axis; 0 along axes without mass."""
     return np.divide(total, mass, out=np.zeros(3), where=np.broadcast_to(np.asarray(mass) > 1e-9 * np.max(mass), 3))
 
 
 def _checks(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart, modes: Booleans) -> Iterator[Statement]:
+    """Yield warnings about units, captured mass, static compliance, equal frequencies and shapes without motion."""
 
     def warning(name: str, text: str) -> Statement:
         return Statement(f"flexible-{name}", text, tone="unjudged")
@@ -249,7 +255,7 @@ def _checks(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart,
         yield warning("free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck.")
     elif not _LIGHTEST <= largest <= _HEAVIEST:
         yield warning("units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?")
-    ratios = [_ratios((shown.participation**2).sum(axis=0), mass) for shown in (part, whole)] if mass is not None else []
+    ratios = [_captured((shown.participation**2).sum(axis=0), mass) for shown in (part, whole)] if mass is not None else []
     for axis, ratio, of_whole in zip("xyz", *ratios, strict=True) if ratios else ():
         text = f"Along {axis} the modes bring along {100 * ratio:.1f} % of the mass,"
         if ratio > 1.0 + 1e-6:
@@ -263,11 +269,11 @@ def _checks(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart,
         (1.0 - float(kept / full), name, axis)
         for name in part.points
         for axis, kept, full in zip("xyz", part.compliance(name), whole.compliance(name), strict=True)
-        if full > _STIFF * whole.compliance(name).max()
+        if full > _COUNTED_COMPLIANCE * whole.compliance(name).max()
     ]
-    lacks, point, axis = max(missing, default=(0.0, "", ""))
-    if lacks > _SOFTER:
-        text = f"At {point} along {axis} the modes have {100 * (1 - lacks):.1f} % of the static compliance of all modes read"
+    deficit, point, axis = max(missing, default=(0.0, "", ""))
+    if deficit > _MISSING_COMPLIANCE:
+        text = f"At {point} along {axis} the modes have {100 * (1 - deficit):.1f} % of the static compliance of all modes read"
         yield warning("compliance", f"{text}, and no point has less: --residual keeps it, or take more modes.")
     if np.unique(np.round(part.frequencies, 9)).size < part.frequencies.size:
         yield warning("twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice.")

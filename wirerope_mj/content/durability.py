@@ -1,4 +1,4 @@
-"""Cycles of the mounts of a run or a service life, the damage that they do, and what is damaged most."""
+"""Content on durability: cycles of mounts over a service life, their damage, and a vibration of equal damage."""
 
 from collections.abc import Sequence
 
@@ -8,25 +8,25 @@ from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.foundation.tables import Column, Row, Table, left
 
-_FEW = 12  # rows of a density that are shown at once
+_SHOWN_ROWS = 12  # rows of a density that are shown at once
 
 
 def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows: int) -> Content:
-    """Describe the damage of a service life: what is damaged most, how long it lasts, a table of `rows`."""
+    """Compose the damage of a service life: the most damaged mount, its life, and a table of at most `rows`."""
     names = " + ".join(
         f"{stage.hours:g} h of {stage.run.name}" if stage.repetitions is None else f"{stage.repetitions:g} x {stage.run.name}"
         for stage in mission.stages
     )
-    worst = _worst(mission, damages)
+    worst = _most_damaged(mission, damages)
     return Content(
         title=f"Durability: {names}",
         verdict=worst,
-        sections=(Section("durability", "", lambda: [_table(mission, damages, rows), worst], "summary"),),
+        sections=(Section("durability", "", lambda: [_damage_table(mission, damages, rows), worst], "summary"),),
     )
 
 
 def equivalent_content(vibration: EquivalentVibration) -> Content:
-    """Describe the random vibration that does the damage of a history."""
+    """Compose the content of a random vibration whose damage equals that of a history."""
     (least_at, least), (most_at, most) = vibration.extremes
     rise, fall = vibration.ramps
     played = (
@@ -48,7 +48,7 @@ def equivalent_content(vibration: EquivalentVibration) -> Content:
         },
     )  # fmt: skip
     table = Table(
-        "equivalent-psd", "Power spectral density, straight on logarithmic axes", rows=vibration.points, shown=_FEW,
+        "equivalent-psd", "Power spectral density, straight on logarithmic axes", rows=vibration.points, shown=_SHOWN_ROWS,
         columns=(Column("frequency", "Hz", ".4g"), Column("density", "g²/Hz", ".4g")),
     )  # fmt: skip
     return Content(
@@ -57,21 +57,21 @@ def equivalent_content(vibration: EquivalentVibration) -> Content:
     )  # fmt: skip
 
 
-def _worst(mission: Mission, damages: Sequence[MountDamage]) -> Statement:
+def _most_damaged(mission: Mission, damages: Sequence[MountDamage]) -> Statement:
     worst = damages[0] if damages else None
     if worst is None or not worst.total:
         return Statement("most-damaged", "Nothing is damaged: no cycle was counted.", values={"damage": 0.0})
-    text = f"Most damaged: {_called(worst)}"
+    text = f"Most damaged: {_damage_label(worst)}"
     if mission.constant is None:
         text += ". Its life is not known: damage is relative, because no constant of the fatigue curve was given."
-        return Statement("most-damaged", text, tone="unjudged", values={"where": _called(worst)})
+        return Statement("most-damaged", text, tone="unjudged", values={"where": _damage_label(worst)})
     life = 1.0 / worst.total
     text += f": damage {worst.total:.3g} in one such life; it lasts {life:.3g} such lives."
-    values: dict[str, float | str | None] = {"where": _called(worst), "damage": worst.total, "lives": life}
+    values: dict[str, float | str | None] = {"where": _damage_label(worst), "damage": worst.total, "lives": life}
     return Statement("most-damaged", text, tone="exceeded" if worst.total > 1.0 else "within", values=values)
 
 
-def _table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table:
+def _damage_table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table:
     unit = "mm" if mission.quantity == "deflection" else "kN"
     worst = damages[0] if damages else None
     known, several = mission.constant is not None, len(mission.stages) > 1
@@ -91,11 +91,11 @@ def _table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table
         *left("mount", "axis"), Column("cycles", form=".6g"),
         Column("largest\nrange", unit, ".3g"), Column("equivalent\namplitude", unit, ".3g"),
         *((Column("damage", form=".3g"), Column("lasts\n[lives]", form=".3g")) if known else ()),
-        Column(f"damage over that\nof {_called(worst)}" if worst else "damage", "%", ".3g"),
+        Column(f"damage over that\nof {_damage_label(worst)}" if worst else "damage", "%", ".3g"),
         *(Column(f"by {stage.run.name}", "%", ".3g") for stage in mission.stages if several),
     )  # fmt: skip
     return Table("damage", "Cycles and damage of the mounts", columns, rows, note=note)
 
 
-def _called(damage: MountDamage) -> str:
+def _damage_label(damage: MountDamage) -> str:
     return f"{damage.mount} {damage.axis}"

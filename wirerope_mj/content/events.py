@@ -19,7 +19,7 @@ from wirerope_mj.foundation.units import force_text, in_unit
 from wirerope_mj.mounts.isolator import AXES
 
 NEAR = 0.8  # Utilisation from which a limit is reported
-_NOTHING = 1e-9  # of the largest of all axes
+_NEGLIGIBLE = 1e-9  # fraction of the largest peak of all axes, below which a peak is rounding
 
 
 @dataclass(frozen=True, kw_only=True, order=True)
@@ -76,7 +76,7 @@ def main_instants(response: Response, selection: Selection) -> Array:
 
 
 def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
-    """Yield the largest deflection and force along every axis, and how far the mount swings back in the first of them."""
+    """Yield the largest deflection and force along every axis, and the rebound along the first axis."""
     for quantity, unit in (("deflection", "mm"), ("force", "kN")):
         extremes = {}
         for axis in selection.axes:
@@ -85,17 +85,18 @@ def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
             ends = [(peak.minimum[number], peak.minimum_time[number]), (peak.maximum[number], peak.maximum_time[number])]
             extremes[axis] = name, sorted(((float(value), float(time)) for value, time in ends), key=lambda end: -abs(end[0]))
         most = max((abs(ends[0][0]) for _, ends in extremes.values()), default=0.0)
-        for axis, (name, ((value, time), (back, after))) in extremes.items():
-            if abs(value) <= _NOTHING * most:
-                continue  # rounding, along an axis in which nothing acts
+        for axis, (name, ((value, time), (rebound, rebound_time))) in extremes.items():
+            if abs(value) <= _NEGLIGIBLE * most:
+                continue
             text = f"{name}: largest {axis} {quantity}, {in_unit(value, unit):.4g} {unit}"
             yield Event(time=time, level="INFO", text=text)
-            if quantity == "deflection" and axis == selection.axes[0] and after > time and value * back < 0.0:
-                text = f"{name}: rebounds to {in_unit(back, unit):.4g} {unit} {axis}"
-                yield Event(time=after, level="INFO", text=text, main=True)
+            if quantity == "deflection" and axis == selection.axes[0] and rebound_time > time and value * rebound < 0.0:
+                text = f"{name}: rebounds to {in_unit(rebound, unit):.4g} {unit} {axis}"
+                yield Event(time=rebound_time, level="INFO", text=text, main=True)
 
 
 def _limit_events(response: Response, verdict: Verdict, *, main: bool) -> Iterator[Event]:
+    """Yield the instants at which a utilisation passes 80 % and, if exceeded, 100 %, and that of its maximum."""
     if verdict.time is None:
         return
     course, over = utilisation_over_time(response, verdict), verdict.verdict == EXCEEDED
@@ -112,7 +113,7 @@ def _limit_events(response: Response, verdict: Verdict, *, main: bool) -> Iterat
 
 
 def first_above(time: Array, values: Array, level: float) -> float | None:
-    """Find when `values` (n_t,) first reach a level [s], interpolated; None if they do not."""
+    """Interpolate the instant [s] at which `values` (n_t,) first reach a level; None if they never do."""
     above = np.flatnonzero(values >= level)
     if not above.size:
         return None
@@ -124,10 +125,9 @@ def first_above(time: Array, values: Array, level: float) -> float | None:
 
 
 def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:
-    """Yield accelerations, and deflections and forces of the worst mounts, at a sample.
+    """Yield accelerations, and deflections and forces of the most used mounts, from sample `row` up to `stop`.
 
-    Where values stand for several samples, up to `stop`, they are the largest sizes of all of them: of what oscillates faster,
-    as in a sweep, one sample would be any phase.
+    Of several samples they are the largest sizes: in a fast oscillation, as of a sweep, a single sample has an arbitrary phase.
     """
     response, selection = run.response, run.selection
     rows, single = slice(row, stop), stop - row <= 1

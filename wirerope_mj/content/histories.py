@@ -20,8 +20,8 @@ TOTAL = "total"
 # Quantities that have histories, and the units in which they are drawn.
 UNITS = {"acceleration": "g", "deflection": "mm", "force": "kN"}
 USED, DIFFERENCE = "used", "difference"
-MOST_PARTS = 6  # of which accelerations are drawn for several runs: the base and the largest peaks
-_NEAR = 0.5  # of a rated travel, from which it is drawn: else it flattens the curves
+MOST_PARTS = 6  # whose accelerations are drawn for several runs: the base and the largest peaks
+_SHOWN_RATING = 0.5  # fraction of a rated travel above which the rating is drawn: else it flattens the curves
 Histories = dict[tuple[str, ...], Panel]  # Panels by quantity, axis and, of several runs, kind and name of the part
 
 
@@ -44,10 +44,10 @@ def subject_called(response: Response, name: str) -> Component:
 
 
 def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tuple[float, float], *, part: str = "") -> Panel:
-    """Draw a quantity of `UNITS` along an axis, or its size ("total"), the first line in front and with its rated travel.
+    """Draw a quantity of `UNITS` along an axis, or its magnitude ("total"), a curve for each line; the first is in front.
 
-    Axes are those of the world for an acceleration, of the mount for others; `part` is what all lines are of, in several runs;
-    the window is what is shown [s].
+    Accelerations are along the world's axes, others along the mount's. `part` names the part that all lines share in a
+    comparison of runs, `window` is the interval shown [s].
     """
     unit = UNITS[quantity]
     curves = [_curve(line, quantity, along, unit) for line in lines]
@@ -60,14 +60,14 @@ def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tupl
         mount = next(entry for entry in line.response.scene.mounts if entry.name == line.subject)
         peak = line.response.peaks.mounts[mount.name].deflection
         for limit, reached in zip(travel_limits(mount, along), (peak.minimum, peak.maximum), strict=True):
-            if reached[_number(along)] / limit >= _NEAR:  # NaN: unrated
+            if reached[_axis_number(along)] / limit >= _SHOWN_RATING:  # NaN: unrated
                 levels["rated travel" if part else f"rated travel of {short(mount.name)}", in_unit(float(limit), "mm")] = None
-    title = f"{part}: {what[:1].lower()}{what[1:]} [{unit}]{_changes(curves)}" if part else f"{what} [{unit}]"
+    title = f"{part}: {what[:1].lower()}{what[1:]} [{unit}]{_peak_changes(curves)}" if part else f"{what} [{unit}]"
     return Panel(curves, label, title=title, limits=list(levels), xlim=window, unit=unit)
 
 
 def run_histories(response: Response, selection: Selection) -> Histories:
-    """Draw what is used of limits, accelerations, deflections, forces and contacts of one run."""
+    """Draw utilisations, accelerations, deflections, forces and contacts of one run, a panel each."""
     window, panels = selection.window, Histories()
     if selection.used:
         panels[USED,] = used_panel(response, selection)
@@ -99,7 +99,7 @@ def named_lines(response: Response, selection: Selection, subjects: Mapping[str,
 
 
 def used_panel(response: Response, selection: Selection) -> Panel:
-    """Draw what mounts, bodies and points use of their limits."""
+    """Draw the utilisation of limits by mounts, bodies and points over time."""
     curves = []
     for rank, used in enumerate(selection.used):
         name, kind = or_other(short(used.subject), kind_of(selection, used.subject), rank, len(selection.used))
@@ -115,7 +115,7 @@ def used_panel(response: Response, selection: Selection) -> Panel:
 
 
 def overlay_histories(comparison: Comparison, shared: Selection) -> Histories:
-    """Draw each shared part with a curve for every run, and how far runs are from the first."""
+    """Draw each shared part with a curve for every run, and the differences of the runs from the first run."""
     window, panels = shared.window, Histories()
     for part in comparison.components[:MOST_PARTS]:
         for along in (*DIRECTIONS, TOTAL):
@@ -145,6 +145,7 @@ def overlay_histories(comparison: Comparison, shared: Selection) -> Histories:
 
 
 def differing(comparison: Comparison) -> list[Subject]:
+    """List the part and the mount whose histories differ most between the runs."""
     apart = [entry.subject for entry in comparison.differences if np.isfinite(entry.ratio)]
     parts = [subject for subject in apart if isinstance(subject, Component) and subject.kind != "base"]
     mounts = [subject for subject in apart if isinstance(subject, str)]
@@ -171,7 +172,7 @@ def _curve(line: Line, quantity: str, along: str, unit: str) -> Curve:
         time, history = line.history or (line.response.time, line.subject.acceleration(line.response))
         known = line.subject != THE_BASE or line.response.scene.base in line.response.peaks.bodies
         peak = line.subject.peak(line.response) if known else None
-    values = np.linalg.norm(history, axis=1) if along == TOTAL else history[:, _number(along)]
+    values = np.linalg.norm(history, axis=1) if along == TOTAL else history[:, _axis_number(along)]
     marked = None
     if peak is not None:
         instant, value = _extreme(peak, along)
@@ -179,20 +180,22 @@ def _curve(line: Line, quantity: str, along: str, unit: str) -> Curve:
     return Curve(time, in_unit(np.asarray(values), unit), name=short(line.name), kind=line.kind, peak=marked)
 
 
-def _number(along: str) -> int:
+def _axis_number(along: str) -> int:
     return AXES.index(along) if along in AXES else DIRECTIONS.index(along)
 
 
 def _extreme(peak: Peak, along: str) -> tuple[float, float]:
+    """Find instant [s] and value of the largest extreme along an axis, or of the magnitude ("total")."""
     if along == TOTAL:
         return peak.time, peak.value
-    axis = _number(along)
+    axis = _axis_number(along)
     high = peak.maximum[axis] >= -peak.minimum[axis]
     value, time = (peak.maximum, peak.maximum_time) if high else (peak.minimum, peak.minimum_time)
     return float(time[axis]), float(value[axis])
 
 
-def _changes(curves: Sequence[Curve]) -> str:
+def _peak_changes(curves: Sequence[Curve]) -> str:
+    """Describe the changes of the peaks against that of the first curve; "" without other peaks."""
     first, *others = [(curve.name, abs(curve.peak[1])) for curve in curves if curve.peak is not None] or [("", 0.0)]
     if not first[1] or not others:
         return ""
@@ -209,18 +212,19 @@ def peak_text(curve: Curve, panel: Panel) -> str:
 
 
 def contact_panels(response: Response, window: tuple[float, float]) -> list[Panel]:
-    """Draw forces of what touched over time, the largest first, and gaps."""
-    alone, known, forces, gaps = {stop.name for stop in response.scene.stops}, response.contacts, [], []
+    """Draw forces of stops and contacts that touched, the largest first, and the gaps of contacts."""
+    stops, known = {stop.name for stop in response.scene.stops}, response.contacts
+    forces, gaps = [], []
     # Undeclared pairs, and stops that act beside other laws of their mount, have peaks alone.
     touched = {name: peak for name, peak in (response.peaks.contacts or {}).items() if peak.touches}
-    struck = {name: peak for name, peak in touched.items() if name in known or peak.mount in alone}
-    for rank, (called, peak) in enumerate(sorted(struck.items(), key=lambda item: item[1].force, reverse=True)):
-        name, kind = or_other(short(called if called in known else peak.called(called)), rank, rank, len(struck))
-        force = known[called].force if called in known else np.linalg.norm(response.mounts[peak.mount].force, axis=1)
+    struck = {name: peak for name, peak in touched.items() if name in known or peak.mount in stops}
+    for rank, (key, peak) in enumerate(sorted(struck.items(), key=lambda item: item[1].force, reverse=True)):
+        name, kind = or_other(short(key if key in known else peak.called(key)), rank, rank, len(struck))
+        force = known[key].force if key in known else np.linalg.norm(response.mounts[peak.mount].force, axis=1)
         marked = None if peak.force_time is None else (peak.force_time, in_unit(peak.force, "kN"))
         forces.append(Curve(response.time, in_unit(force, "kN"), name=name, kind=kind, peak=marked))
-        if called in known:
-            gaps.append(Curve(response.time, in_unit(known[called].gap, "mm"), name=name, kind=kind))
+        if key in known:
+            gaps.append(Curve(response.time, in_unit(known[key].gap, "mm"), name=name, kind=kind))
     parts = (
         (forces, "force", "Force of stops and contacts [kN]", "kN"),
         (gaps, "gap", "Gap of contacts [mm], below zero pressed", "mm"),

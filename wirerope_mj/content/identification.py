@@ -1,4 +1,4 @@
-"""What an identification says, whoever shows it: the law, how well the data fix it, and its loops."""
+"""Content of an identification: the law and its parameters, their uncertainty, and measured and fitted loops."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -13,15 +13,15 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
 from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
 
-_BENT = 0.5  # of neighbouring residuals, which white noise of a hundred samples never has
-_UNKNOWN = 100.0  # Relative standard error that is not worth showing
+_CORRELATED = 0.5  # correlation of neighbouring residuals, which white noise of a hundred samples never has
+_LARGEST_ERROR = 100.0  # relative standard error above which it is not shown
 
 
 def identification_content(
     result: Identification, fits: Sequence[FittedLoop], *, title: str, sources: Sequence[str], warnings: Sequence[str],
     given: Sequence[str],
 ) -> Content:  # fmt: skip
-    """Compose what an identification says: its loops beside the law's, and warnings.
+    """Compose the content of an identification: findings, parameters, measured and fitted loops, and warnings.
 
     `sources` are the files that were read, `warnings` of the records, `given` what was not searched for.
     """
@@ -50,7 +50,7 @@ def _headline(result: Identification, fits: Sequence[FittedLoop], warnings: Sequ
     if not result.converged:
         return Statement("headline", f"NOT CONVERGED: {result.message}", tone="exceeded", values=values)
     reasons = [f"the records give {several(len(warnings), 'warning')}"] if warnings else []
-    reasons += ["the law does not follow the loops everywhere"] if values["neighbours_correlation"] > _BENT else []
+    reasons += ["the law does not follow the loops everywhere"] if values["neighbours_correlation"] > _CORRELATED else []
     reasons += ["not every parameter is identifiable"] if result.non_identifiable else []
     reasons += [_insignificant(result.insignificant)] if result.insignificant else []
     text = f"Converged, but {'; '.join(reasons)}." if reasons else "Converged; the data identify every free parameter."
@@ -73,7 +73,7 @@ def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequenc
     texts += [result.validity, *filter(None, [result.prediction])]
     if result.falling:
         texts.append(f"{result.falling}: a shock that goes there has no answer; test larger amplitudes, or take another law")
-    if (correlation := neighbours_correlation(fits)) > _BENT:
+    if (correlation := neighbours_correlation(fits)) > _CORRELATED:
         texts.append(
             f"what is left is no white noise (neighbouring residuals correlate by {correlation:.2f}): standard errors count it "
             "as noise so correlated; where this law does not follow the loops, as residuals in the report show, they say "
@@ -87,12 +87,13 @@ def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequenc
 
 
 def record_warnings(warnings: Sequence[str]) -> Statement | None:
-    """List the faults of the rig that the records show; None without any."""
+    """List the faults of the rig that the records show; None without faults."""
     text = "Warnings about the records:"
     return Statement("warnings", text, items=tuple(warnings), tone="unjudged") if warnings else None
 
 
 def _parameter_blocks(result: Identification) -> Iterator[Block]:
+    """Yield the law as in an isolator file, and parameters with standard errors, scales and meanings."""
     # Laws and their own parameters as in an isolator file, with units; the last law was searched for.
     prefixes = [f"{name} scale, " for name in result.scales] or ["", *["and "] * (len(result.law.components) - 1)]
     laws = []
@@ -113,7 +114,7 @@ def _parameter_blocks(result: Identification) -> Iterator[Block]:
         if not p.fixed:
             known = math.isfinite(p.standard_error)
             relative = p.standard_error / abs(p.value) if p.value else math.inf
-            error = [p.standard_error if known else "not identifiable", relative if relative < _UNKNOWN else None]
+            error = [p.standard_error if known else "not identifiable", relative if relative < _LARGEST_ERROR else None]
         if p.name in result.insignificant:
             note = Mark("not significant", "unjudged")
         rows.append([p.name, p.value, p.unit, *error, note])
@@ -129,13 +130,14 @@ def _parameter_blocks(result: Identification) -> Iterator[Block]:
 
 
 def _scale_table(result: Identification) -> Table:
+    """Tabulate the criterion and the prediction error by number of scales, and which number was taken."""
     least = min(row.criterion for row in result.scale_rows)
     rows: list[list[Cell]] = []
     for row in result.scale_rows:
-        taken = "taken" if row.count == max(len(result.scales), 1) else ""
-        taken = taken or ("" if math.isfinite(row.left_out) else "the criterion does not fall")
-        known: list[Cell] = [row.free, row.criterion - least, row.left_out] if not row.why_not else [None] * 3
-        rows.append([str(row.count), *known, row.why_not or taken])
+        note = "taken" if row.count == max(len(result.scales), 1) else ""
+        note = note or ("" if math.isfinite(row.left_out) else "the criterion does not fall")
+        figures: list[Cell] = [row.free, row.criterion - least, row.left_out] if not row.why_not else [None] * 3
+        rows.append([str(row.count), *figures, row.why_not or note])
     return Table(
         "scales",
         "Number of scales; left out is the error at an amplitude that the fit has not seen, geometric mean of all",
@@ -183,6 +185,7 @@ def _uncertainty(result: Identification) -> Iterator[Block]:
 
 
 def _meanings(result: Identification) -> tuple[str, ...]:
+    """Explain the derived parameters of the law, a line each."""
     known = {
         "z_max": "z_max = (alpha / (beta + gamma))^(1/n), the largest hysteretic force",
         "x_y": "x_y = z_max / alpha, the deflection at which it yields",
@@ -201,15 +204,16 @@ def _meanings(result: Identification) -> tuple[str, ...]:
 
 
 DRAWN_LOOPS = 12  # Loops of one chart: more cannot be read
-_ACROSS = 3
+_PANELS_IN_ROW = 3
 _MEASURED_COLOUR, _FITTED_COLOUR = 0, 1  # numbers of their colours
-_ROOM = 0.05  # of the stroke, left free on either side of the turning points
-_BRANCH = 9  # fraction of a branch over which residuals are averaged
-_APART = 1.15  # ratio of amplitudes left free on either side
-_SHORT = 0.03  # of the amplitude: half a fitted value that no other continues
+_MARGIN = 0.05  # fraction of the stroke, left free beside the turning points
+_BRANCH_PARTS = 9  # length of a branch over that of the moving average of residuals
+_AMPLITUDE_MARGIN = 1.15  # ratio of amplitudes left free on either side
+_HALF_DASH = 0.03  # half length of the dash for a single fitted value, over the amplitude
 
 
 def drawn_loops(fits: Sequence[FittedLoop]) -> list[FittedLoop]:
+    """Choose at most `DRAWN_LOOPS` loops, evenly over all."""
     rows = np.unique(np.linspace(0, len(fits) - 1, min(len(fits), DRAWN_LOOPS)).round().astype(int))
     return [fits[row] for row in rows]
 
@@ -234,7 +238,7 @@ def fit_chart(fits: Sequence[FittedLoop]) -> Chart:
 
 
 def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
-    """Draw fitted minus measured force over the deflection, in percent of half its range."""
+    """Draw fitted minus measured force over the deflection, in percent of half the force range."""
 
     def curves(fit: FittedLoop) -> list[Curve]:
         start = int(np.argmin(fit.measured.deflection[:-1]))
@@ -242,7 +246,7 @@ def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
         residual = np.roll(100.0 * fit.residual[:-1], -start)
         top, means = int(np.argmax(x)), []
         for way, branch, kind in (("up", slice(0, top + 1), _MEASURED_COLOUR), ("down", slice(top, None), _FITTED_COLOUR)):
-            window = np.full(width := max(1, x[branch].size // _BRANCH), 1.0 / width)
+            window = np.full(width := max(1, x[branch].size // _BRANCH_PARTS), 1.0 / width)
             at, mean = (np.convolve(values[branch], window, "valid") for values in (x, residual))
             means.append(Curve(at, mean, name=f"mean on the way {way}", kind=kind))
         return [*means, Curve(x, residual, name="samples", kind=OTHERS, marks=True)]
@@ -259,8 +263,8 @@ def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
 def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
     """Draw energy per cycle and secant stiffness over the amplitude, measured and fitted."""
     amplitudes = np.array([in_unit(fit.measured.amplitude, "mm") for fit in fits])
-    across = (float(amplitudes.min()) / _APART, float(amplitudes.max()) * _APART)
-    groups, panels = _groups(fits), []
+    across = (float(amplitudes.min()) / _AMPLITUDE_MARGIN, float(amplitudes.max()) * _AMPLITUDE_MARGIN)
+    groups, panels = _groups_by_operating_point(fits), []
     for measure, unit, label in (
         ("dissipated_energy", "J", "energy per cycle [J]"),
         ("secant_stiffness", "kN/m", "stiffness [kN/m]"),
@@ -268,15 +272,15 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
         curves = []
         for number, group in enumerate(groups):
             x = np.array([in_unit(fit.measured.amplitude, "mm") for fit in group])
-            about = f" about {_millimetres(group)} mm" if len(groups) > 1 else ""
+            about = f" about {_operating_point_text(group)} mm" if len(groups) > 1 else ""
             kinds = (_MEASURED_COLOUR, _FITTED_COLOUR) if len(groups) == 1 else 2 * (number % COLOURS,)
             measured, fitted = (
                 np.array([in_unit(getattr(loop, measure), unit) for loop in loops])
                 for loops in zip(*((fit.measured, fit.fitted) for fit in group), strict=True)
             )
             curves.append(Curve(x, measured, name=f"measured{about}", kind=kinds[0], marks=True))
-            if x.size == 1:  # a line from nowhere to nowhere cannot be seen
-                x, fitted = x[0] * np.array([1.0 - _SHORT, 1.0 + _SHORT]), np.repeat(fitted, 2)
+            if x.size == 1:  # a line of one point is invisible
+                x, fitted = x[0] * np.array([1.0 - _HALF_DASH, 1.0 + _HALF_DASH]), np.repeat(fitted, 2)
             curves.append(Curve(x, fitted, name=f"fitted{about}", kind=kinds[1]))
         values = np.concatenate([curve.y for curve in curves])
         # That of a device without loss is noise of either sign.
@@ -300,23 +304,24 @@ def _loop_panels(
     fits: Sequence[FittedLoop], curves_of: Callable[[FittedLoop], list[Curve]], ylabel: str, unit: str,
     ylim: tuple[float, float] | None = None,
 ) -> list[list[Panel]]:  # fmt: skip
-    groups, panels = _groups(fits), []
+    """Arrange a panel for each drawn loop, three beside each other, with the curves that `curves_of` gives."""
+    groups, panels = _groups_by_operating_point(fits), []
     for fit in drawn_loops(fits):
         low, high = float(fit.measured.deflection.min()), float(fit.measured.deflection.max())
-        room = _ROOM * (high - low)
+        room = _MARGIN * (high - low)
         members = next(group for group in groups if any(fit is member for member in group))
-        about = f" about {_millimetres(members)}" if len(groups) > 1 else ""
+        about = f" about {_operating_point_text(members)}" if len(groups) > 1 else ""
         title = f"±{in_unit(fit.measured.amplitude, 'mm'):.3g}{about} mm: {100.0 * fit.error:.2g} % error"
         panels.append(Panel(
             curves_of(fit), ylabel, xlabel="deflection [mm]", title=title, unit=unit, xunit="mm", ylim=ylim,
             xlim=(in_unit(low - room, "mm"), in_unit(high + room, "mm")),
         ))  # fmt: skip
-    rows = np.array_split(np.arange(len(panels)), math.ceil(len(panels) / _ACROSS))
+    rows = np.array_split(np.arange(len(panels)), math.ceil(len(panels) / _PANELS_IN_ROW))
     return [[panels[number] for number in row] for row in rows]
 
 
-def _groups(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
-    # Points within 2 % of the largest amplitude are one: no rig holds them better.
+def _groups_by_operating_point(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
+    """Group loops by operating point; no rig holds it better than within 2 % of the largest amplitude."""
     step = 0.02 * max(fit.measured.amplitude for fit in fits)
     groups: list[list[FittedLoop]] = []
     for fit in sorted(fits, key=lambda fit: fit.measured.operating_point):
@@ -327,7 +332,8 @@ def _groups(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
     return [sorted(group, key=lambda fit: fit.measured.amplitude) for group in groups]
 
 
-def _millimetres(group: Sequence[FittedLoop]) -> str:
+def _operating_point_text(group: Sequence[FittedLoop]) -> str:
+    """Write the mean operating point of a group [mm], rounded to 0.1 % of its largest amplitude."""
     least = 1e-3 * max(1e3 * fit.measured.amplitude for fit in group)
     mean = 1e3 * float(np.mean([fit.measured.operating_point for fit in group]))
     return f"{least * round(mean / least):.3g}" if abs(mean) > least else "0"
