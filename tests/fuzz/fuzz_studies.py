@@ -13,7 +13,7 @@ from generators import NUMBERS, PYTHON_VALUES, damaged, edit, edited, finite, ig
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.durability.mission import mission_damage, read_mission
-from wirerope_mj.cli.frf import _levels
+from wirerope_mj.cli.frf import DEFAULT
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import order_bands
 from wirerope_mj.foundation.directions import direction_in
@@ -157,7 +157,7 @@ def responses(rng, folder):
             if not (np.isfinite([band.low, band.high]).all() and band.label):
                 return "a band is not finite"
         said = {key: direction_in(options[key], key) for key in ("direction", "response_direction") if options[key] is not None}
-        said["accelerations"] = _levels(options["accelerations"] or None, None)
+        said["accelerations"] = tuple(options["accelerations"] or (DEFAULT,))
         checked = ResponseOptions(**options | said).checked(SYSTEM(name))
         low, high = checked.range
         if not (0.0 < low < high and np.isfinite([low, high, *checked.accelerations, checked.rate]).all()):
