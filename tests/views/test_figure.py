@@ -1,6 +1,7 @@
 """`draw` shows on matplotlib's axes what the report shows between its own."""
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -13,7 +14,7 @@ from wirerope_mj.views.figure import chart_of
 def no_windows(monkeypatch):
     mpl.use("Agg")
     yield
-    mpl.pyplot.close("all")
+    plt.close("all")
 
 
 X = np.linspace(1.0, 100.0, 50)
