@@ -1,4 +1,4 @@
-"""From cyclic tests to laws, engine-free."""
+"""Identification of laws from cyclic tests; engine-free."""
 
 from wirerope_mj.mounts.identification.choice import (
     LawComparison,

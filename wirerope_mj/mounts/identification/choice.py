@@ -1,4 +1,4 @@
-"""Choice of a law by residuals and amplitudes left out, and of a method by what its searches take."""
+"""Choice of a law by residuals and amplitudes left out, and of a method by the cost of its searches."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -40,14 +40,14 @@ class LawRow:
     # the same, each of the fit to all other amplitudes, (n_amplitudes,); NaN where there is none
     errors_left_out: Array
     converged: bool = False  # whether all searches ended by themselves
-    message: str  # how the fit to all loops ended, or why there is none
-    fit: Identification | None = None  # that fit; None if there is none
-    why_not_left_out: str = ""  # why there is no fit to all other amplitudes for one of them; empty if there is
+    message: str  # how the fit to all loops ended, or why it failed
+    fit: Identification | None = None  # the fit to all loops; None if it failed
+    why_not_left_out: str = ""  # why a fit without one of the amplitudes failed; empty if all succeeded
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LawComparison(Brief):
-    """Several laws on the same loops."""
+    """Comparison of several laws fitted to the same loops."""
 
     rows: tuple[LawRow, ...]  # one for each law, best criterion first
     amplitudes: Array  # the different amplitudes [m], smallest first, (n_amplitudes,)
@@ -98,7 +98,7 @@ def compare_laws(
     loops: Sequence[Loop], *, laws: Sequence[type[Law]] = USUAL, elements: int = 5, weights: str = "range",
     leave_out: bool = True,
 ) -> LawComparison:  # fmt: skip
-    """Fit several laws to the same loops, and find their errors on amplitudes that they have not seen.
+    """Fit several laws to the same loops, and find their errors on amplitudes left out of a fit.
 
     The criterion is the Bayesian one. With a thousand samples Akaike's correction for few samples vanishes, and what is left
     of it charges 2 for a parameter, which the serially correlated misfit of any law pays back; ln N is the stricter price.
@@ -140,7 +140,7 @@ def _row(
     fit_to: Callable[..., Identification], name: str, loops: Sequence[Loop], measured: Sequence[MeasuredLoop],
     left_out: Sequence[Sequence[int]],
 ) -> LawRow:  # fmt: skip
-    """Fit one law, its distance to the best not yet known, and find its errors at the groups that are left out."""
+    """Fit one law and compute its errors at the amplitudes left out; `behind`, its distance to the best law, is not yet set."""
     groups = amplitude_groups(measured)
     errors = np.full(len(groups), np.nan)
     try:
@@ -150,14 +150,14 @@ def _row(
     converged, why_not = fit.converged, ""
     for number, group in enumerate(left_out):
         rest = [loop for index, loop in enumerate(loops) if index not in group]
-        again = partial(fit_to, rest, method="time", profiles=False)
+        fit_rest = partial(fit_to, rest, method="time", profiles=False)
         try:
             if not rest:
                 raise ValueError("there is only one amplitude.")
             try:  # from the fit to all, else from the grid
-                refit = again(start=fit.law, grid=False)
+                refit = fit_rest(start=fit.law, grid=False)
             except ValueError:
-                refit = again()
+                refit = fit_rest()
         except ValueError as failure:
             why_not = str(failure)
             continue
@@ -186,7 +186,7 @@ class MethodRow:
 
 @dataclass(frozen=True, kw_only=True)
 class MethodComparison:
-    """Several methods on the same loops from the same starts, none of them helped by the grid."""
+    """Comparison of several methods on the same loops from the same starts, without the grid."""
 
     rows: tuple[MethodRow, ...]
 

@@ -35,19 +35,19 @@ class Scales:
     deflection: float  # the largest amplitude [m]
     least: float  # the least amplitude [m]
     force: float  # half the largest force range [N]
-    # how far a stop's sides that close were deflected [m]; 0 of one that does not
+    # deflections into the lower and upper side of a stop [m]; 0 where it stays open
     below: float = 0.0
     above: float = 0.0
 
 
-# Fraction of the least amplitude below which a deflection of slip is not seen: of a sine's 200 samples nine behind a turning
+# Fraction of the least amplitude below which a slip deflection is not resolved: of a sine's 200 samples nine behind a turning
 # point still show the stiffness before it, fewer show a jump of the force alone.
 SEEN = 0.02
 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """One number that is searched for."""
+    """One unknown of the search: its bounds, its scale, and the values at which a search begins."""
 
     name: str  # as tables print it
     unit: str
@@ -64,7 +64,7 @@ class Coordinate:
         return self.lower > 0.0
 
     def inside(self, value: float) -> float:
-        """Number that stands for a value, within the bounds."""
+        """Return the search number of a value within the bounds: its logarithm, or the value over its scale."""
         value = min(max(value, self.lower), self.upper)
         return math.log(value) if self.logarithmic else value / self.scale
 
@@ -84,7 +84,7 @@ class Family:
     make: Callable[[dict[str, float]], Law]  # the law of their values
     # the values of a law
     read: Callable[[Law], dict[str, float]] = attrgetter("coordinates")
-    # values of coordinates that are given unless they are asked for, or a start has others
+    # fixed values of coordinates that are not named as free and of which the start has no other value
     usual: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -92,9 +92,9 @@ ELASTIC = 1e-6  # Loss below which a stop is elastic: no test shows it, and the 
 
 
 def least_exponent(s: Scales) -> float:
-    """Find the n below which samples cannot show what it does: then half of the slope at z = 0 is lost before they see it.
+    """Find the least exponent n that samples resolve: below it half of the slope at z = 0 is lost within `SEEN`.
 
-    That is at x_y (1/2)^(1/n). A law that yields at the largest amplitude loses it there within what is seen of the least one.
+    Half of the slope is lost at x_y (1/2)^(1/n), here with x_y at the largest amplitude and `SEEN` of the least one.
     """
     return max(0.1, math.log(2.0) / math.log(s.deflection / (SEEN * s.least)))
 
@@ -105,6 +105,7 @@ def _slips(s: Scales) -> list[float]:
 
 
 def _hysteresis(s: Scales, *, sigma: bool = True) -> list[Coordinate]:
+    """List the coordinates of a Bouc-Wen force in its normalised form."""
     # A yield deflection far above the amplitudes is elastic, far below them plain friction.
     rows = [
         Coordinate("z_max", "N", 1e-4 * s.force, 1e3 * s.force, linear=True),
@@ -178,7 +179,7 @@ STOP = Family(coordinates=_stop, make=_make_stop, usual={"exponent": 1.0, "round
 
 
 def beside_known(family: Family, known: Law | None) -> Family:
-    """Put the family of laws in parallel with one that is known."""
+    """Return the family whose laws act in parallel with a known law."""
     if known is None:
         return family
     return replace(family, make=lambda values: Parallel(laws=(*known.components, *family.make(values).components)))

@@ -1,4 +1,4 @@
-"""Cyclic tests to a law, with its uncertainty."""
+"""Identification of a law from cyclic tests, with its uncertainty."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -40,7 +40,7 @@ from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_n
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Parallel, Stop
 
 STARTS = 2  # Best points of the grid from which a search begins, beside the best one for each pattern of signs
-DEEPER = 2  # Times that a fit begins again where moving a value has shown a better one
+DEEPER = 2  # Restarts of a fit from a better one that its profiles have shown
 # Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts.
 SAME = 0.01
 
@@ -107,10 +107,10 @@ def identify(
             weights=weights, noise=noise,
         )  # fmt: skip
 
-        def fit(some: Sequence[Loop], count: int, begin: Identification | None) -> Identification:
+        def fit(part_of_loops: Sequence[Loop], count: int, begin: Identification | None) -> Identification:
             if begin is None:
-                return search(some, scales=count, profiles=False)
-            return search(some, scales=count, start=begin.law, grid=False, method="time", profiles=False)
+                return search(part_of_loops, scales=count, profiles=False)
+            return search(part_of_loops, scales=count, start=begin.law, grid=False, method="time", profiles=False)
 
         count, tried = supported_scales(loops, fit, weights=weights)
         return replace(search(loops, scales=count, profiles=profiles), scale_rows=tried)
@@ -145,8 +145,8 @@ def identify(
         methods: list[Method] = [method if origin == "given" and data == "loops" else "time"]
         if grid and methods == ["three-stage"]:  # its first stages may lead away from a start that was good already
             methods.append("time")
-        for way in methods:
-            minimum, stages = run_stages(unknowns, measured, full, values, way)
+        for route in methods:
+            minimum, stages = run_stages(unknowns, measured, full, values, route)
             ends.append(_End(minimum=minimum, stages=stages, started=origin))
     if not ends:
         raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
@@ -157,22 +157,22 @@ def _result(
     unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None, profiles: bool,
     data: Data,
 ) -> Identification:  # fmt: skip
-    """Describe the best end and its uncertainty; a search goes on from a better fit that a survey shows."""
+    """Return the identification at the best end, after restarts from better fits that its profiles have shown."""
     evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
-    for left in range(DEEPER, -1, -1):
+    for restarts_left in range(DEEPER, -1, -1):
         least = min(end.minimum.cost for end in ends)
         best = next(end for end in ends if end.minimum.cost <= least * (1.0 + SAME / end.minimum.residual.size))
         if profiles:
-            around = survey(unknowns, full, best.minimum, [end.minimum for end in ends if end is not best], noise)
+            surveyed = survey(unknowns, full, best.minimum, [end.minimum for end in ends if end is not best], noise)
         else:
-            around = Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
-        uncertainty = around.uncertainty
+            surveyed = Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
+        uncertainty = surveyed.uncertainty
         if noise is None and data == "loops":
             uncertainty = with_noise_of_each(uncertainty, unknowns, best.minimum, [loop.force.size for loop in loops])
-        evaluations += around.evaluations
-        if around.better is None or left == 0:
+        evaluations += surveyed.evaluations
+        if surveyed.better is None or restarts_left == 0:
             break
-        minimum, stages = run_stages(unknowns, loops, full, around.better, "time")
+        minimum, stages = run_stages(unknowns, loops, full, surveyed.better, "time")
         evaluations += sum(stage.evaluations for stage in stages)
         ends.append(_End(minimum=minimum, stages=(*best.stages, *stages), started=best.started))
     minimum, law = best.minimum, unknowns.law(best.minimum.numbers)

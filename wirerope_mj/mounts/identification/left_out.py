@@ -1,4 +1,4 @@
-"""What a fit is worth: its criterion, its error at amplitudes that it has not seen, and so the number of scales."""
+"""Quality of a fit: its information criterion, its error at amplitudes left out, and the number of scales they support."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -25,17 +25,17 @@ def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
 
 
 def group_error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:
-    """Root mean square of a law's force minus that of the loops of one amplitude, over half of the force range.
+    """Compute the root mean square of a law's force minus that of the loops of one amplitude, over half of the force range.
 
     Both are without their means.
     """
-    some = [loops[index] for index in group]
-    errors = [float(np.std(loop.model_force(law) - loop.force) / (0.5 * np.ptp(loop.force))) for loop in some]
+    members = [loops[index] for index in group]
+    errors = [float(np.std(loop.model_force(law) - loop.force) / (0.5 * np.ptp(loop.force))) for loop in members]
     return float(np.sqrt(np.mean(np.square(errors))))
 
 
 def criterion(fit: Identification, free: int) -> float:
-    """Evaluate N ln(S / N) + p ln N, S the weighted squares that are left; the loops' means are the same for every law."""
+    """Compute the Bayesian criterion N ln(S / N) + p ln N, S the weighted sum of squares, p the number of free values."""
     count, squares = 0, 0.0
     for loop, residual in zip(fit.loops, fit.residuals, strict=True):
         newtons = residual * 0.5 * float(np.ptp(loop.force))
@@ -44,12 +44,12 @@ def criterion(fit: Identification, free: int) -> float:
     return count * math.log(max(squares, 1e-300) / count) + free * math.log(count)
 
 
-# Fit of a number of scales to loops, from the grid, or from a fit to more of them.
+# Fit of a number of scales to loops, from the grid, or from a fit to more loops.
 Fit = Callable[[Sequence[Loop], int, Identification | None], Identification]
 
 
 def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[int, tuple[ScaleRow, ...]]:
-    """Fit one scale, two and three, and return the most that the loops support, and what was tried.
+    """Fit one scale, two and three, and return the largest number that the loops support, and all trials.
 
     One more scale is taken if the criterion falls and the error at amplitudes left out falls, too: its mean over the
     amplitudes in logarithms, for that of the largest, into which a spring is extrapolated, is ten times that of the others.

@@ -1,4 +1,4 @@
-"""A measured loop made ready to be fitted: its deflection runs monotonely between its two turning points."""
+"""Measured loops prepared for a fit: the deflection is monotone between the two turning points."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -28,7 +28,7 @@ OPEN_ENDED = 0.2
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredLoop:
-    """One closed cycle."""
+    """One closed measured cycle, prepared for a fit."""
 
     deflection: Array  # path [m], (n_t,), monotone between its turning points
     force: Array  # measured force [N], (n_t,)
@@ -88,7 +88,7 @@ class MeasuredLoop:
         return follow_force(law.kernel, parameters, x, states, law.n_states)
 
     def law_closure(self, law: Law) -> float:
-        """Distance of the ends of the last cycle of a law that is led there, as a record's `closure`.
+        """Compute the closure of a law's last cycle after the recorded history, as a record's `closure`.
 
         It is without the drift of the cycles' means, over the measured force range; 0 for a loop that counts as steady.
         """
@@ -100,7 +100,7 @@ class MeasuredLoop:
         return float(abs(forces[-1, -1] - forces[-1, 0] - drift) / np.ptp(self.force))
 
     def _led_forces(self, law: Law) -> Array:
-        """Lead a law the way of the history through every averaged cycle, and keep its forces [N], (n_cycles, n_t)."""
+        """Evaluate a law along the recorded history and in every averaged cycle [N], (n_cycles, n_t)."""
         x, parameters, states = self.deflection, law.kernel_parameters(), np.zeros(law.n_states)
         follow_force(law.kernel, parameters, np.append(self.history, x[0]), states, law.n_states)
         forces = np.empty((self.averaged, x.size))
@@ -128,7 +128,7 @@ def require_loops(loops: object, name: str = "loops") -> None:
 
 
 def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False) -> list[MeasuredLoop]:
-    """Make closed cycles ready to be fitted, smallest first.
+    """Prepare closed cycles for a fit, smallest amplitude first.
 
     Noise of the deflection would turn every sample into a reversal; the monotone path nearest to the samples of each branch
     (isotonic regression) has none. Weights "range" divide residuals by each loop's half force range, so that small loops
@@ -178,22 +178,23 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
 
 
 def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
+    """Return largest and least amplitude [m] of loops, and half of the largest force range [N]."""
     amplitudes = [loop.amplitude for loop in loops]
     force = max(float(np.ptp(loop.force)) / 2.0 for loop in loops)
     return Scales(deflection=max(amplitudes), least=min(amplitudes), force=force)
 
 
-_KEPT = 48  # Shapes that a loop recalls: those of one Jacobian and of the steps about it
+_KEPT = 48  # Shapes that a loop keeps: those of one Jacobian and of the steps about it
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScaleLoop(MeasuredLoop):
-    """A measured loop that recalls the hysteretic force of a scale over its bound, which x_y, sigma and n alone bend.
+    """Measured loop that keeps z / z_max of every scale, the hysteretic force over its bound: x_y, sigma, n alone shape it.
 
     Most coordinates of a law of several scales leave these of most scales as they are, and following them is what takes time.
     """
 
-    _known: dict[tuple[str, ...], Array] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _shapes: dict[tuple[str, ...], Array] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @classmethod
     def of(cls, loop: MeasuredLoop) -> Self:
@@ -214,17 +215,17 @@ class ScaleLoop(MeasuredLoop):
         return self.as_measured(np.exp(asymmetry * x) * (z + elastic))
 
     def as_measured(self, forces: Array) -> Array:
-        """Take from the forces of every averaged cycle, (n_cycles, n_t), or of the steady one, (1, n_t), what was measured."""
+        """Return the measured mean, (n_t,), of the forces of every averaged cycle, (n_cycles, n_t), or of the steady one."""
         return mean_of_cycles(forces, self.elapsed) if self.averaged else forces[0]
 
     def shape(self, x_y: float, sigma: float, n: float) -> Array:
         """Evaluate z / z_max of a scale in every averaged cycle, or in the steady one, (n_cycles, n_t)."""
         key = tuple(f"{value:.12e}" for value in (x_y, sigma, n))  # a millionth of the step of a difference
-        if key not in self._known:
+        if key not in self._shapes:
             size = 0.5 * float(np.ptp(self.force))  # what counts as steady is a fraction of it
             scale = BoucWen.from_normalised(z_max=size, x_y=x_y, sigma=sigma, n=n)
             forces = self._led_forces(scale) if self.averaged else super().model_force(scale)[None]
-            while len(self._known) >= _KEPT:
-                del self._known[next(iter(self._known))]
-            self._known[key] = forces / size
-        return self._known[key]
+            while len(self._shapes) >= _KEPT:
+                del self._shapes[next(iter(self._shapes))]
+            self._shapes[key] = forces / size
+        return self._shapes[key]

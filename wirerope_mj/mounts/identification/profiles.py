@@ -28,7 +28,7 @@ STEPS = 15  # Steps of the others' search at one value: it begins where the stra
 
 @dataclass(frozen=True, kw_only=True)
 class ProfilePoint:
-    """Numbers that were fitted with one held, and by how many variances the sum of squares is above the best."""
+    """Numbers fitted with one of them held, and the rise of the sum of squares above the best, in variances."""
 
     numbers: Array
     rise: float
@@ -38,7 +38,7 @@ class ProfilePoint:
 class Survey:
     """Uncertainty of a fit by its profiles."""
 
-    uncertainty: Uncertainty  # of the best, errors as wide as what fits as well, other sets of values named
+    uncertainty: Uncertainty  # of the best minimum: errors span all points that fit as well, messages name other sets of values
     better: dict[str, float] | None  # values of a better fit, if moving a value has shown one
     evaluations: int  # residuals computed
 
@@ -46,9 +46,9 @@ class Survey:
 def survey(
     unknowns: Unknowns, residual: Residual, best: Minimum, rivals: Sequence[Minimum], noise: float | None = None
 ) -> Survey:
-    """Judge the uncertainty of the best minimum, by values moved and by the minima where other searches ended.
+    """Compute the uncertainty of the best minimum from its profiles and from the minima where other searches ended.
 
-    Standard errors become as wide as what fits as well, with a message for each that this leaves open. `noise` is the standard
+    Standard errors span all points that fit as well; a message names each value that is open so. `noise` is the standard
     deviation of the residuals; None: as they are left.
     """
     uncertainty, spread = uncertainty_of(unknowns, best, noise), noise_of(unknowns, best, noise)
@@ -110,7 +110,7 @@ def _different(first: Mapping[str, Parameter], second: Mapping[str, Parameter]) 
 
 
 class _Profile:
-    """One coordinate moved to one side."""
+    """Profile of one coordinate to one side: it is moved step by step, and the others are fitted again."""
 
     def __init__(
         self, unknowns: Unknowns, residual: Residual, best: Minimum, uncertainty: Uncertainty, spread: float, index: int
@@ -160,7 +160,7 @@ class _Profile:
         return farthest
 
     def _straight(self, moved: Array) -> bool:
-        """Check that the residual at the end of the straight line is that of a linear one."""
+        """Return whether the residual at the end of the straight line is that of a linear problem."""
         low, high = self.unknowns.bounds
         if not ((moved > low) & (moved < high)).all():
             return False

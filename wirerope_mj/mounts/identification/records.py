@@ -1,4 +1,4 @@
-"""Files of an identification: records read and doubted, and the isolator that comes of them."""
+"""Records of an identification: reading them, warnings about them, and the isolator with the law fitted to them."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ _OTHER_UNITS = 100.0
 
 
 def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[Loop]]:
-    """Read the loops by file; RecordError names the file which cannot be used.
+    """Read the loops of every file; RecordError names the file that cannot be used.
 
     A bare bump stop may have no force in some of them.
     """
@@ -59,9 +59,9 @@ def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[
 
 
 def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict[Path, str]]:
-    """Warn of faults of the rig, of loops that make a fit doubtful, and of those of a bare stop that stay open.
+    """Return warnings about the rig and about loops that make a fit doubtful, and by file a text on the lag it can show.
 
-    The second is, by file, the least lag between its channels that would have been named, as text behind its contents.
+    The text gives the least lag between channels that would have been named. Of a bare stop, loops within its gap are named.
     """
     loops = [(path, loop) for path, loops in tests.items() for loop in loops]
     if not result.law.only_stops:
@@ -106,7 +106,7 @@ def _unsteady(loops: _Loops) -> list[str]:
 
 
 def _unexplained(loops: _Loops, result: Identification) -> list[str]:
-    """Warn of each loop that changes from cycle to cycle otherwise than the law on its way from unloaded."""
+    """Warn of each loop whose last cycle closes otherwise than the law's after the same history from unloaded."""
     warnings = []
     for path, loop in loops:
         if not (isinstance(loop, RecordedLoop) and loop.averaged > 1):
@@ -175,8 +175,8 @@ def identified_isolator(
         return replace(whole, name=name, provenance=provenance, spread=None, validity=validity, **axes)
     if known is None:
         return Isolator(name=name, provenance=provenance, validity=Validity(**{axis: result.measured}), **axes)
-    both = result.measured.joined(known.validity.stated.get(axis))
-    validity = replace(known.validity, **{axis: both})
+    joined = result.measured.joined(known.validity.stated.get(axis))
+    validity = replace(known.validity, **{axis: joined})
     return replace(known.conditioned, name=name, provenance=provenance, spread=None, validity=validity, **axes)
 
 
@@ -192,7 +192,7 @@ def falling_in_rating(result: Identification, axis: str, rated: Isolator | None)
 
 
 def turned_round(result: Identification, axis: str) -> str:
-    """Ask where the axial force grows faster in compression than in tension, as no wire rope's does; else ""."""
+    """Return a question about signs if the axial law stiffens in compression, not in tension as wire rope; else ""."""
     p = result.parameters.get("c_ln_b")
     if axis != "axial" or p is None or p.fixed or p.value + 2.0 * p.standard_error >= 0.0:
         return ""

@@ -74,7 +74,7 @@ def _half_slope(form: Normalised) -> float:
     return form.x_y * 0.5 ** (1.0 / form.n)
 
 
-BEYOND = 2.0  # Times the tested deflections up to which a law is looked at: a shock goes there
+BEYOND = 2.0  # Times the tested deflections up to which a law is checked: a shock goes there
 # Times the misfit of the asymmetric law within which peaks of shocks within the tested travel were for 90 % of 20
 # foreign devices, and then for 18 and 20 of 20 others: `python tests/prediction_errors.py 20`, seeds 1 and 101.
 OF_DEFLECTION, OF_ACCELERATION = 8.6, 2.0
@@ -82,7 +82,7 @@ OF_DEFLECTION, OF_ACCELERATION = 8.6, 2.0
 
 @dataclass(frozen=True, kw_only=True)
 class ScaleRow:
-    """A number of scales of friction that was tried."""
+    """Trial of a number of scales of friction."""
 
     count: int  # of scales
     free: int  # number of free parameters
@@ -142,14 +142,14 @@ class Identification(Summarised):
 
     @property
     def misfit(self) -> float:
-        """Root mean square of what the law lacks over half the force range [-]: what neighbouring residuals share."""
+        """Systematic error of the law, rms over half the force range [-]: the part of residuals that neighbours share."""
         fits = fitted_loops(self)
         of_noise = 2.0 / math.sqrt(sum(fit.residual.size for fit in fits))  # correlation that noise alone may show
         return self.residual * math.sqrt(max(neighbours_correlation(fits), of_noise))
 
     @property
     def prediction(self) -> str:
-        """How well peaks of shocks are known within the tests, as text; "" for laws of which that was not measured."""
+        """Expected error of shock peaks within the tests, as text; "" for laws whose errors were not measured."""
         if type(self.law) is not AsymmetricBoucWen:
             return ""
         error = self.misfit
@@ -195,7 +195,7 @@ class Identification(Summarised):
 
 @dataclass(frozen=True, kw_only=True)
 class FittedLoop:
-    """One measured loop, without the zero of the load cell, and the law's on its path."""
+    """One measured loop, without the zero of the load cell, and the law's loop on its path."""
 
     measured: Loop
     fitted: Loop

@@ -29,7 +29,7 @@ LEAST_EXPONENT = 0.5
 
 
 def require_scales(kind: type[Law], scales: object, *, start: Law | None, beside: Law | None) -> None:
-    """Raise ValueError unless a law can have so many scales, and the other arguments go with them."""
+    """Raise ValueError unless a law can have this number of scales, and the other arguments agree with it."""
     if scales != AUTO and (isinstance(scales, bool) or scales not in SCALES):
         raise ValueError(f"`scales` must be 1, 2, 3 or 'auto', got {scales!r}.")
     if scales != 1 and kind not in KINDS:

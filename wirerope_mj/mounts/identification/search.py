@@ -14,12 +14,12 @@ from wirerope_mj.mounts.laws import Law
 
 Residual = Callable[[Law], Array]
 Data = Literal["loops", "skeleton"]
-# Fraction of the rectangle about a loop below which its area is no size to divide by; wire rope has 0.1 to 0.5.
+# Fraction of the rectangle about a loop below which its area is too small to divide by; wire rope has 0.1 to 0.5.
 THIN = 0.01
 
 
 def _of_each(loops: Sequence[MeasuredLoop], part: Callable[[MeasuredLoop, Array], Array | float]) -> Residual:
-    """Join a part for each loop, made of the law's force minus the measured one, to a residual."""
+    """Return the residual that joins `part` of every loop, a function of the loop and of the law's force minus its own."""
     return lambda law: np.concatenate([np.ravel(part(loop, loop.model_force(law) - loop.force)) for loop in loops])
 
 
@@ -110,7 +110,7 @@ class Unknowns:
         return [c for c in self.coordinates if c.name not in self.fixed]
 
     def numbers(self, values: Mapping[str, float]) -> Array:
-        """Numbers of the free coordinates, a little inside their bounds."""
+        """Return the numbers of the free coordinates, slightly inside their bounds."""
         low, high = self.bounds
         inside = np.array([c.inside(values[c.name]) for c in self.free])
         return np.clip(inside, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
@@ -187,6 +187,7 @@ class _Residuals:
         return matrix
 
     def _value(self, numbers: Array) -> Array:
+        """Evaluate the residual; `REFUSED` where the law has no finite force."""
         self.evaluations += 1
         try:
             value = self._residual(self._unknowns.law(numbers))
@@ -222,7 +223,7 @@ Method = Literal["three-stage", "time", "frequency"]
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """One stage of a fit: its name, steps, evaluations, the root mean square that was left of the loops, the fitted values."""
+    """One stage of a fit: its name, steps, evaluations, the root mean square residual of the loops, the fitted values."""
 
     name: str
     iterations: int
@@ -234,7 +235,7 @@ class Stage:
 def run_stages(
     unknowns: Unknowns, loops: Sequence[MeasuredLoop], full: Residual, values: Mapping[str, float], method: Method
 ) -> tuple[Minimum, tuple[Stage, ...]]:
-    """Search from `values` in the residual `full`, which counts, in stages.
+    """Search from `values` in the stages of a method; the last one minimises the residual `full`.
 
     By the method "three-stage": stiffness from mid-lines, hysteresis from areas, everything from forces; "time": the last of
     these at once; "frequency": everything from the Fourier coefficients of the forces.

@@ -48,7 +48,7 @@ class SpecimenFits(Brief):
 
     @property
     def correlation(self) -> Array:
-        """The covariance without sizes, (n, n)."""
+        """Correlation of these parameters over the specimens, (n, n)."""
         deviations = np.array([row.deviation for row in self.rows])
         return self.covariance / np.outer(deviations, deviations)
 
@@ -101,8 +101,8 @@ def identify_specimens(
         raise ValueError(f"`shared` must be a sequence of names, got the string {shared!r}; put it into brackets.")
     if len(specimens) < FEWEST:
         raise ValueError(f"`specimens` must hold the loops of {FEWEST} at least, got {len(specimens)}.")
-    every = [loop for loops in specimens for loop in loops]
-    nominal = identify(every, law=law, scales=scales, elements=elements, weights=weights)
+    all_loops = [loop for loops in specimens for loop in loops]
+    nominal = identify(all_loops, law=law, scales=scales, elements=elements, weights=weights)
     for name in shared:
         if name not in nominal.parameters:
             raise ValueError(f"`shared` names {name!r}; {law.name} is searched for by {', '.join(nominal.parameters)}.")

@@ -1,4 +1,4 @@
-"""Starts of a search: a coarse grid of the numbers that bend a loop, each with the best of those that stretch it.
+"""Starts of a search: a coarse grid of the nonlinear coordinates, each point with the best of the linear ones.
 
 The force of every law here is a sum of parts that some of its coordinates multiply (bound, stiffnesses). With the others
 given, those follow from linear least squares in one step (variable projection, Golub and Pereyra 1973), so that a grid of a few
@@ -17,7 +17,7 @@ from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop
 from wirerope_mj.mounts.identification.scales import APART
 from wirerope_mj.mounts.identification.search import Unknowns
 
-SAMPLES = 60  # Samples of each loop that the grid looks at: its shape, not its noise
+SAMPLES = 60  # Samples of each loop that the grid is compared with: its shape, not its noise
 
 
 def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int) -> list[dict[str, float]]:
@@ -28,13 +28,13 @@ def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int
     the best points whatever their signs.
     """
     thin = [loop.thinned(SAMPLES) for loop in loops]
-    bending, fixed = [c for c in unknowns.coordinates if not c.linear], unknowns.fixed
-    within = {c.name: [min(max(float(value), c.lower), c.upper) for value in c.grid] for c in bending}
+    nonlinear, fixed = [c for c in unknowns.coordinates if not c.linear], unknowns.fixed
+    within = {c.name: [min(max(float(value), c.lower), c.upper) for value in c.grid] for c in nonlinear}
     axes = {name: [fixed[name]] if name in fixed else values for name, values in within.items()}
     fits = []
     for point in product(*axes.values()):
         shape = dict(zip(axes, point, strict=True))
-        values, cost = _stretched(unknowns, thin, shape)
+        values, cost = _completed(unknowns, thin, shape)
         if np.isfinite(cost):
             fits.append((cost, values))
     fits.sort(key=lambda pair: pair[0])
@@ -49,8 +49,8 @@ def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int
     return chosen
 
 
-def _stretched(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]) -> tuple[dict[str, float], float]:
-    """Complete a shape by the best linear values, and compute the mean square that is left."""
+def _completed(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]) -> tuple[dict[str, float], float]:
+    """Complete nonlinear values, the shape, by the best linear ones; return them all and the mean square residual."""
     linear = [c for c in unknowns.free if c.linear]
     multiplied, fixed = [c for c in unknowns.coordinates if c.linear], unknowns.fixed
     base = {c.name: fixed.get(c.name, max(c.lower, 0.0)) for c in multiplied} | dict(shape)
@@ -74,12 +74,13 @@ def _stretched(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping
 
 
 def _forces(family: Family, values: Mapping[str, float], loops: Sequence[MeasuredLoop]) -> Array:
+    """Evaluate a law's forces on all loops, without their means, over the loops' weights, (n,)."""
     law = family.make(dict(values))
     parts = [loop.model_force(law) for loop in loops]
     return np.concatenate([(part - part.mean()) / loop.weight for part, loop in zip(parts, loops, strict=True)])
 
 
-_YIELD = 12  # Yield deflections of the grid, from twice what the least amplitude shows to the largest amplitude
+_YIELD = 12  # number of yield deflections of the grid, from twice what the least amplitude shows to the largest amplitude
 _EXPONENTS = (1.0, 2.0)  # the two with closed forms
 _SIGMAS = (0.5, 1.0)
 _ASYMMETRIES = (-1.0, -0.3, 0.0, 0.3, 1.0)  # times one over the largest amplitude
@@ -95,13 +96,13 @@ def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Seque
     fixed = unknowns.fixed
     exponents = sorted({fixed[f"n_{name}"] for name in names if f"n_{name}" in fixed}) or _EXPONENTS
     sigmas = [fixed["sigma"]] if "sigma" in fixed else _SIGMAS
-    bends = [_with_bend(unknowns, thin, names, n, sigma) for n, sigma in product(exponents, sigmas)]
-    best = [min(points, key=lambda point: point[0]) for points in bends]
+    grids = [_points_of(unknowns, thin, names, n, sigma) for n, sigma in product(exponents, sigmas)]
+    best = [min(points, key=lambda point: point[0]) for points in grids]
     return [values | dict(fixed) for _, values in sorted(best, key=lambda point: point[0])]
 
 
-def _with_bend(unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[str], n: float, sigma: float) -> list[_Point]:
-    """Evaluate the points of one n and one sigma: every choice of yield deflections apart, every asymmetry."""
+def _points_of(unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[str], n: float, sigma: float) -> list[_Point]:
+    """Evaluate the grid's points of one n and one sigma: all yield deflections far enough apart, every asymmetry."""
     amplitudes = [loop.amplitude for loop in loops]
     yields = np.geomspace(2.0 * SEEN * min(amplitudes), max(amplitudes), _YIELD)
     shapes = [[loop.shape(float(x_y), sigma, n) for loop in loops] for x_y in yields]

@@ -1,4 +1,4 @@
-"""Conditions for a search: options, loops the right way round, enough amplitudes, a stop that closes, parameters that count."""
+"""Checks before a search: options, sense of the loops, number of amplitudes, contact of a stop, effect of parameters."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -59,11 +59,11 @@ def unknowns_of(
                 raise ValueError(f"`{option}` names {name!r}, which {law.name} does not have; it has {', '.join(names)}.")
     if both := [name for name in free if name in fixed]:
         raise ValueError(f"`fixed` and `free` both name {', '.join(both)}.")
-    begun = family.read(start) if start is not None else {}
-    kept = [(name, value) for name, value in family.usual.items() if begun.get(name, value) == value]
+    start_values = family.read(start) if start is not None else {}
+    kept = [(name, value) for name, value in family.usual.items() if start_values.get(name, value) == value]
     usual = {name: value for name, value in kept if name not in free}
     fixed = {**usual, **fixed}
-    if start is not None and (missing := [n for n in names if n not in fixed and n not in begun]):
+    if start is not None and (missing := [n for n in names if n not in fixed and n not in start_values]):
         raise ValueError(f"`start` must give {', '.join(missing)}, which the loops show and the search moves, got {start!r}.")
     if set(names) <= set(fixed):
         raise ValueError(f"`fixed` names all parameters, {', '.join(names)}: nothing is left to search for.")
@@ -100,7 +100,7 @@ def require_amplitudes(loops: Sequence[MeasuredLoop], unknowns: Unknowns, data: 
 
 
 def require_dissipation(loops: Sequence[MeasuredLoop]) -> None:
-    """Raise ValueError if a loop is run through the wrong way round; one as thin as its noise is an elastic one."""
+    """Raise ValueError if a loop gives energy; a loop as thin as its noise counts as elastic."""
     for loop in loops:
         area, rectangle = loop.area(loop.force), float(np.ptp(loop.deflection) * np.ptp(loop.force))
         if area < -THIN * rectangle:
@@ -140,7 +140,7 @@ LEAST = 0.02
 
 
 def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[MeasuredLoop], dict[str, float]]:
-    """Choose the loops that count for a stop, and find how far beyond zero the sides that close were pressed [m], 0 of others.
+    """Choose the loops that count for a stop, and find the deflection of its closed sides beyond zero [m], 0 for open ones.
 
     Loops within the gap of a bare stop hold noise alone and do not count. ValueError: none closes.
     """
@@ -161,7 +161,7 @@ def closes(loop: MeasuredLoop) -> bool:
 
 
 def _closed(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[bool, bool]:
-    """Tell whether a stop pushes at the lower end, and at the upper one.
+    """Return whether a stop is closed at the lower end, and at the upper one.
 
     Any elastic force that only grows with the depth is a sum of springs behind gaps, and a lossy one has another sum on the way
     back. They are fitted with stiffnesses >= 0; a side is closed if the fit without it is worse for sure.

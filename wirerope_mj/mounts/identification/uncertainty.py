@@ -16,7 +16,7 @@ from wirerope_mj.mounts.identification.search import Minimum, Unknowns
 # Standard error, in logarithms or in the size that a coordinate can have, from which on the data do not identify it.
 OPEN = 0.25
 NAMED = 0.3  # Component of a non-identifiable combination (a unit vector) from which on a coordinate is named in it
-ROUNDING = 1e-12  # Component of a combination (a unit vector) that is none
+ROUNDING = 1e-12  # Component of a combination (a unit vector) that counts as zero
 AT_BOUND = 1e-6  # Fraction of a coordinate's range within which it stands at its bound
 
 
@@ -47,7 +47,7 @@ class Uncertainty:
 
     @property
     def correlation(self) -> Array:
-        """The covariance without sizes, (n, n)."""
+        """Correlation of the free coordinates, (n, n)."""
         deviations = np.sqrt(np.diag(self.covariance))
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.nan_to_num(self.covariance / np.outer(deviations, deviations), nan=0.0)
@@ -74,7 +74,7 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
     with np.errstate(over="ignore"):  # of what the data do not identify at all, which then is infinite
         covariance = numbers * np.outer(slopes, slopes)
     names = tuple(c.name for c in free)
-    loose = [(row, float(error)) for row, error in zip(combinations, errors, strict=True) if error > OPEN]
+    not_identified = [(row, float(error)) for row, error in zip(combinations, errors, strict=True) if error > OPEN]
     values, (low, high) = unknowns.values(minimum.numbers), unknowns.bounds
     bounded = np.minimum(minimum.numbers - low, high - minimum.numbers) <= AT_BOUND * (high - low)
     deviations = np.sqrt(np.diag(covariance))
@@ -89,12 +89,12 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
     return Uncertainty(
         parameters=parameters, covariance=covariance, free=names,
         singular_values=singular / spread if spread > 0.0 else np.full(len(free), np.inf),
-        non_identifiable=tuple(_message(names, row, error) for row, error in loose),
+        non_identifiable=tuple(_message(names, row, error) for row, error in not_identified),
     )  # fmt: skip
 
 
 def noise_of(unknowns: Unknowns, minimum: Minimum, noise: float | None) -> float:
-    """Standard deviation of the residuals: the one given, else as they are left."""
+    """Return the standard deviation of the residuals: `noise`, else that of the residuals at the minimum."""
     freedom = minimum.residual.size - len(unknowns.free)
     if noise is not None:
         return noise
@@ -102,6 +102,7 @@ def noise_of(unknowns: Unknowns, minimum: Minimum, noise: float | None) -> float
 
 
 def _message(names: Sequence[str], combination: Array, error: float) -> str:
+    """Describe a combination of coordinates, (n,), that the data do not identify, and its standard error."""
     named = [(names[i], combination[i]) for i in np.argsort(-np.abs(combination)) if abs(combination[i]) >= NAMED]
     if not named:
         return "the data hold fewer values than there are free parameters"
@@ -131,60 +132,60 @@ def with_noise_of_each(uncertainty: Uncertainty, unknowns: Unknowns, minimum: Mi
     slopes = np.array([c.slope(number) for c, number in zip(unknowns.free, minimum.numbers, strict=True)])
     jacobian = minimum.jacobian / slopes
     norms = np.linalg.norm(jacobian, axis=0)
-    felt = norms > 0.0  # what moved nothing where the search ended has no noise to be of: its error stays what it is
+    active = norms > 0.0  # a coordinate that moves no residual at the minimum keeps its error
     variances = np.diag(uncertainty.covariance)
-    if freedom <= 0 or not felt.any() or not np.isfinite(variances[felt]).all() or np.any(variances[felt] <= 0.0):
+    if freedom <= 0 or not active.any() or not np.isfinite(variances[active]).all() or np.any(variances[active] <= 0.0):
         return uncertainty
-    scaled = jacobian[:, felt] / norms[felt]
-    bread = np.linalg.pinv(scaled).T / norms[felt]  # J H, (n_residuals, n_felt)
+    scaled = jacobian[:, active] / norms[active]
+    influence = np.linalg.pinv(scaled).T / norms[active]  # J H, (n_residuals, n_active)
     covariance = uncertainty.covariance.copy()
-    covariance[np.ix_(felt, felt)] = _meat(minimum.residual, bread, np.linalg.qr(scaled)[0], sizes, freedom)
+    covariance[np.ix_(active, active)] = _sandwich(minimum.residual, influence, np.linalg.qr(scaled)[0], sizes, freedom)
     before, after = np.sqrt(variances), np.sqrt(np.diag(covariance))
     with np.errstate(divide="ignore", invalid="ignore"):
-        grown = dict(zip(uncertainty.free, np.where(felt, after / before, 1.0), strict=True))
+        grown = dict(zip(uncertainty.free, np.where(active, after / before, 1.0), strict=True))
     parameters = {
         name: replace(p, standard_error=p.standard_error * grown.get(name, 1.0)) for name, p in uncertainty.parameters.items()
     }
     return replace(uncertainty, parameters=parameters, covariance=covariance)
 
 
-def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], freedom: int) -> Array:
-    """Compute the covariance of the values: noise of each loop's mean square and of the spectrum that they have in common.
+def _sandwich(residual: Array, influence: Array, basis: Array, sizes: Sequence[int], freedom: int) -> Array:
+    """Compute the covariance of the values, for noise of each loop's mean square with one spectrum for all loops.
 
-    The residual, (n,), is what is left; `bread`, (n, n_free), what each residual moves the values by; the columns of `basis`,
+    The residual is (n,); `influence`, (n, n_free), the change of the values by each residual; the columns of `basis`,
     (n, n_free), are orthonormal and span what the parameters move.
     """
     ends = np.cumsum(sizes)
     loops = [slice(end - size, end) for size, end in zip(sizes, ends, strict=True)]
     squares = [float(np.mean(residual[loop] ** 2)) for loop in loops]
     # One degree of freedom of white noise in each band: few loops may leave none to one.
-    power, room = (np.full(len(BANDS), residual.size / freedom), np.ones(len(BANDS)))
+    power, band_freedom = (np.full(len(BANDS), residual.size / freedom), np.ones(len(BANDS)))
     for loop, square in zip(loops, squares, strict=True):
         if square == 0.0:
             continue
-        left, moved = _harmonics(residual[loop, np.newaxis]), _harmonics(basis[loop])
-        band = np.searchsorted(BANDS, np.arange(1, left.shape[0] + 1), side="right") - 1
-        power += np.bincount(band, np.sum(np.abs(left) ** 2, axis=1) / square, len(BANDS))
-        room += np.bincount(band, np.maximum(2.0 - np.sum(np.abs(moved) ** 2, axis=1), 0.0), len(BANDS))
-    known = np.maximum(room, 4.0)
-    spectrum = power / room * known / (known - 2.0)  # Student's distribution is wider than the normal one by this
+        lines, fitted = _harmonics(residual[loop, np.newaxis]), _harmonics(basis[loop])
+        band = np.searchsorted(BANDS, np.arange(1, lines.shape[0] + 1), side="right") - 1
+        power += np.bincount(band, np.sum(np.abs(lines) ** 2, axis=1) / square, len(BANDS))
+        band_freedom += np.bincount(band, np.maximum(2.0 - np.sum(np.abs(fitted) ** 2, axis=1), 0.0), len(BANDS))
+    known = np.maximum(band_freedom, 4.0)
+    spectrum = power / band_freedom * known / (known - 2.0)  # Student's distribution is wider than the normal one by this
     # At the harmonics it is straight in logarithms through the middles of its bands. Below the middle of the first it goes on
     # as it bends there: correlated noise is largest at the lowest harmonic.
     middles = np.log([*np.sqrt(np.multiply(BANDS[:-1], np.subtract(BANDS[1:], 1))), 1.4 * BANDS[-1]])
-    at, values = np.log(np.arange(1, max(sizes) // 2 + 1)), np.log(spectrum)
+    harmonics, values = np.log(np.arange(1, max(sizes) // 2 + 1)), np.log(spectrum)
     slope = (values[1] - values[0]) / (middles[1] - middles[0])
-    below = values[0] + slope * (at - middles[0])
-    along = np.exp(np.where(at < middles[0], below, np.interp(at, middles, values)))
-    covariance = np.zeros((bread.shape[1], bread.shape[1]))
+    below = values[0] + slope * (harmonics - middles[0])
+    spectrum_at_harmonics = np.exp(np.where(harmonics < middles[0], below, np.interp(harmonics, middles, values)))
+    covariance = np.zeros((influence.shape[1], influence.shape[1]))
     for loop, square in zip(loops, squares, strict=True):
-        moved = _harmonics(bread[loop])
-        covariance += square * np.real(moved.conj().T @ (moved * along[: moved.shape[0], np.newaxis]))
-    beside = bread[ends[-1] :]
-    if beside.size:
-        covariance += np.mean(residual[ends[-1] :] ** 2) * residual.size / freedom * (beside.T @ beside)
+        moved = _harmonics(influence[loop])
+        covariance += square * np.real(moved.conj().T @ (moved * spectrum_at_harmonics[: moved.shape[0], np.newaxis]))
+    extra = influence[ends[-1] :]
+    if extra.size:
+        covariance += np.mean(residual[ends[-1] :] ** 2) * residual.size / freedom * (extra.T @ extra)
     return covariance
 
 
 def _harmonics(values: Array) -> ComplexArray:
-    """Harmonics of a loop's columns from the first on, (n_harmonics, n), their squares' sum that of the values."""
+    """Return a loop's columns as harmonics from the first on, (n_harmonics, n), with the same sum of squares."""
     return np.asarray(np.fft.rfft(values, axis=0)[1 : (values.shape[0] + 1) // 2] * np.sqrt(2.0 / values.shape[0]))
