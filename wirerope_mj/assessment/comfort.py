@@ -1,4 +1,4 @@
-"""Vibration as people feel it: weighted acceleration and doses of ISO 2631-1, habitability of ships of ISO 6954.
+"""Human exposure to vibration: weighted acceleration and doses of ISO 2631-1, habitability of ships of ISO 6954.
 
 Both editions of ISO 6954, that of 1984 (peaks) and that of 2000 (weighted rms), give two values: below the lower one adverse
 comments are not probable, above the upper one they are.
@@ -17,9 +17,9 @@ from wirerope_mj.foundation.arrays import Array, ArrayLike, ComplexArray
 from wirerope_mj.motions.spectra import power_spectral_density
 from wirerope_mj.motions.spectra.ramp import check_samples
 
-_RUNNING = 1.0  # time over which the running rms is taken [s] (ISO 2631-1, 6.3.1)
-# Periods of a weighting's lower band limit by which a history is lengthened: a filter of Q = 0.71 has rung out to 1e-5 then.
-_RINGS = 3.0
+_RUNNING_WINDOW = 1.0  # time over which the running rms is taken [s] (ISO 2631-1, 6.3.1)
+# Periods of a weighting's lower band limit by which a history is zero-padded: a filter of Q = 0.71 has rung out to 1e-5 then.
+_PADDING = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,12 +69,12 @@ class Exposure:
     """Weighted vibration of a person at a point, along x, y and z of the world, z upwards."""
 
     rms: Array  # weighted rms acceleration [m/s^2], (3,): Wd horizontally, Wk vertically
-    # NaN of less than that second
+    # running: NaN for a history shorter than 1 s
     running: Array  # largest running rms over 1 s, the maximum transient vibration value [m/s^2], (3,)
     peak: Array  # largest weighted acceleration [m/s^2], (3,)
     dose: Array  # fourth power vibration dose value [m/s^1.75], (3,)
     sickness: float  # motion sickness dose value MSDV of z, by Wf [m/s^1.5]
-    duration: float  # time that counts [s]
+    duration: float  # length of the history without what is discarded [s]
 
     @property
     def total(self) -> float:
@@ -83,12 +83,12 @@ class Exposure:
 
     @property
     def crest(self) -> Array:
-        """Peak over rms, (3,); NaN where nothing moves. Above 9 the rms says too little, and running rms and dose are asked."""
+        """Crest factor, peak over rms, (3,); NaN without motion. Above 9 the rms is not enough: use running rms and dose."""
         return np.divide(self.peak, self.rms, out=np.full(3, math.nan), where=self.rms > 1e-9 * self.total)
 
 
 def exposure(time: ArrayLike, acceleration: ArrayLike, *, discard: float = 0.0) -> Exposure:
-    """Evaluate what a person feels of an acceleration by ISO 2631-1.
+    """Evaluate a person's exposure to an acceleration by ISO 2631-1: rms, running rms, peak and dose values.
 
     Args:
         time: uniform instants [s], (n,).
@@ -104,23 +104,23 @@ def exposure(time: ArrayLike, acceleration: ArrayLike, *, discard: float = 0.0) 
     if kept < 2:
         raise ValueError(f"`discard` must leave something of the {instants[-1] - instants[0]:.6g} s, got {discard:.6g} s.")
     horizontal, vertical = (weighted(values[:, axes], rate, name) for axes, name in ((slice(2), "Wd"), (slice(2, 3), "Wk")))
-    felt = np.concatenate([horizontal, vertical], axis=1)[-kept:]
-    sick = weighted(values[:, 2:], rate, "Wf")[-kept:]
-    summed = np.cumsum(np.vstack([np.zeros(3), felt**2]), axis=0)
-    window = round(_RUNNING * rate)
+    filtered = np.concatenate([horizontal, vertical], axis=1)[-kept:]
+    sickness_filtered = weighted(values[:, 2:], rate, "Wf")[-kept:]
+    energy = np.cumsum(np.vstack([np.zeros(3), filtered**2]), axis=0)
+    window = round(_RUNNING_WINDOW * rate)
     long = window <= kept
-    running = np.sqrt(np.max(summed[window:] - summed[:-window], axis=0) / window) if long else np.full(3, math.nan)
+    running = np.sqrt(np.max(energy[window:] - energy[:-window], axis=0) / window) if long else np.full(3, math.nan)
     return Exposure(
-        rms=np.sqrt(summed[-1] / kept), running=running, peak=np.abs(felt).max(axis=0),
-        dose=(np.sum(felt**4, axis=0) / rate) ** 0.25, sickness=math.sqrt(float(np.sum(sick**2)) / rate),
+        rms=np.sqrt(energy[-1] / kept), running=running, peak=np.abs(filtered).max(axis=0),
+        dose=(np.sum(filtered**4, axis=0) / rate) ** 0.25, sickness=math.sqrt(float(np.sum(sickness_filtered**2)) / rate),
         duration=kept / rate,
     )  # fmt: skip
 
 
 def weighted(acceleration: Array, rate: float, weighting: str) -> Array:
-    """Filter a history from rest [m/s^2], (n, k), at samples a second, by one of `WEIGHTINGS`."""
+    """Filter accelerations that start from rest [m/s^2], (n, k), sampled at `rate` [Hz], by one of `WEIGHTINGS`."""
     filters = WEIGHTINGS[weighting]
-    size = acceleration.shape[0] + round(_RINGS / filters.low * rate)
+    size = acceleration.shape[0] + round(_PADDING / filters.low * rate)
     lines = np.fft.rfft(acceleration, n=size, axis=0)
     lines *= filters.gain(np.fft.rfftfreq(size, 1.0 / rate))[:, None]
     return np.fft.irfft(lines, n=size, axis=0)[: acceleration.shape[0]]
@@ -134,10 +134,10 @@ _MEANING = {"lower": "adverse comments are not probable below", "upper": "advers
 _CORNER = 5.0  # frequency from which velocity counts, and not acceleration [Hz]
 _RANGE_1984 = (1.0, 100.0)
 _RANGE_2000 = (10.0**-0.05, 10.0**1.95)  # Outer edges of the third-octave bands of 1 and 80 Hz [Hz]: 0.891 and 89.1
-# Resolutions below which the drift of the integral shows in a line: the filter of `velocity_lines` ends at six.
-_LEAST_SHOWN = 5.75
+# Lowest line, in resolutions: below it the integral's drift contaminates a line, the filter of `velocity_lines` ending at six.
+_LOWEST_LINE = 5.75
 _TRANSITION = 0.028  # weighted acceleration times this is weighted velocity [s]
-_HOPS = 32  # Windows begun in the length of one: what passes the filter, four resolutions, is followed within 2 %
+_HOPS = 32  # Windows that start within the length of one: an amplitude through the filter is followed within 2 %
 
 
 def iso_6954_1984(frequency: ArrayLike, velocity: ArrayLike, *, subject: str) -> tuple[Verdict, ...]:
@@ -222,11 +222,11 @@ def velocity_lines(
     faster than two resolutions: at 0.25 Hz, twice a second. Faster beats are lines of their own, and a coarser resolution
     takes them together; lines less than four resolutions apart count as one that beats.
 
-    Only what is the highest within two resolutions through a Hann window has this amplitude; beside it stands what that
-    window shows, so that a line keeps its frequency. A line shows in several frequencies, and they must not be added up.
+    Only the highest frequency within two resolutions of the Hann spectrum has this amplitude; those beside it have the Hann
+    window's, so that a line keeps its frequency. A line shows in several frequencies, and they must not be added up.
 
-    Random vibration has no lines: what comes out for it grows with the root of the resolution, and slowly with the length
-    of the record. What lies below six resolutions cannot be told from the drift of the integral and is left out.
+    Random vibration has no lines: its result grows with the root of the resolution, and slowly with the length of the
+    record. Lines below six resolutions cannot be told from the drift of the integral and are left out.
 
     Args:
         time: uniform instants [s], (n,).
@@ -245,11 +245,11 @@ def velocity_lines(
         scipy.signal.detrend(values[-kept:], type="constant"), dx=1.0 / rate, initial=0.0
     )
     frequency = np.arange(size // 2 + 1) * rate / size
-    shown = (frequency > _LEAST_SHOWN * checked.resolution) & (frequency < 0.45 * rate)
+    shown = (frequency > _LOWEST_LINE * checked.resolution) & (frequency < 0.45 * rate)
     if not shown.any():
         raise ValueError(
             f"`resolution` must leave a line between six resolutions and 0.45 of the sampling rate: less than "
-            f"{0.45 * rate / _LEAST_SHOWN:.6g} Hz, got {resolution:.6g}."
+            f"{0.45 * rate / _LOWEST_LINE:.6g} Hz, got {resolution:.6g}."
         )
     # Cut off, at half, four resolutions from the line; 6 lets 0.07 % through beyond the sixth.
     window = scipy.signal.firwin(size, 4.0 / size, window=("kaiser", 6.0), fs=1.0)
@@ -265,6 +265,7 @@ def velocity_lines(
 
 
 def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
+    """Judge an overall weighted rms velocity [m/s] against the lower and upper limit of a space."""
     one_of("space", space, RMS_2000)
     return tuple(
         Verdict(
@@ -276,7 +277,7 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
 
 
 def _lines_within(frequency: ArrayLike, velocity: ArrayLike, low: float, high: float) -> tuple[Array, Array]:
-    """Check and take the lines from `low` to `high` [Hz], frequencies and velocities [m/s], in any order."""
+    """Check lines in any order and select those from `low` to `high` [Hz]: frequencies [Hz] and velocities [m/s]."""
     f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
     if f.ndim != 1 or f.shape != v.shape or not f.size:
         raise ValueError(f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}.")

@@ -1,4 +1,4 @@
-"""Two or more runs beside each other: what they share by name, their verdicts and peaks, and how their histories differ."""
+"""Comparison of runs: shared components and mounts by name, verdicts, peaks, and the differences of histories."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,17 +16,17 @@ from wirerope_mj.foundation.errors import RecordError
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedRun:
-    """One of the runs."""
+    """A compared run: its response on the common timeline, and its verdicts."""
 
     name: str  # of the run in every output
     response: Response  # its response, on the timeline that all runs share
-    moved: float  # by how much it was moved to that timeline [s]
-    verdicts: tuple[Verdict, ...]  # on it
+    moved: float  # shift of its own timeline to the common one [s]
+    verdicts: tuple[Verdict, ...]  # verdicts on the run
 
 
 @dataclass(frozen=True, kw_only=True, order=True)
 class Component:
-    """Something whose acceleration is compared: the base, which every run may call as it likes, a body or a point."""
+    """A base, body or point whose accelerations are compared; the base's name may differ from run to run."""
 
     kind: Literal["base", "body", "point"]
     name: str
@@ -36,7 +36,7 @@ class Component:
         return f"point {self.name}" if self.kind == "point" else self.name
 
     def acceleration(self, response: Response) -> Array:
-        """Its acceleration [m/s^2], (n_t, 3)."""
+        """Look up the component's acceleration in a response [m/s^2], (n_t, 3)."""
         if self.kind == "base":
             return response.base.acceleration
         return (response.points if self.kind == "point" else response.bodies)[self.name].acceleration
@@ -78,12 +78,13 @@ class HistoryDifference:
 
 
 def difference(subject: Subject, first: ComparedRun, other: ComparedRun) -> tuple[Array, Array]:
-    """Compute instants of the first run that both have [s], (n,), and the norm of the difference there, (n,).
+    """Compute the norm of the difference of two histories, (n,), at the first run's instants within both runs [s], (n,).
 
-    Accelerations [m/s^2] of a component, deflections [m] of a mount; the other run is taken linearly between its samples.
+    Instants come first. The histories are accelerations [m/s^2] of a component or deflections [m] of a mount; the other run
+    is interpolated linearly between its samples.
     """
-    start, end = (pick(first.response.time[row], other.response.time[row]) for pick, row in ((max, 0), (min, -1)))
     time = first.response.time
+    start, end = max(time[0], other.response.time[0]), min(time[-1], other.response.time[-1])
     both = (time >= start) & (time <= end)
     time, values = time[both], _history(subject, first.response)[both]
     instants, second = other.response.time, _history(subject, other.response)
@@ -93,7 +94,7 @@ def difference(subject: Subject, first: ComparedRun, other: ComparedRun) -> tupl
 
 
 def identical(a: Response, b: Response) -> bool:
-    """Compare every sample and every peak of two responses bit by bit."""
+    """Check whether every sample and every peak of two responses agree bit by bit."""
     names = a.samples.names
     if names != b.samples.names or a.time.size != b.time.size or not a.peaks.same_as(b.peaks):
         return False
@@ -113,14 +114,14 @@ Align = Literal["start", "shock"]
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """Runs and what they have in common; one alone has everything."""
+    """Runs, the components and mounts that they share, and the differences of their histories from the first run's."""
 
     runs: tuple[ComparedRun, ...]  # the runs; differences are those to the first
-    # what two of them or more have, or the only one: the base first, then the largest peak
+    # components of two runs or more, or of the only run: the base first, then by falling peak
     components: tuple[Component, ...]
-    mounts: tuple[str, ...]  # names of the mounts that two of them or more have, or the only one
-    alone: dict[str, tuple[Subject, ...]]  # components and mounts that only one of them has, by the run's name
-    # where and when what is shared differs most from the first run, the largest first
+    mounts: tuple[str, ...]  # names of the mounts of two runs or more, or of the only run
+    alone: dict[str, tuple[Subject, ...]]  # components and mounts of one run only, by the run's name
+    # largest difference of each shared component and mount from the first run, the largest first
     differences: tuple[HistoryDifference, ...]
 
 
@@ -148,7 +149,7 @@ def compare_runs(
                 if not responses[named].events:
                     raise RecordError(f"{named}: nothing begins in this run; align runs at their start.")
             moved = responses[first].events[0][0] - response.events[0][0]
-        aligned = _moved(response, moved) if moved else response
+        aligned = _shifted(response, moved) if moved else response
         runs.append(ComparedRun(name=name, response=aligned, moved=moved, verdicts=tuple(known[name])))
     largest = {
         subject: max(subject.peak(run.response).value for run in runs if subject in subjects[run.name])
@@ -175,8 +176,8 @@ def compare_runs(
     )
 
 
-def _moved(response: Response, by: float) -> Response:
-    """Put the response on a timeline `by` seconds later; its samples stay as they are."""
+def _shifted(response: Response, by: float) -> Response:
+    """Shift the timeline of a response by `by` seconds; its samples stay as they are."""
     peaks = {
         kind: {
             name: replace(entry, **{key: getattr(entry, key).later(by) for key in entry.__dataclass_fields__})
@@ -184,9 +185,9 @@ def _moved(response: Response, by: float) -> Response:
         }
         for kind in ("bodies", "points", "mounts")
     }
-    known, travelled = response.peaks.contacts, response.peaks.travels
-    contacts = None if known is None else {name: contact.later(by) for name, contact in known.items()}
-    travels = None if travelled is None else {name: travel.later(by) for name, travel in travelled.items()}
+    contacts, travels = response.peaks.contacts, response.peaks.travels
+    contacts = None if contacts is None else {name: contact.later(by) for name, contact in contacts.items()}
+    travels = None if travels is None else {name: travel.later(by) for name, travel in travels.items()}
     return replace(
         response, time=response.time + by, events=tuple((time + by, text) for time, text in response.events),
         peaks=Peaks(**peaks, contacts=contacts, travels=travels),
@@ -197,13 +198,13 @@ def _moved(response: Response, by: float) -> Response:
 class PeakRow:
     """A peak in every run, in the order of the runs; None where a run does not have it."""
 
-    label: str  # whose it is
+    label: str  # name of the component or mount
     values: tuple[float | None, ...]  # in SI, utilisations as ratios
     times: tuple[float | None, ...]  # instants [s]; NaN where the peak has none
-    notes: tuple[str, ...]  # what is said beside a value, such as the kind of travel
+    notes: tuple[str, ...]  # text beside each value, such as the kind of travel
 
     def difference(self, number: int) -> float | None:
-        """Relative difference of a run to the first; None if that makes no sense."""
+        """Compute the relative difference of run `number` to the first; None if a value is missing or the first is zero."""
         first, value = self.values[0], self.values[number]
         if first is None or value is None or not np.isfinite([first, value]).all() or (first == 0.0 != value):
             return None
@@ -211,7 +212,7 @@ class PeakRow:
 
 
 def acceleration_rows(comparison: Comparison, axis: int | None = None) -> list[PeakRow]:
-    """Collect the peak accelerations [m/s^2], sizes or along an axis: of what is shared, then of what one run has alone."""
+    """Collect peak accelerations [m/s^2], norms or along an axis: of shared components, then of those of a single run."""
     alone = [subject for of_run in comparison.alone.values() for subject in of_run if isinstance(subject, Component)]
     responses = [(run.response, subjects_of(run.response)) for run in comparison.runs]
     return [
@@ -230,7 +231,7 @@ def mount_rows(comparison: Comparison, quantity: str, axis: int | None) -> list[
 
 
 def _peak_row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow:
-    """Take size and instant of the largest norms, or of the extremes of a component that are farther from zero."""
+    """Make a row of the largest norms and their instants, or along an axis of the extremes farther from zero."""
     values, times = [], []
     for peak in peaks:
         value, time = (None, None) if peak is None else (peak.value, peak.time)
@@ -243,7 +244,7 @@ def _peak_row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow
 
 
 def travel_rows(comparison: Comparison) -> list[PeakRow]:
-    """Collect the largest utilisation of a rated travel of every mount, the largest first; NaN where none is rated."""
+    """Collect the largest utilisation of a rated travel of every mount, the largest first; NaN where no travel is rated."""
     rows = []
     for label, peaks in _mounts_of_runs(comparison).items():
         used = [None if peak is None else np.nan if peak.utilisation is None else peak.utilisation for peak in peaks]
@@ -253,7 +254,7 @@ def travel_rows(comparison: Comparison) -> list[PeakRow]:
 
 
 def combined_rows(comparison: Comparison) -> list[PeakRow]:
-    """Collect the utilisation of the travel along all axes at once of every mount, the largest first."""
+    """Collect the utilisation of combined travel, all axes at once, of every mount, the largest first."""
     by_run = [
         {row.subject: row for row in run.verdicts if row.criterion == COMBINED and row.utilisation is not None}
         for run in comparison.runs
@@ -269,7 +270,7 @@ def combined_rows(comparison: Comparison) -> list[PeakRow]:
 
 
 def largest_of(rows: Sequence[PeakRow]) -> PeakRow | None:
-    """Find the largest value of any row in each run, and whose it is; None where no row has one."""
+    """Find the largest value of any row in each run, with the row's label as note; None if no row has a value."""
     best: list[PeakRow | None] = []
     for number in range(len(rows[0].values) if rows else 0):
         sizes = [-np.inf if (value := row.values[number]) is None or np.isnan(value) else value for row in rows]
@@ -286,7 +287,7 @@ def largest_of(rows: Sequence[PeakRow]) -> PeakRow | None:
 
 
 def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]:
-    """Collect the peaks of every mount in every run; the largest utilisation in any run first, those not rated last."""
+    """Collect the peaks of every mount in every run; the largest utilisation in any run first, unrated mounts last."""
     by_run = [{peak.name: peak for peak in mount_peaks(run.response)} for run in comparison.runs]
     names = [mount.name for run in comparison.runs for mount in run.response.scene.isolating]
     mounts = {name: [peaks.get(name) for peaks in by_run] for name in dict.fromkeys(names)}

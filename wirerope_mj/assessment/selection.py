@@ -1,6 +1,6 @@
-"""The vendors' worksheet: load, shock and room of a payload, in the formulas of their sheets, and the parts that meet it.
+"""Selection of parts by the vendors' worksheet: load, shock and travel of a payload by the formulas of their sheets.
 
-What a part does in a model is computed by `wirerope_mj.studies.catalogue`.
+The response of a part in a model is computed by `wirerope_mj.studies.catalogue`.
 """
 
 import math
@@ -22,15 +22,15 @@ WORKSHEET_GRAVITY = 9.81
 ISOLATION_RATIO = 3.0  # Disturbing over natural frequency that the vendors ask for: it keeps out 80 % and more
 # Natural frequency times length of a pulse up to which only its velocity change counts (the vendors' condition).
 IMPULSE = 0.25
-# The same from which the rule says nothing: there an undamped mass under a half-sine reaches 1.73 times the pulse's peak, and
-# the rule says 4 times.
+# Natural frequency times length of a pulse from which the rule is useless: there an undamped mass under a half-sine reaches
+# 1.73 times the pulse's peak, and the rule gives 4 times.
 LONG = 1.0
 Shock = Pulse | VelocityStep
 
 
 @dataclass(frozen=True, kw_only=True)
 class Worksheet:
-    """Demands on the mounts; all stand alike, below a central centre of mass.
+    """Requirements on the mounts of a payload; all stand alike, below a central centre of mass.
 
     A pulse counts by its velocity change V alone. That is right within a few per cent while (natural frequency x length of the
     pulse) < 0.25; above it the worksheet is on the safe side: no pulse of one sign moves a linear undamped mass more than a
@@ -44,8 +44,8 @@ class Worksheet:
     fragility: float | None = None  # acceleration that the payload stands [m/s^2]
     disturbance: float | None = None  # lowest disturbing frequency to be isolated [Hz]
     loading: str = "compression"  # mode in which the weight loads the mounts: compression, 45 or shear
-    direction: str = "compression"  # mode in which the shock does
-    isolation_ratio: float = ISOLATION_RATIO  # disturbing over natural frequency that is asked for
+    direction: str = "compression"  # mode in which the shock loads the mounts
+    isolation_ratio: float = ISOLATION_RATIO  # least disturbing over natural frequency
     gravity: float = WORKSHEET_GRAVITY  # of the weight [m/s^2]
 
     def __post_init__(self) -> None:
@@ -97,6 +97,7 @@ class Worksheet:
         return None if self.fragility is None else self.load / self.gravity * (self.fragility / self.velocity) ** 2
 
     def amplifies(self, acceleration: float) -> bool:
+        """Check whether a transmitted acceleration [m/s^2] is above the pulse's peak."""
         return self.peak is not None and acceleration > self.peak
 
     def frequency(self, stiffness: float) -> float:
@@ -124,7 +125,7 @@ _EXAMPLES = '"15 g 11 ms half-sine", "20 g 11 ms sawtooth", "10 g 18 ms trapezoi
 
 
 def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, rebound: float, gravity: float) -> Shock:
-    """Choose the one shock that was given; a fall from h with rebound e changes the velocity by (1 + e) sqrt(2 g h)."""
+    """Return the one shock given; a drop from height h with rebound e changes the velocity by (1 + e) sqrt(2 g h)."""
     given = [value for value in (pulse, velocity, drop) if value is not None]
     if len(given) != 1:
         raise ValueError(f"give one shock: `pulse`, `velocity` or `drop`; got {len(given)}.")
@@ -143,7 +144,7 @@ def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, re
 
 
 def shock_from_text(text: str) -> Shock:
-    """Make the shock of a text such as `15 g 11 ms half-sine` or `2 m/s`; its g are those of the worksheet.
+    """Parse the shock in a text such as `15 g 11 ms half-sine` or `2 m/s`; 1 g is the worksheet's 9.81 m/s^2.
 
     ValueError if the text is no pulse and no velocity.
     """
@@ -161,11 +162,11 @@ BY_VELOCITY = ("rated travel", "room", "acceleration")  # Criteria whose values 
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """One part under a worksheet."""
+    """A part that meets a worksheet: its natural frequencies, travel, acceleration and verdicts."""
 
     part: VendorPart
-    frequency: float  # of small vibration under the load [Hz], from the vibration stiffness
-    shock_frequency: float  # from the shock stiffness along the shock [Hz]
+    frequency: float  # natural frequency of small vibration under the load [Hz], from the vibration stiffness
+    shock_frequency: float  # natural frequency from the shock stiffness along the shock [Hz]
     travel: float  # dynamic travel under the shock [m]
     acceleration: float  # of the payload [m/s^2]
     impulse: float  # shock frequency times length of the pulse [-]; below 0.25 the worksheet's rule holds
@@ -173,16 +174,16 @@ class Candidate:
 
     @property
     def impulse_holds(self) -> bool:
-        """True if the pulse is short enough to count by its velocity change; if not, its values are on the safe side."""
+        """True if the pulse is short enough for the velocity-change rule; if not, the values are on the safe side."""
         return self.impulse < IMPULSE
 
     @property
     def margin(self) -> float:
-        """Smallest margin of all that is judged; infinite if nothing is."""
+        """Smallest margin of all judged criteria; infinite if no criterion is judged."""
         return smallest_margin(self.verdicts)
 
     def utilisation(self, criterion: str) -> float | None:
-        """Value over limit of a criterion, for instance "static load"; None = not judged."""
+        """Look up value over limit of a criterion, such as "static load"; None = not judged."""
         return next(verdict.utilisation for verdict in self.verdicts if verdict.criterion == criterion)
 
     @property
@@ -193,7 +194,7 @@ class Candidate:
 
     @property
     def unrated(self) -> tuple[str, ...]:
-        """Criteria for which the vendor states no limit: not judged, which is not the same as met."""
+        """Criteria for which the vendor states no limit: these are not judged, which is not the same as within."""
         return tuple(verdict.criterion for verdict in self.verdicts if verdict.note == UNSTATED)
 
 
@@ -204,7 +205,7 @@ class Rejected:
     part: VendorPart
     reasons: tuple[str, ...]  # one sentence each
     margin: float  # of the worst criterion [-], negative; NaN if values are missing or nothing could be judged
-    # whether nothing but the velocity rule speaks against it, for a pulse that is far too long for that rule
+    # whether it exceeds limits by the velocity-change rule alone, for a pulse far too long for that rule
     undecided: bool = False
 
 
@@ -212,7 +213,7 @@ class Rejected:
 class PartSelection(Brief):
     """Parts of the tables that meet a worksheet, and those that do not."""
 
-    worksheet: Worksheet  # what the mounts must do
+    worksheet: Worksheet  # requirements on the mounts
     # parts that exceed no limit: those with every rating first; in each group the largest smallest margin first if a
     # fragility is given, and otherwise the part that passes on least, which is the softest that fits the travel:
     # margins of load and travel alone would put the stiffest and most oversized part first
@@ -268,17 +269,17 @@ def select_isolators(
 
 
 def judge(part: VendorPart, worksheet: Worksheet) -> Candidate | Rejected:
-    """Judge one part by the worksheet, or say why it does not meet it."""
-    carried, struck, gravity = part.modes[worksheet.loading], part.modes[worksheet.direction], worksheet.gravity
-    if carried.vibration is None or struck.shock is None:
-        lacking = worksheet.loading if carried.vibration is None else worksheet.direction
+    """Judge one part by the worksheet: a candidate with verdicts, or a rejected part with reasons."""
+    static_mode, shock_mode, gravity = part.modes[worksheet.loading], part.modes[worksheet.direction], worksheet.gravity
+    if static_mode.vibration is None or shock_mode.shock is None:
+        lacking = worksheet.loading if static_mode.vibration is None else worksheet.direction
         return Rejected(part=part, reasons=(f"the table has no stiffness {mode_text(lacking)}",), margin=math.nan)
-    frequency, travel = worksheet.frequency(carried.vibration), worksheet.dynamic_travel(struck.shock)
-    acceleration, impulse = worksheet.acceleration(struck.shock), worksheet.impulse(struck.shock)
+    frequency, travel = worksheet.frequency(static_mode.vibration), worksheet.dynamic_travel(shock_mode.shock)
+    acceleration, impulse = worksheet.acceleration(shock_mode.shock), worksheet.impulse(shock_mode.shock)
     rows = (
-        ("static load", worksheet.load, carried.static_load, "N", UNSTATED),
+        ("static load", worksheet.load, static_mode.static_load, "N", UNSTATED),
         ("natural frequency", frequency, worksheet.largest_frequency, "Hz", NOT_GIVEN),
-        ("rated travel", travel, struck.travel, "m", UNSTATED),
+        ("rated travel", travel, shock_mode.travel, "m", UNSTATED),
         ("room", travel, worksheet.travel, "m", NOT_GIVEN),
         ("acceleration", acceleration, worksheet.fragility, "m/s^2", NOT_GIVEN),
     )
@@ -292,7 +293,7 @@ def judge(part: VendorPart, worksheet: Worksheet) -> Candidate | Rejected:
     exceeded = [verdict for verdict in verdicts if verdict.verdict == EXCEEDED]
     if not exceeded:
         return Candidate(
-            part=part, frequency=frequency, shock_frequency=worksheet.frequency(struck.shock), travel=travel,
+            part=part, frequency=frequency, shock_frequency=worksheet.frequency(shock_mode.shock), travel=travel,
             acceleration=acceleration, impulse=impulse, verdicts=verdicts,
         )  # fmt: skip
     decided = [verdict for verdict in exceeded if impulse < LONG or verdict.criterion not in BY_VELOCITY]

@@ -27,14 +27,14 @@ from wirerope_mj.foundation.units import significant
 from wirerope_mj.motions import Measured, MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
 
-# Samples a second that ISO/TS 18571 asks for, and the most of them that are rated: warping takes the square of their number
-_ISO_RATE, _ISO_MOST = 1e4, 4000
+# Sampling rate of ISO/TS 18571 [Hz], and most samples that are rated: the cost of warping grows with their square
+_ISO_RATE, _ISO_SAMPLES = 1e4, 4000
 
-_LEAST_MARGIN = 8  # samples
+_LEAST_MARGIN = 8  # samples added before and after an event
 
-_ALIKE = 0.5  # correlation from which a delay is taken for that of the clock
-_SAME_INPUT = 0.15  # Russell's comprehensive error of the base from which it is called another motion: excellent below
-_NEARLY = 0.1  # deviation of a ratio of two spectra, or of the base's rms values, below which nothing is said of it
+_CLOCK_CORRELATION = 0.5  # correlation from which a channel's delay is taken for that of the clock
+_SAME_INPUT = 0.15  # Russell's comprehensive error of the base above which it is another motion: excellent below
+_NOTABLE = 0.1  # deviation of a ratio of two spectra, or of the base's rms values, below which it is not reported
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,7 +42,7 @@ class ChannelCorrelation:
     """Agreement of a run with one measured channel."""
 
     pair: Pair = field(repr=False)  # both histories
-    delay: Delay  # by which this channel alone comes late, before the test's was taken off
+    delay: Delay  # delay of this channel alone, before the test's delay is subtracted
     # both histories of the base along the same axis, None where it was not measured
     base: Pair | None = field(default=None, repr=False)
 
@@ -52,7 +52,7 @@ class ChannelCorrelation:
 
     @property
     def label(self) -> str:
-        """For instance "point rack_top, z"."""
+        """Name of the channel in tables and sentences, such as "point rack_top, z"."""
         return channel_label(self.channel)
 
     @cached_property
@@ -73,7 +73,7 @@ class ChannelCorrelation:
 
     @cached_property
     def event(self) -> slice:
-        """Samples between which either history is above the inner corridor, 5 % of the measured peak, and a tenth more."""
+        """Samples of the event: either history above the inner corridor, 5 % of the measured peak, and a tenth more."""
         measured, model = self.pair.measured, self.pair.model
         above = np.flatnonzero(np.maximum(np.abs(measured), np.abs(model)) > INNER * np.abs(measured).max())
         margin = (above[-1] - above[0]) // 10 + _LEAST_MARGIN
@@ -81,13 +81,13 @@ class ChannelCorrelation:
 
     @cached_property
     def rating(self) -> Rating:
-        """After ISO/TS 18571, of the event alone, at 10 000 samples a second or as many as make 4000 of it.
+        """Rating after ISO/TS 18571 of the event alone, at 10 000 Hz or the rate that gives it 4000 samples.
 
-        What rests before and after the event is noise, which would be rated, too.
+        Before and after the event there is noise, which would be rated, too.
         """
         histories = self.pair.measured[self.event], self.pair.model[self.event]
         sampled, size = self.pair.rate, histories[0].size
-        rate = min(_ISO_RATE, (_ISO_MOST - 1) * sampled / (size - 1))
+        rate = min(_ISO_RATE, (_ISO_SAMPLES - 1) * sampled / (size - 1))
         if rate <= sampled:
             return iso_rating(*(coarser(values, sampled, rate) for values in histories))
         time, finer = np.arange(size) / sampled, np.arange(int((size - 1) / sampled * rate) + 1) / rate
@@ -95,32 +95,32 @@ class ChannelCorrelation:
 
     @cached_property
     def shock(self) -> SpectrumRatio | None:
-        """Shock response spectra; None of what is no acceleration or no transient."""
+        """Ratio of the shock response spectra; None for a channel that is no acceleration or no transient."""
         return shock_ratio(self.pair)
 
     @cached_property
     def density(self) -> SpectrumRatio | None:
-        """Roots of the power spectral densities; None where the interval is too short."""
+        """Ratio of the roots of the power spectral densities; None where the interval is too short."""
         return density_ratio(self.pair)
 
     @property
     def spectrum(self) -> SpectrumRatio | None:
-        """Shock response spectra, or else densities."""
+        """Ratio of the shock response spectra, or else of the densities."""
         return self.shock or self.density
 
     @cached_property
     def coherence(self) -> float | None:
-        """Mean, weighted by the measured density; None where the interval is too short."""
+        """Mean coherence, weighted by the measured density; None where the interval is too short."""
         return coherence(self.pair)
 
     @cached_property
     def transmissibility(self) -> Transmissibility | None:
-        """From the measured base to here; None where it was not measured."""
+        """Transmissibility from the measured base to this channel; None where the base was not measured."""
         return None if self.base is None else transmissibility(self.base, self.pair)
 
     @cached_property
     def frac(self) -> float:
-        """Assurance criterion of the transmissibilities, or of the spectra where the base was not measured."""
+        """Frequency response assurance criterion of the transmissibilities, or of the spectra without a measured base."""
         return spectral_assurance(self.pair) if self.transmissibility is None else self.transmissibility.frac
 
     @property
@@ -134,9 +134,9 @@ class Correlation(Summarised):
     """Agreement of a run with a test."""
 
     name: str  #: of the test
-    channels: tuple[ChannelCorrelation, ...]  #: what was compared, in the order of the map
-    delay: float  #: by which the test's clock comes late; taken off before anything is compared [s]
-    aligned_by: str  #: label of the channel that the delay is of; "" where the clock was not moved
+    channels: tuple[ChannelCorrelation, ...]  #: the compared channels, in the order of the map
+    delay: float  #: delay of the test's clock, subtracted before the comparison [s]
+    aligned_by: str  #: label of the channel whose delay that is; "" where the clock was not moved
     clock: float = 1.0  #: seconds of the run in a second of the test's clock, found where the base was measured
     warnings: tuple[str, ...] = ()  #: of the record and of the comparison
 
@@ -147,9 +147,9 @@ class Correlation(Summarised):
 
     @cached_property
     def other_base(self) -> str:
-        """That the base of the run does not move as the measured one does, as a sentence; "" if it does.
+        """Sentence on a base of the run that moves otherwise than the measured base; "" if they move alike.
 
-        A direction is left out in which both move by less than a tenth of the largest peak along any.
+        A direction in which both peaks are below a tenth of the largest along any direction is left out.
         """
         peaks = [
             (float(np.abs([row.pair.measured, row.pair.model]).max()), row)
@@ -160,17 +160,19 @@ class Correlation(Summarised):
         apart = [
             f"along {row.channel.axis} (rms {row.rms_ratio:.2f} times, Russell {row.russell.comprehensive:.2f})"
             for peak, row in peaks
-            if peak >= _NEARLY * largest[row.channel.quantity]
-            and (abs(row.rms_ratio - 1.0) > _NEARLY or row.russell.comprehensive > _SAME_INPUT)
+            if peak >= _NOTABLE * largest[row.channel.quantity]
+            and (abs(row.rms_ratio - 1.0) > _NOTABLE or row.russell.comprehensive > _SAME_INPUT)
         ]
         return f"The base of the run does not move as the measured one does {' and '.join(apart)}." if apart else ""
 
     @cached_property
     def statement(self) -> str:
-        """Another base than the test's, and the largest deviation: "Model 25 % low between 6 and 9 Hz (point rack_top, z)."."""
+        """Sentences on a differing base and the largest deviation: "Model 25 % low between 6 and 9 Hz (point rack_top, z)."."""
         return f"{self.other_base} {self._deviation()}".lstrip()
 
     def _deviation(self) -> str:
+        """Describe the largest deviation of the model from the measurement in a sentence."""
+
         def span(first: float, last: float, words: tuple[str, str]) -> str:
             low, high = (significant(frequency, 2) for frequency in (first, last))
             return f"{words[0]} {low} {words[1]} {high} Hz"
@@ -184,22 +186,22 @@ class Correlation(Summarised):
             if band.last > band.first:
                 where = span(band.first, band.last, ("between", "and"))
             return f"Model {size:.0f} % {side} {where} ({row.label})."
-        off = {row.label: "rated poor" for row in self.responses if row.rating.grade == "poor"}
-        off |= {row.label: "better upside down" for row in self.responses if row.delay.upside_down}
-        named = " and ".join(f"{label} ({why})" for label, why in off.items())
-        if len(off) == len(self.responses):
+        failed = {row.label: "rated poor" for row in self.responses if row.rating.grade == "poor"}
+        failed |= {row.label: "better upside down" for row in self.responses if row.delay.upside_down}
+        named = " and ".join(f"{label} ({why})" for label, why in failed.items())
+        if len(failed) == len(self.responses):
             return f"Model in no channel as measured: {named}."
-        known = [row.spectrum for row in self.responses if row.spectrum and row.label not in off]
-        if not known:
+        spectra = [row.spectrum for row in self.responses if row.spectrum and row.label not in failed]
+        if not spectra:
             return "The test is too short to say over which frequencies the model is low or high."
-        first, last = max(row.frequency[0] for row in known), min(row.frequency[-1] for row in known)
-        every = "the channel" if len(known) == 1 else f"all {len(known)} channels"
-        every = f"{len(known)} of {len(known) + len(off)} channels, not in {named}" if off else every
-        return f"Model within {100.0 * _NEARLY:.0f} % of the measurement {span(first, last, ('from', 'to'))} in {every}."
+        first, last = max(row.frequency[0] for row in spectra), min(row.frequency[-1] for row in spectra)
+        which = "the channel" if len(spectra) == 1 else f"all {len(spectra)} channels"
+        which = f"{len(spectra)} of {len(spectra) + len(failed)} channels, not in {named}" if failed else which
+        return f"Model within {100.0 * _NOTABLE:.0f} % of the measurement {span(first, last, ('from', 'to'))} in {which}."
 
     @cached_property
     def table(self) -> Table:
-        """Measures of every channel."""
+        """Table of the measures of agreement of every channel."""
         columns = (
             Column("channel", align="left"), Column("peak", "", "z.3f"), Column("rms", "", "z.3f"), Column("M", "%", "+z.1f"),
             Column("P", "%", "z.1f"), Column("C", "%", "z.1f"), Column("Russell", "", "z.3f"), Column("ISO", "", "z.2f"),
@@ -224,7 +226,7 @@ class Correlation(Summarised):
 
     @cached_property
     def ratings(self) -> Table:
-        """Parts of the rating of every channel, and its own delay."""
+        """Table of the parts of every channel's rating, and of its own delay."""
         columns = (
             Column("channel", align="left"), Column("corridor", "", "z.2f"), Column("phase", "", "z.2f"),
             Column("magnitude", "", "z.2f"), Column("slope", "", "z.2f"), Column("overall", "", "z.2f"),
@@ -277,26 +279,28 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
         raise RecordError(f"{measured.path}: every channel is dead: there is nothing to compare.")
     delays = {channel.key: delay_of(response, measured, channel) for channel in alive}
     if measured.start:
-        doubtful = [channel for channel in alive if delays[channel.key].alike is not None]
-        delays |= {channel.key: delay_of(response, measured, channel, around=0.0) for channel in doubtful}
+        ambiguous = [channel for channel in alive if delays[channel.key].alike is not None]
+        delays |= {channel.key: delay_of(response, measured, channel, around=0.0) for channel in ambiguous}
     clear = [channel for channel in alive if delays[channel.key].alike is None]
-    driven = [channel for channel in clear if channel.subject == "base" and abs(delays[channel.key].correlation) >= _ALIKE]
-    best = max(driven or clear, key=lambda channel: abs(delays[channel.key].correlation), default=alive[0])
-    moved = align and best in clear and abs(delays[best.key].correlation) >= _ALIKE
+    base_channels = [
+        channel for channel in clear if channel.subject == "base" and abs(delays[channel.key].correlation) >= _CLOCK_CORRELATION
+    ]
+    best = max(base_channels or clear, key=lambda channel: abs(delays[channel.key].correlation), default=alive[0])
+    moved = align and best in clear and abs(delays[best.key].correlation) >= _CLOCK_CORRELATION
     delay, clock = delays[best.key].value if moved else 0.0, 1.0
     if moved or not align:
         delays = {channel.key: delay_of(response, measured, channel, around=delay) for channel in alive}
-    unsure = {channel.key: delays[channel.key] for channel in alive if delays[channel.key].alike is not None}
-    if len(unsure) == len(alive):
-        raise RecordError(f"{measured.path}: {_cannot_tell(best, delays[best.key])}")
-    alive = [channel for channel in alive if channel.key not in unsure]
+    left_out = {channel.key: delays[channel.key] for channel in alive if delays[channel.key].alike is not None}
+    if len(left_out) == len(alive):
+        raise RecordError(f"{measured.path}: {_ambiguity_text(best, delays[best.key])}")
+    alive = [channel for channel in alive if channel.key not in left_out]
     if moved and best.subject == "base" and not delays[best.key].upside_down:
         delay, clock = clock_of(response, measured, best, delay=delay)
     pairs = {channel.key: pair_of(response, measured, channel, delay=delay, clock=clock) for channel in alive}
     bases = {p.channel.axis: p for p in pairs.values() if p.channel.key.startswith("base acceleration")}
     bases_of = {c.key: None if c.subject.startswith(("base", "mount/")) else bases.get(c.axis) for c in alive}
     channels = tuple(ChannelCorrelation(pair=pair, delay=delays[key], base=bases_of[key]) for key, pair in pairs.items())
-    warnings = _warnings(measured, channels, delay, unsure, unaligned=best if align and not moved else None)
+    warnings = _warnings(measured, channels, delay, left_out, unaligned=best if align and not moved else None)
     return Correlation(
         name=measured.name, channels=channels, delay=delay, aligned_by=channel_label(best) if moved else "",
         clock=clock, warnings=(*measured.warnings, *warnings),
@@ -304,10 +308,10 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
 
 
 def _warnings(
-    measured: Measured, channels: Sequence[ChannelCorrelation], delay: float, unsure: Mapping[str, Delay],
+    measured: Measured, channels: Sequence[ChannelCorrelation], delay: float, left_out: Mapping[str, Delay],
     unaligned: MeasuredChannel | None,
 ) -> Iterator[str]:  # fmt: skip
-    """Yield what makes a comparison doubtful."""
+    """Yield warnings: no common clock, ambiguous, dead or saturated channels, channels upside down or on other clocks."""
     name = measured.name
     if unaligned is not None:
         largest = max(abs(row.delay.correlation) for row in channels if row.channel == unaligned)
@@ -317,8 +321,8 @@ def _warnings(
             "another test than this run's?"
         )
     for channel in measured.channels:
-        if channel.key in unsure:
-            yield f"{name}: {_cannot_tell(channel, unsure[channel.key])}"
+        if channel.key in left_out:
+            yield f"{name}: {_ambiguity_text(channel, left_out[channel.key])}"
         elif not np.ptp(channel.values):
             yield f'{name}: column "{channel.column}" is dead and is not compared.'
     for row in channels:
@@ -329,7 +333,7 @@ def _warnings(
         period = 2.0 * np.pi * float(np.linalg.norm(values)) / (slope * row.pair.rate) if slope else np.inf
         if row.delay.upside_down:
             yield f'{name}: column "{column}" fits {row.label} better upside down: is its axis -{row.channel.axis}?'
-        elif unaligned is None and row.delay.correlation >= _ALIKE and abs(late) > period:
+        elif unaligned is None and row.delay.correlation >= _CLOCK_CORRELATION and abs(late) > period:
             yield (
                 f'{name}: column "{column}" fits {1e3 * late:+.4g} ms after the others, more than a '
                 "period: is it on another clock?"
@@ -338,7 +342,8 @@ def _warnings(
             yield f'{name}: column "{column}" was saturated: its true peak is higher, and the peak ratio lower.'
 
 
-def _cannot_tell(channel: MeasuredChannel, delay: Delay) -> str:
+def _ambiguity_text(channel: MeasuredChannel, delay: Delay) -> str:
+    """Explain why a channel that fits the model alike at two delays is not compared."""
     return (
         f'column "{channel.column}" is not compared: it fits {channel_label(channel)}, or its negative, alike when it is '
         f"moved by {-1e3 * delay.value:+.4g} ms and by {-1e3 * (delay.alike or 0.0):+.4g} ms; a vibration that dies away tells "

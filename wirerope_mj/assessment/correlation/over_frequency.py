@@ -11,19 +11,19 @@ from wirerope_mj.motions.spectra import power_spectral_density, shock_response_s
 from wirerope_mj.motions.spectra.ramp import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD
 
-Q = 10.0
+Q = 10.0  # amplification at resonance of the oscillators of shock response spectra
 THREE_DB = 10.0 ** (3.0 / 20.0)  # ratio of amplitudes
 
-_PERIODS = 2.0  # of the lowest frequency in the interval: less of one is not seen
-_LINES = 12  # of a shock response spectrum to an octave
-_HIGHEST = 0.4  # of the rate: what the filter before passes
-_DECAYED = 0.3  # rms of the last quarter over that of all, below which a history is a transient
-_POWER = 1e-3  # of the largest density, below which there is nothing but noise
-_DRIVEN = 1e-2  # of the base's largest density, below which it does not drive: less is noise in tests
-_PER_OCTAVE = 6  # bands over which densities are averaged
-_SEGMENTS = 8  # of a coherence, at least: that of a single segment is always one
-_SILENT = 1e-3  # least ratio that is told, -60 dB: that of a model that does not move has no logarithm
-_NOTABLE = 0.1  # deviation of a ratio from which it is worth a sentence
+_PERIODS = 2.0  # least periods of a frequency within the interval
+_LINES = 12  # frequencies of a shock response spectrum to an octave
+_HIGHEST = 0.4  # highest frequency over the sampling rate: the resampling filter passes it
+_DECAYED = 0.3  # rms of the last quarter over that of the whole, below which a history is a transient
+_POWER = 1e-3  # fraction of the largest density below which a density is noise
+_DRIVEN = 1e-2  # fraction of the base's largest density below which the base does not drive: it is noise in tests
+_PER_OCTAVE = 6  # bands to an octave over which densities are averaged
+_SEGMENTS = 8  # least segments of a coherence: that of a single segment is always 1
+_LEAST_RATIO = 1e-3  # least ratio that is reported, -60 dB: that of a model at rest has no logarithm
+_NOTABLE = 0.1  # least deviation of a ratio that is reported
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,8 +33,8 @@ class Band:
     # first, last: [Hz]
     first: float
     last: float
-    deviation: float  # mean of model over measurement less one
-    weight: float  # of the deviation, for choosing among bands
+    deviation: float  # mean of model over measurement, less 1
+    weight: float  # size of the deviation, see `SpectrumRatio.bands`
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,7 +50,7 @@ class SpectrumRatio:
     @property
     def ratio(self) -> Array:
         """Model over measurement, (n_f,), no less than -60 dB."""
-        return np.maximum(self.model / self.measured, _SILENT)
+        return np.maximum(self.model / self.measured, _LEAST_RATIO)
 
     @property
     def within_3db(self) -> float:
@@ -59,10 +59,10 @@ class SpectrumRatio:
 
     @cached_property
     def bands(self) -> tuple[Band, ...]:
-        """Bands in which the model is more than a tenth low or high, the weightiest first.
+        """Bands in which the model is more than a tenth low or high, by falling weight.
 
         The weight is the sum of |log ratio| times the measured amplitude over the largest, so that a deviation counts where
-        there is something. A band of densities reaches to the edges of its outermost averages.
+        amplitudes are large. A band of densities reaches to the edges of its outermost averages.
         """
         beyond = 2.0 ** (0.5 / _PER_OCTAVE) if self.kind == "PSD" else 1.0
         signs = np.sign(self.ratio - 1.0) * (np.abs(self.ratio - 1.0) > _NOTABLE)
@@ -79,18 +79,18 @@ class SpectrumRatio:
 
 
 def is_transient(values: Array) -> bool:
-    """Tell whether a history (n,) has died away in its last quarter, or has too few cycles for averages."""
-    moved = values - values.mean()
-    cycles = int(np.abs(np.fft.rfft(moved)).argmax())
-    died = float(moved[-(moved.size // 4) :].std()) < _DECAYED * float(moved.std())
-    return died or cycles < _PERIODS * _SEGMENTS
+    """Check whether a history (n,) has decayed in its last quarter, or has too few cycles for averages."""
+    centred = values - values.mean()
+    cycles = int(np.abs(np.fft.rfft(centred)).argmax())
+    decayed = float(centred[-(centred.size // 4) :].std()) < _DECAYED * float(centred.std())
+    return decayed or cycles < _PERIODS * _SEGMENTS
 
 
 def shock_ratio(pair: Pair) -> SpectrumRatio | None:
-    """Compute the shock response spectra (maximax, Q = 10) of two accelerations that are transients; None for others."""
+    """Compute the shock response spectra (maximax, Q = 10) of two transient accelerations; None for other histories."""
     if pair.channel.quantity != "acceleration" or not np.ptp(pair.measured) or not is_transient(pair.measured):
         return None
-    lowest, highest = _range(pair)
+    lowest, highest = _frequency_range(pair)
     highest = min(highest, pair.rate / SAMPLES_PER_PERIOD)
     if highest < 2.0 * lowest:
         return None
@@ -100,11 +100,11 @@ def shock_ratio(pair: Pair) -> SpectrumRatio | None:
 
 
 def density_ratio(pair: Pair) -> SpectrumRatio | None:
-    """Compute the roots of the power spectral densities in bands of a sixth of an octave, where there is more than noise.
+    """Compute the roots of the power spectral densities in bands of a sixth of an octave that are above the noise.
 
-    Of a transient they are those of one segment without a window, else Welch's; None where fewer than three bands are left.
+    A transient is taken as one segment without a window, else by Welch's method; None where fewer than three bands are left.
     """
-    lowest, highest = _range(pair)
+    lowest, highest = _frequency_range(pair)
     if highest < 2.0 * lowest:
         return None
     both = np.column_stack([pair.measured, pair.model])
@@ -131,7 +131,7 @@ def density_ratio(pair: Pair) -> SpectrumRatio | None:
 
 
 def coherence(pair: Pair) -> float | None:
-    """Average the coherence of model and measurement, weighted by the measured density; None where it is too short.
+    """Average the coherence of model and measurement, weighted by the measured density; None for too short a history.
 
     The coherence |S_mc|^2 / (S_mm S_cc) of Welch's method with 15 segments (Bendat and Piersol, Random Data, 4th ed.,
     section 5.2): 1 where one is a linear filter of the other.
@@ -142,17 +142,17 @@ def coherence(pair: Pair) -> float | None:
     if size < 8 * _SEGMENTS:
         return None
     m, c = (values - values.mean() for values in (pair.measured, pair.model))
-    across, of_m, of_c = (csd(a, b, fs=pair.rate, nperseg=size)[1][1:] for a, b in ((m, c), (m, m), (c, c)))
-    product = of_m.real * of_c.real
+    cross, auto_m, auto_c = (csd(a, b, fs=pair.rate, nperseg=size)[1][1:] for a, b in ((m, c), (m, m), (c, c)))
+    product = auto_m.real * auto_c.real
     if not product.any():
         return None
-    squared = np.abs(across) ** 2 / np.where(product > 0.0, product, np.inf)
-    return float(np.average(squared, weights=of_m.real))
+    squared = np.abs(cross) ** 2 / np.where(product > 0.0, product, np.inf)
+    return float(np.average(squared, weights=auto_m.real))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Transmissibility:
-    """Acceleration at a channel over that of the base along the same axis, as measured and as the model says."""
+    """Acceleration at a channel over that of the base along the same axis, measured and computed."""
 
     frequency: Array = field(repr=False)  # [Hz], (n_f,), where the measured base moves
     # measured, model: complex, (n_f,)
@@ -176,12 +176,12 @@ def transmissibility(base: Pair, pair: Pair) -> Transmissibility | None:
     size = pair.time.size if is_transient(pair.measured) else 2 * pair.time.size // 16
     window = "boxcar" if size == pair.time.size else "hann"
     functions, inputs = [], []
-    for drive, answer in ((base.measured, pair.measured), (base.model, pair.model)):
-        frequency, across = csd(drive, answer, fs=pair.rate, nperseg=size, window=window, detrend=False)
+    for drive, response in ((base.measured, pair.measured), (base.model, pair.model)):
+        frequency, cross = csd(drive, response, fs=pair.rate, nperseg=size, window=window, detrend=False)
         _, power = csd(drive, drive, fs=pair.rate, nperseg=size, window=window, detrend=False)
         inputs.append(power.real)
-        functions.append(across / np.where(power.real > 0.0, power.real, np.inf))
-    lowest, highest = _range(pair)
+        functions.append(cross / np.where(power.real > 0.0, power.real, np.inf))
+    lowest, highest = _frequency_range(pair)
     kept = (frequency >= lowest) & (frequency <= highest) & (inputs[0] > _DRIVEN * inputs[0].max())
     if np.count_nonzero(kept) < 8:
         return None
@@ -189,7 +189,7 @@ def transmissibility(base: Pair, pair: Pair) -> Transmissibility | None:
 
 
 def spectral_assurance(pair: Pair) -> float:
-    """Compare the Fourier spectra of both histories by the assurance criterion, where no base was measured."""
+    """Evaluate the assurance criterion of the Fourier spectra of both histories, for a test without a measured base."""
     measured, model = (np.fft.rfft(values - values.mean()) for values in (pair.measured, pair.model))
     kept = np.fft.rfftfreq(pair.time.size, 1.0 / pair.rate) <= _HIGHEST * pair.rate
     return assurance(measured[kept], model[kept])
@@ -204,6 +204,6 @@ def assurance(measured: ComplexArray, model: ComplexArray) -> float:
     return float(np.abs(np.vdot(measured, model)) ** 2 / size) if size else 0.0
 
 
-def _range(pair: Pair) -> tuple[float, float]:
-    """Frequencies between which an interval and its samples say something [Hz]."""
+def _frequency_range(pair: Pair) -> tuple[float, float]:
+    """Find the lowest and highest frequency that an interval and its sampling rate resolve [Hz]."""
     return _PERIODS / float(pair.time[-1] - pair.time[0]), _HIGHEST * pair.rate
