@@ -60,57 +60,58 @@ def iso_rating(measured: Array, computed: Array) -> Rating:
     phase = max(0.0, (largest - abs(shift)) / largest) if largest else 1.0
     n = measured.size - abs(shift)
     m, c = (measured[:n], computed[shift:]) if shift >= 0 else (measured[-shift:], computed[:n])
-    of_measured, of_computed = _warped(m, c)
-    magnitude = _rated(m[of_measured], c[of_computed], _LARGEST_MAGNITUDE)
-    slope = _rated(_smoothed(np.gradient(m)), _smoothed(np.gradient(c)), _LARGEST_SLOPE)
+    measured_rows, computed_rows = _warping_path(m, c)
+    magnitude = _error_rating(m[measured_rows], c[computed_rows], _LARGEST_MAGNITUDE)
+    slope = _error_rating(_moving_average(np.gradient(m)), _moving_average(np.gradient(c)), _LARGEST_SLOPE)
     overall = float(np.dot(_WEIGHTS, (corridor, phase, magnitude, slope)))
     return Rating(corridor=corridor, phase=phase, magnitude=magnitude, slope=slope, overall=overall)
 
 
-def _rated(measured: Array, computed: Array, largest: float) -> float:
-    """Rate by 1 less the error over the largest, at least 0; the error is the sum of |c - m| over that of |m|."""
-    size, away = float(np.abs(measured).sum()), float(np.abs(computed - measured).sum())
-    return max(0.0, 1.0 - away / size / largest) if size else float(away == 0.0)
+def _error_rating(measured: Array, computed: Array, largest: float) -> float:
+    """Rate the error sum |c - m| / sum |m| as 1 less its ratio to the largest error, at least 0."""
+    size, error = float(np.abs(measured).sum()), float(np.abs(computed - measured).sum())
+    return max(0.0, 1.0 - error / size / largest) if size else float(error == 0.0)
 
 
-def _smoothed(curve: Array) -> Array:
-    """Average nine samples about each, fewer where an end is near."""
+def _moving_average(curve: Array) -> Array:
+    """Average each sample with its neighbours over nine samples, fewer near the ends."""
     half = np.minimum(_SMOOTHED // 2, np.minimum(np.arange(curve.size), np.arange(curve.size)[::-1]))
     sums = np.concatenate([[0.0], np.cumsum(curve)])
     rows = np.arange(curve.size)
     return np.asarray((sums[rows + half + 1] - sums[rows - half]) / (2 * half + 1))
 
 
-def _warped(measured: Array, computed: Array) -> tuple[Array, Array]:
-    """Pair the samples of both histories that dynamic time warping brings together, least squares, inside a band.
+def _warping_path(measured: Array, computed: Array) -> tuple[Array, Array]:
+    """Pair the rows of two histories by dynamic time warping with least squares, within a band; returns the rows of each.
 
     D(i, j) = (c_j - m_i)^2 + min(D(i-1, j), D(i, j-1), D(i-1, j-1)), computed along the diagonals i + j, whose elements do not
     depend on each other.
     """
     n = measured.size
     width = max(int(_WARP * n), 1)
-    came = np.zeros((2 * n - 1, 2 * width + 1), dtype=np.int8)  # by diagonal and by i - j + width: 0 both, 1 i, 2 j
-    before, last, now = (np.full(2 * width + 3, np.inf) for _ in range(3))  # three diagonals, by i - j + width + 1
+    steps = np.zeros((2 * n - 1, 2 * width + 1), dtype=np.int8)  # by diagonal and by i - j + width: 0 both, 1 i, 2 j
+    # costs on three successive diagonals, by i - j + width + 1
+    before_last, last, current = (np.full(2 * width + 3, np.inf) for _ in range(3))
     backwards = computed[::-1]
     for diagonal in range(2 * n - 1):
         low = max(diagonal - n + 1, (diagonal - width + 1) // 2, 0)
         high = min(diagonal, (diagonal + width) // 2, n - 1)
         first, end = 2 * low - diagonal + width + 1, 2 * high - diagonal + width + 2
-        both, by_row, by_column = before[first:end:2], last[first - 1 : end - 1 : 2], last[first + 1 : end + 1 : 2]
+        both, by_row, by_column = before_last[first:end:2], last[first - 1 : end - 1 : 2], last[first + 1 : end + 1 : 2]
         best = np.minimum(by_row, by_column)
         chosen = np.where(by_row <= by_column, 1, 2)
         chosen[both <= best] = 0
         total = (backwards[n - 1 - diagonal + low : n - diagonal + high] - measured[low : high + 1]) ** 2
         if diagonal:
             total += np.minimum(both, best)
-        now.fill(np.inf)
-        now[first:end:2] = total
-        came[diagonal, first - 1 : end - 1 : 2] = chosen
-        before, last, now = last, now, before
+        current.fill(np.inf)
+        current[first:end:2] = total
+        steps[diagonal, first - 1 : end - 1 : 2] = chosen
+        before_last, last, current = last, current, before_last
     row = column = n - 1
     path = [(row, column)]
     while row or column:
-        step = int(came[row + column, row - column + width])
+        step = int(steps[row + column, row - column + width])
         row, column = row - (step != 2), column - (step != 1)
         path.append((row, column))
     pairs = np.array(path[::-1])
@@ -119,7 +120,7 @@ def _warped(measured: Array, computed: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, kw_only=True)
 class MagnitudePhase:
-    """Errors of a computed history; all are zero where it is the measured one."""
+    """Magnitude and phase errors of a computed history; all are zero if it equals the measured history."""
 
     magnitude: float  # > 0 where the computed history is larger
     phase: float  # 0 to 1; 0.5 for two sines a quarter of a period apart
@@ -133,19 +134,19 @@ def sprague_geers(measured: Array, computed: Array) -> MagnitudePhase:
     Sprague and Geers, A spectral-element method for modelling cavitation in transient fluid-structure interaction, Int. J.
     Numerical Methods in Engineering 60 (2004) 2467. A factor on the computed history changes M alone.
     """
-    angle, of_measured, of_computed = _products(measured, computed)
+    angle, of_measured, of_computed = _angle_and_energies(measured, computed)
     magnitude = math.sqrt(of_computed / of_measured) - 1.0
     return MagnitudePhase(magnitude=magnitude, phase=angle, comprehensive=math.hypot(magnitude, angle))
 
 
 def russell(measured: Array, computed: Array) -> MagnitudePhase:
-    """Compare two histories, (n,), by a magnitude that is as large for twice as for half, and by the angle between them.
+    """Compare two histories, (n,), by a magnitude error that treats factors of 2 and 1/2 alike, and by the angle between them.
 
     m = (Icc - Imm) / sqrt(Icc Imm), M = sign(m) log10(1 + |m|), P = arccos(Imc / sqrt(Imm Icc)) / pi,
     RC = sqrt(pi / 4 (M^2 + P^2)): Russell, Error measures for comparing transient data, 68th Shock and Vibration Symposium
     (1997) part I; RC up to 0.15 is called excellent there, up to 0.28 acceptable.
     """
-    angle, of_measured, of_computed = _products(measured, computed)
+    angle, of_measured, of_computed = _angle_and_energies(measured, computed)
     relative = (of_computed - of_measured) / math.sqrt(of_computed * of_measured) if of_computed else -math.inf
     magnitude = math.copysign(math.log10(1.0 + abs(relative)), relative)
     return MagnitudePhase(
@@ -153,7 +154,7 @@ def russell(measured: Array, computed: Array) -> MagnitudePhase:
     )
 
 
-def _products(measured: Array, computed: Array) -> tuple[float, float, float]:
+def _angle_and_energies(measured: Array, computed: Array) -> tuple[float, float, float]:
     """Compute the angle between two histories over pi, and the sums of their squares."""
     of_measured, of_computed = float(measured @ measured), float(computed @ computed)
     if of_measured == 0.0:

@@ -14,7 +14,7 @@ Deformation = Literal["elastic", "elastic-plastic"]
 KIP = 4448.2216152605  # A thousand pounds of force [N]
 LEAST = 6.0 * STANDARD_GRAVITY  # Least design acceleration [m/s^2]
 _INCH = 0.0254
-# Factors of A0 [g] and V0 [in/s] before what depends on the modal weight.
+# Coefficients a of A0 [g] and v of V0 [in/s], see `ddam_design_values`.
 _LEVELS = {
     ("surface", "hull"): (20.0, 60.0), ("surface", "deck"): (10.0, 30.0), ("surface", "shell"): (40.0, 120.0),
     ("submarine", "hull"): (10.4, 20.0), ("submarine", "deck"): (5.2, 10.0), ("submarine", "shell"): (52.0, 100.0),
@@ -32,10 +32,10 @@ _FACTORS: dict[tuple[str, str], dict[str, tuple[float, float]]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class DesignValues:
-    """Design values of a mode."""
+    """Shock design values of a mode."""
 
     weight: float  #: modal weight [N]
-    #: reference_acceleration, reference_velocity: A0 [m/s^2] and V0 [m/s] of its weight and place, factor of the direction in
+    #: reference_acceleration, reference_velocity: A0 [m/s^2] and V0 [m/s] of weight and location, times the direction's factor
     reference_acceleration: float
     reference_velocity: float
     acceleration: float  #: D = min(A, V w), at least 6 g [m/s^2]
@@ -74,11 +74,11 @@ def ddam_design_values(
         a, v = a * (37.5 + kip) * (12.0 + kip) / (6.0 + kip) ** 2, v * (12.0 + kip) / (6.0 + kip)
     else:
         a, v = a * (480.0 + kip) / (20.0 + kip), v * (480.0 + kip) / (100.0 + kip)
-    on_a, on_v = _FACTORS[ship, location][direction]
+    a_factor, v_factor = _FACTORS[ship, location][direction]
     if deformation == "elastic-plastic":
         if location == "shell":
             raise ValueError("there are no elastic-plastic design values for equipment on shell plating.")
-        on_v *= 0.5
-    acceleration, velocity = on_a * a * STANDARD_GRAVITY, on_v * v * _INCH
+        v_factor *= 0.5
+    acceleration, velocity = a_factor * a * STANDARD_GRAVITY, v_factor * v * _INCH
     design = max(min(acceleration, velocity * omega), LEAST)
     return DesignValues(weight=weight, reference_acceleration=acceleration, reference_velocity=velocity, acceleration=design)

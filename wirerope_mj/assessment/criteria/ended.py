@@ -1,4 +1,4 @@
-"""Verdicts over time, and those on runs that ended early.
+"""Utilisation of limits over time, and verdicts on runs that end before their peaks are over.
 
 A shock, or a record, is over when its motion is, the slowest mode has had the time for its largest swings to both sides
 after it, and the later half of that time brings nothing new and begins nothing that goes on. A sweep, and random vibration,
@@ -38,11 +38,11 @@ from wirerope_mj.mounts.isolator.travel import travel_in
 
 @dataclass(frozen=True, kw_only=True)
 class Used:
-    """Fraction of its limits that a mount, a body or a point uses over time."""
+    """Utilisation over time of the limits of a mount, a body or a point."""
 
     subject: str
-    verdicts: tuple[Verdict, ...]  # on it, those that change over time, the largest utilisation first
-    course: Array  # largest utilisation of them at each sample, (n_t,); peaks of every step may lie a little above
+    verdicts: tuple[Verdict, ...]  # verdicts on the subject that change over time, the largest utilisation first
+    course: Array  # largest utilisation at each sample, (n_t,); peaks of every step may lie a little above
 
     @property
     def governing(self) -> Verdict:
@@ -54,7 +54,7 @@ class Used:
 
 
 def used_limits(response: Response, verdicts: Sequence[Verdict]) -> list[Used]:
-    """Follow whatever has limits that it uses more or less of over time, in the order of `by_use`."""
+    """Compute the utilisation over time of every mount, body and point with limits, in the order of `by_use`."""
     by_subject: dict[str, list[tuple[Verdict, Array]]] = {}
     for verdict in verdicts:
         course = utilisation_over_time(response, verdict)
@@ -70,24 +70,24 @@ def used_limits(response: Response, verdicts: Sequence[Verdict]) -> list[Used]:
 
 
 def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
-    """Compute value over limit at each sample, (n_t,); None where nothing is judged, or it does not change over time."""
+    """Compute value over limit at each sample, (n_t,); None for a verdict without a limit or without a history."""
     if verdict.limit is None or verdict.utilisation is None:
         return None
     criterion, subject = verdict.criterion, verdict.subject
     mount = next((mount for mount in response.scene.isolating if mount.name == subject), None)
     if criterion.kind == ACCELERATION:
         kind = "bodies" if subject in response.bodies else "points"
-        value = _along(read_columns(response, f"{kind}/{subject}/acceleration/x", 3), criterion)
+        value = _component(read_columns(response, f"{kind}/{subject}/acceleration/x", 3), criterion)
     elif criterion.kind == RATTLE_SPACE and subject in response.points:
-        value = _along(response.points[subject].relative_displacement, criterion)
+        value = _component(response.points[subject].relative_displacement, criterion)
     elif criterion.kind == RATTLE_SPACE and BETWEEN in subject:
-        value = _along(between_points(response, subject), criterion)
+        value = _component(between_points(response, subject), criterion)
     elif criterion.kind == RATTLE_SPACE:
         body = next(body for body in response.scene.bodies if body.name == subject)
         corners = corner_displacements(response, body, body_corners(body))
-        value = np.max([_along(corner, criterion) for corner in corners], axis=0)
+        value = np.max([_component(corner, criterion) for corner in corners], axis=0)
     elif mount is not None and criterion.kind == LOAD:
-        value = _along(read_columns(response, f"mounts/{mount.name}/force/roll", 3), criterion)
+        value = _component(read_columns(response, f"mounts/{mount.name}/force/roll", 3), criterion)
     elif mount is not None and criterion.kind in (TRAVEL, COMBINED, BOTTOMING):
         deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
         rating = "compression" if criterion == BOTTOMING else criterion.sense
@@ -97,8 +97,8 @@ def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
     return np.asarray(value / verdict.limit)
 
 
-def _along(values: Array, criterion: Criterion) -> Array:
-    """Take components of vectors (n_t, 3) along the axis of a criterion, in its sense or both; without one their length."""
+def _component(values: Array, criterion: Criterion) -> Array:
+    """Compute components of vectors (n_t, 3) along a criterion's axis, in its sense or both; their norm without an axis."""
     if not criterion.axis:
         return np.asarray(np.linalg.norm(values, axis=1))
     along = values[:, "xyz".index(criterion.axis)]
@@ -107,16 +107,17 @@ def _along(values: Array, criterion: Criterion) -> Array:
 
 TOO_EARLY = "the run ends at"  # Beginning of the notes on values that are not judged because the run ends too early
 GROWS = "the motion still grows when the run ends"  # Beginning of the notes on values that are not judged for that
-# Slowest periods, of small amplitudes, for which a run goes on after its motion: that of large ones is up to twice as long.
+# Slowest periods, of small amplitudes, that a run must last after its motion: that of large ones is up to twice as long.
 PERIODS = 2.0
-SWINGS = 3.0  # Swings, of twice the slowest period or of the motion, that a run under an endless sine has at the least
-GROWTH = 0.01  # Utilisation by which something may grow at the end of a run and still be over
-_CREEPS = 10.0  # times what the last part brought, that much may follow where it was no less than what the part before did
-_NEAR = 1e-9  # [s]
+SWINGS = 3.0  # Least swings of a run under an endless sine, of twice the slowest period or of the motion
+GROWTH = 0.01  # Growth of a utilisation near the end of a run up to which its peak counts as over
+# Largest further growth that is extrapolated, over that of the last part, where growth does not slow down.
+_LARGEST_CREEP = 10.0
+_TIME_TOLERANCE = 1e-9  # [s]
 
 
 def too_short(response: Response) -> str:
-    """Note why a run ends before its peaks are over; "" if it does not, or if older responses do not say it."""
+    """Explain why a run ends before its peaks are over; "" if it does not, or if an older response lacks the data."""
     numerics = response.numerics
     return ends_early(
         response.motion, (response.initial_state.time, response.final_state.time), numerics.motion_end, numerics.slowest_period
@@ -124,10 +125,10 @@ def too_short(response: Response) -> str:
 
 
 def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: float) -> str:
-    """Note why a run from and to [s] ends before its peaks are over; "" if it does not.
+    """Explain why a run of start and end [s] ends before its peaks are over; "" if it does not.
 
-    The motion, plain values, is over at `over`, NaN if it has no end; `slowest` is the slowest period for small amplitudes,
-    NaN if it is not known: then nothing is said.
+    The motion, plain values, is over at `over` [s], NaN if it has no end; `slowest` is the slowest period for small amplitudes
+    [s], NaN if it is not known: then the result is "".
     """
     start, end = run
     parts = list(elements(motion))
@@ -145,21 +146,21 @@ def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: 
     else:
         needed = over + period
         why = f"the motion ends at {duration_text(over, 4)}, and twice the slowest period is {duration_text(period, 4)}"
-    if end >= needed - _NEAR:
+    if end >= needed - _TIME_TOLERANCE:
         return ""
     least = math.ceil(1e3 * needed - 1e-6) / 1e3
     return f"{TOO_EARLY} {duration_text(end, 4)}, before its peaks are over ({why}): run at least {duration_text(least, 4)}"
 
 
 def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
-    """Take the judgement off verdicts within their limits where the peak is not over when the run ends.
+    """Withdraw the judgement of values within their limits whose peaks are not over when the run ends.
 
-    Neither is a stop, or a pair of geoms, judged that has not been touched until then. Where something still grows, what else
-    peaked late is not judged either: a slow mode takes up the motion, and what it drives peaks with it.
+    Stops and pairs of geoms that have not been touched until then are not judged either. Where a value still grows, others
+    that peaked late are not judged either: a slow mode takes up the motion, and what it drives peaks with it.
     """
     early, rows, numerics = too_short(response), tuple(verdicts), response.numerics
     run = response.initial_state.time, response.final_state.time
-    # Older responses do not say enough.
+    # Older responses lack the slowest period.
     begin = math.inf if math.isnan(numerics.slowest_period) else quiet_from(response.motion, run, numerics.motion_end)
     growing = set() if early else {row for row in rows if _grows(response, row, begin)}
     if growing and math.isfinite(over := numerics.motion_end):
@@ -177,7 +178,7 @@ def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdi
 
 
 def _grows(response: Response, row: Verdict, begin: float, *, goes_on: bool = True) -> bool:
-    """Tell whether something within its limit reaches more than until `begin` [s], or is about to if it `goes_on`."""
+    """Check whether a value within its limit grew after `begin` [s], or would later; the latter only if it `goes_on`."""
     if row.verdict != WITHIN or row.time is None or row.time <= begin:
         return False
     course = utilisation_over_time(response, row)
@@ -187,9 +188,9 @@ def _grows(response: Response, row: Verdict, begin: float, *, goes_on: bool = Tr
     first, before, last = (float(np.max(course[response.time <= at], initial=0.0)) for at in (2.0 * begin - end, begin, end))
     if (row.utilisation or 0.0) - before > GROWTH:
         return True
-    # Parts of equal length end at `begin` and at the end: what each brings is taken for a geometric series, its sum to come.
+    # Parts of equal length end at `begin` and at the end: the growth in each continues as a geometric series, which is summed.
     late, fall = last - before, 1.0 - (last - before) / max(before - first, last - before, 1e-300)
-    return goes_on and late / max(fall, 1.0 / _CREEPS) > GROWTH
+    return goes_on and late / max(fall, 1.0 / _LARGEST_CREEP) > GROWTH
 
 
 def growth_note(end: float) -> str:
@@ -197,9 +198,9 @@ def growth_note(end: float) -> str:
 
 
 def quiet_from(motion: Entries, run: tuple[float, float], over: float) -> float:
-    """Find the instant [s] from which on nothing may grow; infinite where that may be until the end.
+    """Find the instant [s] after which no value may grow; infinite where growth is allowed until the end.
 
-    After a shock that is half of the free vibration: what a strong one passes on slowly, as to rocking, peaks late.
+    After a shock that is half of the free vibration: motions that a strong shock excites slowly, such as rocking, peak late.
     The arguments are those of `ends_early`.
     """
     start, end = run

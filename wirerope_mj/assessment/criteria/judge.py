@@ -1,4 +1,4 @@
-"""All verdicts on a run, and the answer that they are in one sentence."""
+"""All verdicts on a run, and the headline that sums them up in one sentence."""
 
 from collections.abc import Sequence
 
@@ -38,11 +38,11 @@ from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 FAIL, PASS, UNKNOWN = "FAIL", "PASS", "NOT JUDGED"  # Answers with which a headline begins
-_SHOWN = 5
+_SHOWN = 5  # verdicts that the text of `Verdicts` lists
 
 
 def headline(verdicts: Sequence[Verdict]) -> str:
-    """Say whether the limits are kept, what is most critical, how many stops are struck, and how much is not judged."""
+    """Sum up verdicts in a sentence: pass or fail, the most critical check, struck stops, and values that are not judged."""
 
     def several(count: int, thing: str) -> str:
         return f"{count} {thing}{'' if count == 1 else 's'}"
@@ -79,7 +79,7 @@ def headline(verdicts: Sequence[Verdict]) -> str:
 
 
 def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
-    """Say what the checks are of, where that is not the whole, " of the mounts", and what is not judged; "" of the whole."""
+    """Name the judged parts of the system, such as " of the mounts", and the part not judged; "" each if all are judged."""
     rows = [row for row in verdicts if not row.contact]
     parts = {
         "mounts": [row for row in rows if row.criterion.kind in OF_MOUNTS],
@@ -99,7 +99,7 @@ def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
 
 
 def amplified_text(verdicts: Sequence[Verdict]) -> str:
-    """Say whose acceleration is largest beside the base's; "" where none is more than that."""
+    """Describe the largest amplification of the base's acceleration in a clause; "" if no acceleration is above the base's."""
     if (worst := most_amplified(verdicts)) is None:
         return ""
     subject, amplification = worst
@@ -108,7 +108,7 @@ def amplified_text(verdicts: Sequence[Verdict]) -> str:
 
 
 def fail_text(count: str, verdicts: Sequence[Verdict], where: str = "") -> str:
-    """Say that limits are exceeded, how many and which most; first of all where weight rests on stops at rest."""
+    """Describe a failure: weight on stops at rest first, the count of exceeded limits, and the worst of them."""
     rested = max((row for row in verdicts if row.criterion.kind == RESTED), key=lambda row: row.value, default=None)
     if rested is None:
         return f"{FAIL}: {count}; worst {critical_text(verdicts)}{where}"
@@ -118,14 +118,14 @@ def fail_text(count: str, verdicts: Sequence[Verdict], where: str = "") -> str:
 
 
 def critical_text(verdicts: Sequence[Verdict]) -> str:
-    """Name the most critical check, "h4, 124 % of combined travel"."""
+    """Describe the most critical check, such as "h4, 124 % of combined travel"."""
     worst = most_used(verdicts)
     assert worst is not None
     return f"{worst.subject}, {100.0 * (worst.utilisation or 0.0):.0f} % of {limit_of(worst.criterion)}"
 
 
 def limit_of(criterion: Criterion) -> str:
-    """Name the limit of a criterion: "combined travel", "rated travel in roll", "the limit of acceleration along z"."""
+    """Name the limit of a criterion, such as "combined travel", "rated travel in roll", "the limit of acceleration along z"."""
     if criterion == COMBINED:
         return "combined travel"
     return f"rated {criterion}" if criterion.kind in _RATED else f"the limit of {criterion}"
@@ -136,7 +136,7 @@ OF_MOUNTS = (RESTED, *_RATED, COMBINED.kind, BOTTOMING.kind, LOAD, STOP_FORCE)
 
 
 class Verdicts(tuple[Verdict, ...]):
-    """Verdicts whose text is the answer, and those that use most of their limits."""
+    """Verdicts that print as their headline and the largest utilisations."""
 
     def __repr__(self) -> str:
         judged = sorted((row for row in self if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
@@ -149,7 +149,7 @@ def judge(
 ) -> tuple[Verdict, ...]:
     """Judge accelerations, travels, bottoming, rattle space, static loads and contacts of a run.
 
-    Where the run ends before its peaks are over, only what is exceeded already is judged of them.
+    Of peaks that are not over when the run ends only those that already exceed their limits are judged.
 
     Args:
         response: of the run.

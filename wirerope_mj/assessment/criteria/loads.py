@@ -31,9 +31,9 @@ from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text, force_text, instant_text
 from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
-# Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g.
-AT_STOPS = 0.01  # of the weight that stops may carry at rest: less is a stop that is just reached
+AT_STOPS = 0.01  # fraction of the weight that stops may carry at rest: less is a stop that is just reached
 _NAMED = 4  # stops that a sentence names
+# Acceleration below which the first sample is taken for rest [m/s^2]: an equilibrium leaves far less, a falling payload 1 g.
 AT_REST = 1e-3 * STANDARD_GRAVITY
 
 
@@ -47,7 +47,7 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
     start = [float(np.abs(read_start(response, f"bodies/{name}/acceleration/x", 3)).max()) for name in moving]
     unsettled = "" if max(start, default=0.0) < AT_REST else "the run does not begin at rest in equilibrium"
     return tuple(
-        _static(
+        _static_load_verdict(
             Criterion(STATIC_LOAD), mount.name, read_start(response, f"mounts/{mount.name}/force/roll", 3), mount.static_load,
             "" if math.isnan(mount.static_load) else unsettled,
         )
@@ -61,16 +61,16 @@ def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     Not judged where no load is rated, where the mount hangs, and where it carries more across its axis than along it.
     """
     return tuple(
-        _static(Criterion(STATIC_LOAD, sense=history), name, mount.force, mount.static_load)
+        _static_load_verdict(Criterion(STATIC_LOAD, sense=history), name, mount.force, mount.static_load)
         for history, sag in table.sags.items()
         for name, mount in sag.listed.items()
     )
 
 
 def rested_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
-    """Judge for each history the share of the weight that stops or contacts carry at rest; () where none does.
+    """Judge for each history the fraction of the weight on stops or contacts at rest; () where they carry no weight.
 
-    Isolation is short-circuited there: what the base does goes through them.
+    Isolation is short-circuited there: the base's motion passes through the stops and contacts.
     """
     verdicts = []
     for history, sag in table.sags.items():
@@ -101,9 +101,10 @@ def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     )  # fmt: skip
 
 
-def _static(
+def _static_load_verdict(
     criterion: Criterion, name: str, force: Sequence[float] | Array, rated: float | None, unjudged: str = ""
 ) -> Verdict:
+    """Judge the compression of a mount's force (3,) [N] against its rated load, unless `unjudged` gives a reason not to."""
     note = unjudged or static_load_unjudged(force, rated)
     compression = max(-float(force[2]), 0.0)
     limit = None if note else rated
@@ -111,7 +112,7 @@ def _static(
 
 
 def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
-    """Judge the largest force [N] of the mounts and stops that have a limit of it; () without one.
+    """Judge the largest force [N] of the mounts and stops with a limit of force; () without such limits.
 
     Args:
         response: of a run.
@@ -142,9 +143,9 @@ def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = N
 
 
 def contact_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Say of every pair of geoms that may touch and of every stop what became of it, with the largest force [N].
+    """Report for every contact pair and every stop whether it was struck, touching or clear, with its largest force [N].
 
-    () where none was recorded. No limit is stated for a contact: that a stop is struck is the finding, since the
+    () without recorded contacts. No limit is stated for a contact: that a stop is struck is the finding, since the
     accelerations depend on its stiffness and damping from then on.
     """
     return tuple(
@@ -158,7 +159,7 @@ def contact_verdicts(response: Response) -> tuple[Verdict, ...]:
 
 
 def contact_text(contact: ContactPeak) -> str:
-    """Say when a pair or a stop touched first, how often, how deep and for how long; "" for one that never did."""
+    """Describe the first touch of a pair or stop, the number of strikes, duration and depth; "" if it never touched."""
     if not contact.touches:
         return ""
     strikes = contact.touches - int(contact.from_start)
@@ -169,13 +170,13 @@ def contact_text(contact: ContactPeak) -> str:
 
 
 def closing_text(name: str, contact: ContactPeak) -> str:
-    """Say when a stop of a mount closed first and its largest force, "stop s3 closed at 61.2 ms, up to 4.1 kN"."""
+    """Describe the first closing of a mount's stop and its largest force: "stop s3 closed at 61.2 ms, up to 4.1 kN"."""
     when = instant_text(contact.first_touch or 0.0)
     return f"{contact.called(name)} closed at {when}, up to {force_text(contact.force)}"
 
 
 def foundation_force(response: Response, names: Collection[str] | None = None) -> Array:
-    """Sum the mounts' forces on what carries them, weight included [N], world axes, (n_t, 3); of all or of some.
+    """Sum the forces of all mounts, or of those named, on the base or world, weight included [N], world axes, (n_t, 3).
 
     A mount pulls its payload by minus R F and its base by R F, with R the axes of the base site, see
     `wirerope_mj.engine.control.mounts`; those whose base moves by itself, such as a frame between two stages, are left out.
@@ -191,7 +192,7 @@ def foundation_force(response: Response, names: Collection[str] | None = None) -
 
 
 def standing(scene: Scene) -> list[SceneMount]:
-    """List the mounts that stand on the base or on the world, not on what moves by itself."""
+    """List the mounts that stand on the base or on the world, not on a body that moves by itself."""
     moving = {body.name for body in scene.bodies if body.moves and not body.on_base}
     return [mount for mount in scene.mounts if mount.base_body not in moving]
 
@@ -248,19 +249,19 @@ class BoltLoad:
 def bolt_loads(response: Response) -> list[BoltLoad]:
     """Compute the loads of the bolts of every mount whose isolator says how many it has, the largest tension first.
 
-    The plate is rigid. A bolt has its share of the axial tension and of the force across. That acts at half the height: its
-    moment pulls the bolts of one side by F h / 2 over their distance, shared by half of them; a line of bolts bears none about
-    itself, where the plate's edges do. Prying and preload are left out.
+    The plate is rigid. A bolt has its share of the axial tension and of the force across. The force across acts at half the
+    height: its moment pulls the bolts of one side by F h / 2 over their distance, shared by half of them; about its own line a
+    row of bolts bears no moment, the plate's edges do. Prying and preload are left out.
     """
     loads = []
     for mount in response.scene.mounts:
-        number, *apart = mount.bolts
+        number, *distances = mount.bolts
         if math.isnan(number):
             continue
         force = response.mounts[mount.name].force
         height = mount.height if math.isfinite(mount.height) else 0.0
         tension = force[:, 2] / number
-        for axis, distance in enumerate(apart):
+        for axis, distance in enumerate(distances):
             if number > 1 and math.isfinite(distance):
                 tension = tension + np.abs(force[:, axis]) * 0.5 * height / (distance * 0.5 * number)
         shear = np.hypot(force[:, 0], force[:, 1]) / number

@@ -34,8 +34,8 @@ def acceleration_verdicts(
 ) -> tuple[Verdict, ...]:
     """Judge the largest absolute acceleration of every payload body and every point.
 
-    A limit of one value judges the size of the vector, one of three values the components that have one. What has no limit
-    is not judged.
+    A limit of one value applies to the norm of the vector, one of three values to its components. Accelerations without a
+    limit are not judged.
 
     Args:
         response: of a run.
@@ -58,7 +58,7 @@ def acceleration_verdicts(
             if base > 0.0:
                 amplified = Amplification(measure="peak", value=peak.value, base=base)
             if cutoff is not None:
-                peak = _filtered(response.time, read_columns(response, f"{kind}/{name}/acceleration/x", 3), cutoff)
+                peak = _low_pass_peak(response.time, read_columns(response, f"{kind}/{name}/acceleration/x", 3), cutoff)
                 note = f"below {cutoff:.6g} Hz (Butterworth, second order, forward and backward)"
             allowed = stated[name].values if name in stated else (0.0,)
             rows = [("", peak.value, peak.time, allowed[0])]
@@ -80,8 +80,8 @@ def acceleration_verdicts(
     return tuple(largest_each(verdicts))
 
 
-def _filtered(time: Array, acceleration: Array, cutoff: float) -> Peak:
-    """Find the peak of a history without what lies above `cutoff` [Hz]."""
+def _low_pass_peak(time: Array, acceleration: Array, cutoff: float) -> Peak:
+    """Find the peak of accelerations (n_t, 3) after a low-pass filter at `cutoff` [Hz]."""
     half = 0.5 * (time.size - 1) / float(time[-1] - time[0])
     if not (math.isfinite(cutoff) and 0.0 < cutoff < half):
         raise ValueError(f"`cutoff` must be between 0 and half the sampling rate, {half:.6g} Hz, got {cutoff!r}.")
@@ -173,11 +173,11 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
     verdicts: list[Verdict] = []
     for name in response.points:
         peak = response.peaks.points[name].relative_displacement
-        sides: list[Side] = []  # as every step tells
+        sides: list[Side] = []  # from the peaks of every step
         for axis in range(3):
             sides.append((-float(peak.minimum[axis]), float(peak.minimum_time[axis]), 0.0))
             sides.append((float(peak.maximum[axis]), float(peak.maximum_time[axis]), 0.0))
-        verdicts += _judge(name, (peak.value, peak.time), sides, stated.get(name), "", "")
+        verdicts += _clearance_verdicts(name, (peak.value, peak.time), sides, stated.get(name), note="", sampled="")
     for body in response.scene.bodies:
         if body.name not in corners:
             continue
@@ -197,21 +197,21 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
                 sampled_sides(moved, centre + np.cross(motion[:, 7:], axes @ place))
                 for place, moved in zip(box, corner_displacements(response, body, box), strict=True)
             ]
-            for side in zip(*every, strict=True):  # of the corner that went farthest, and how much farther one may have gone
+            for side in zip(*every, strict=True):  # of the farthest corner, and how much farther any corner may have gone
                 value, when, _ = max(side)
                 sides.append((value, when, max(reached + above for reached, _, above in side) - value))
-        verdicts += _judge(body.name, farthest, sides, limit, note, sampled)
+        verdicts += _clearance_verdicts(body.name, farthest, sides, limit, note, sampled)
     for name in (name for name in pairs if name in stated):
         first, second = (response.points[end] for end in name.split(BETWEEN))
         moved = between_points(response, name)
         length = sampled_peak(time, np.linalg.norm(moved, axis=1))
         sides = sampled_sides(moved, first.velocity - second.velocity)
-        verdicts += _judge(name, length, sides, stated[name], "between two points", sampled)
+        verdicts += _clearance_verdicts(name, length, sides, stated[name], "between two points", sampled)
     return tuple(largest_each(verdicts))
 
 
 def between_points(response: Response, name: str) -> Array:
-    """Follow how far the first of two points, "a to b", moved relative to the second [m], (n_t, 3), from as modelled."""
+    """Compute the displacement of the first of two points, "a to b", relative to the second from as modelled [m], (n_t, 3)."""
     first, second = name.split(BETWEEN)
     return response.points[first].relative_displacement - response.points[second].relative_displacement
 
@@ -222,7 +222,7 @@ Side = tuple[float, float, float]
 
 def body_corners(body: SceneBody) -> Array:
     """Find the corners of the box around a body's geoms, planes left out, from its centre of mass, body axes [m], (n, 3)."""
-    boxes = [_box(geom) for geom in body.geoms if geom.shape != "plane"]
+    boxes = [_bounding_box(geom) for geom in body.geoms if geom.shape != "plane"]
     if not boxes:
         return np.zeros((0, 3))
     low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
@@ -231,22 +231,22 @@ def body_corners(body: SceneBody) -> Array:
 
 def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
     """Yield the displacement of one corner after the other from its modelled position relative to the base [m], (n_t, 3)."""
-    moved = read_columns(response, f"bodies/{body.name}/position/x", 7)  # and the orientation
-    turns = rotation_matrices(moved[:, 3:]) - rotation_matrices(body.orientation)  # (n_t, 3, 3)
-    centre = moved[:, :3] - body.position - response.base.displacement
+    poses = read_columns(response, f"bodies/{body.name}/position/x", 7)  # positions and orientations
+    turns = rotation_matrices(poses[:, 3:]) - rotation_matrices(body.orientation)  # (n_t, 3, 3)
+    centre = poses[:, :3] - body.position - response.base.displacement
     for corner in corners:
         yield centre + turns @ corner
 
 
-# Fraction of a clearance by which something may have gone farther between the samples and still be judged.
+# Fraction of a clearance that a displacement may exceed its largest sample by and still be judged.
 MISSED = 0.01
 
 
-def _judge(
+def _clearance_verdicts(
     name: str, length: tuple[float, float], sides: Sequence[Side], limit: PayloadLimit | None, note: str, sampled: str
 ) -> list[Verdict]:
-    """Give one verdict on the length of the displacement and its instant without a limit, else one on every direction."""
-    # Not judged is what may be `MISSED` between samples, unless it is exceeded already.
+    """Make a verdict on the displacement's norm and instant if there is no limit, else one for each limited direction."""
+    # A direction is not judged if more than `MISSED` may lie between the samples, unless its limit is exceeded already.
     if limit is None:
         note, (value, when) = f"{note}; {NO_CLEARANCE}" if note else UNLIMITED, length
         criterion = Criterion(RATTLE_SPACE)
@@ -264,13 +264,13 @@ def _judge(
     return verdicts
 
 
-def _box(geom: Geom) -> tuple[Array, Array]:
+def _bounding_box(geom: Geom) -> tuple[Array, Array]:
     """Find the lowest and highest corner of the box around a geom, in body axes [m]."""
-    turn = rotation_matrices(geom.orientation)
+    rotation = rotation_matrices(geom.orientation)
     if geom.shape == "mesh":
-        vertices = geom.position + geom.vertices @ turn.T
+        vertices = geom.position + geom.vertices @ rotation.T
         return vertices.min(axis=0), vertices.max(axis=0)
     a, b, c = geom.size.tolist()
-    halves = {"sphere": (a, a, a), "capsule": (a, a, a + b), "cylinder": (a, a, b)}.get(geom.shape, (a, b, c))
-    reach = np.abs(turn) @ np.array(halves)
-    return geom.position - reach, geom.position + reach
+    half_sizes = {"sphere": (a, a, a), "capsule": (a, a, a + b), "cylinder": (a, a, b)}.get(geom.shape, (a, b, c))
+    half_extents = np.abs(rotation) @ np.array(half_sizes)
+    return geom.position - half_extents, geom.position + half_extents

@@ -21,7 +21,7 @@ from wirerope_mj.foundation.arrays import ArrayLike
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions.spectra import power_spectral_density
 
-SIGMAS = 3.0
+SIGMAS = 3.0  # standard deviations of the 3-sigma value
 
 
 def random_verdicts(
@@ -31,8 +31,8 @@ def random_verdicts(
 ) -> tuple[Verdict, ...]:  # fmt: skip
     """Judge the rms, the 3-sigma value and the largest value of a stationary acceleration.
 
-    Only what is stationary may count: neither the settling at the beginning nor the fall of the vibration and what follows
-    it. How well the rms is known stands in the notes: with statistical bandwidth B and length t its relative standard error
+    Only the stationary part may count: neither the settling at the beginning nor the fall of the vibration and the decay
+    after it. The error of the rms stands in the notes: with statistical bandwidth B and length t its relative standard error
     is 1 / (2 sqrt(B t)) in Gaussian vibration. Where the amplitudes of all sines of a vibration of length T are fixed, as a
     controlled shaker has them, it is sqrt(1 - t / T) of that: only the phases differ from seed to seed.
 
@@ -71,7 +71,8 @@ def random_verdicts(
         length = f"({density.duration:.4g} s of a bandwidth of {float(density.bandwidth):.3g} Hz)"
         uncertainty = f"standard error {gaussian} {length}"
         if fixed_over is not None:
-            # A record that is all of it has one rms; the bandwidth is known to some 10 %, and so no less than a tenth is said.
+            # A record of the whole length has one rms for all seeds; the bandwidth is known within some 10 %, and so no less
+            # than a tenth is stated.
             part = max(math.sqrt(max(1.0 - density.duration / fixed_over, 0.0)), 0.1)
             error = f"standard error {100.0 * float(density.rms_error) * part:.2g} %"
             uncertainty = f"{error} from seed to seed, amplitudes being fixed; {gaussian} in Gaussian vibration {length}"
@@ -98,32 +99,32 @@ def judge_random(
     response: Response, *, discard: float | None = None, end: float | None = None, limits: Sequence[PayloadLimit] | None = None,
     resolution: float | None = None,
 ) -> tuple[Verdict, ...]:  # fmt: skip
-    """Judge by `random_verdicts` x, y and z of every payload body and every point that move along them.
+    """Judge the accelerations of all payload bodies and points along x, y and z by `random_verdicts`, where they move.
 
-    Without `discard` and `end`, the interval in which the base is stationary counts, from where the response has settled
-    in it: three decay times of the resonance that dominates, from the width of its peak (`settling` of the density).
+    Without `discard` and `end`, the interval in which the base is stationary counts, from the settling of the response on:
+    three decay times of the dominant resonance, from the width of its peak (`settling` of the density).
 
     Args:
         response: of a run with random vibration.
         discard: length at the beginning that is left out [s]: until the response has settled. It must be given where the
             base does more than vibrate at random.
         end: instant after which nothing counts [s]; without it, where the random vibration begins to fall.
-        limits: of kind "acceleration"; without them the model's own. One of a single value, for the size of the vector, is
-            asked of every component.
+        limits: of kind "acceleration"; without them the model's own. One of a single value, for the norm of the vector,
+            applies to every component.
         resolution: of the densities [Hz]; see `power_spectral_density`.
 
     Raises:
         ValueError: a limit names neither a body nor a point, the run is too short, or `discard` is missing.
     """
-    alone, first, falls = steady_interval(response.motion)
-    if discard is None and not alone:
+    only_random, first, falls = steady_interval(response.motion)
+    if discard is None and not only_random:
         raise ValueError("`discard` must be given: the base of this run does not vibrate at random alone.")
     last = falls if end is None else end
     bodies = payload_bodies(response)
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *response.points])
     kinds = {name: "bodies" for name in bodies} | {name: "points" for name in response.points}
     random = [part for part in elements(response.motion) if "psd" in part]
-    fixed = all(part.get("amplitudes", "fixed") == "fixed" for part in random) and alone
+    fixed = all(part.get("amplitudes", "fixed") == "fixed" for part in random) and only_random
     steady = slice(*np.searchsorted(response.time, [first, last]))
     lead = max(first - float(response.time[0]), 0.0)
     verdicts: list[Verdict] = []

@@ -1,9 +1,9 @@
-"""Histories of a run as they are judged: samples, extremes at and between them, and where a base is steady.
+"""Sampled histories of a run: columns, extremes at and between the samples, and the interval in which a base is steady.
 
 Between two samples stands the cubic that has the values and rates of both (Hermite). Where a cubic over two intervals misses
 the sample in between, by m, those over single intervals miss the history by m / 16 where it is smooth, and by m / 4 where its
-second derivative jumps, as friction and pulses let it. Samples that are too few for a history give themselves away so: their
-rates do not fit what other samples say.
+second derivative jumps, as with friction and pulses. So samples that are too few for a history can be recognised: their rates
+do not fit the other samples.
 """
 
 import math
@@ -16,13 +16,13 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import RandomVibration, motion_from_dict
 
-SAMPLED = "sampled at"  # How the notes begin on what is not judged because samples are too few
+SAMPLED = "sampled at"  # Beginning of the notes on values that are not judged because samples are too few
 
 
 def read_columns(response: Response, first: str, count: int) -> Array:
     """Read `count` columns from the one named `first` on, (n_t, count).
 
-    They are not kept in the response: of a long one in a file only what is looked at is in memory.
+    They are not kept in the response: of a long response in a file only the columns in use are in memory.
     """
     column = response.samples.names.index(first)
     return response.samples.columns(column, column + count)
@@ -39,7 +39,7 @@ def sampled_text(time: Array) -> str:
 
 
 def samples_hold(response: Response) -> str:
-    """Say what the samples of a run can tell: up to which frequency, and how much of the peaks they reach."""
+    """Describe the resolution of a run's samples: the highest frequency, and the fraction of the peaks that they miss."""
     rate, worst, of_what = sample_rate(response.time), 0.0, ""
     for kind, peaks in (("bodies", response.peaks.bodies), ("points", response.peaks.points)):
         for name, peak in peaks.items():
@@ -52,7 +52,7 @@ def samples_hold(response: Response) -> str:
 
 
 AT_REST = 1e-3 * STANDARD_GRAVITY  # Acceleration below which something rests [m/s^2]
-_MISSED = 0.01
+_MISSED = 0.01  # missed fraction of a peak from which it is reported
 
 
 def sampled_peak(time: Array, values: Array) -> tuple[float, float]:
@@ -72,7 +72,7 @@ STEADY = frozenset({"sweep", "sine", "vibration-lines", "harmonic-force", "unbal
 
 
 def steady_interval(motion: Entries) -> tuple[bool, float, float]:
-    """Tell whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
+    """Check whether a motion is random vibration alone, and find the interval [s] in which all random vibration is stationary.
 
     Without any random vibration these are minus and plus infinity. Files of records are not read.
     """
@@ -100,7 +100,7 @@ def has_peak(stored: Entries) -> bool:
 
 
 def elements(stored: Entries) -> Iterator[Entries]:
-    """Yield the elementary motions of which one is made by adding, scaling and turning."""
+    """Yield the elementary motions that a stored motion adds, scales and turns."""
     inner = [*stored.get("terms", ()), *([stored["motion"]] if "motion" in stored else ())]
     if not inner:
         yield stored
@@ -109,22 +109,22 @@ def elements(stored: Entries) -> Iterator[Entries]:
 
 
 # Error of a cubic over one interval, over the misfit of that over two: with a second derivative that jumps.
-_OF_MISFIT = 0.25
+_ERROR_OF_MISFIT = 0.25
 
 
-# Samples to a period of the mean frequency, rms of the rates over 2 pi that of the values, below which cubics tell nothing.
-_LEAST = 4.0
-# Error, as a fraction of the range, above which a cubic's extreme says nothing, and the samples alone count.
-_TRUSTED = 0.01
+# Least samples to a period of the mean frequency, rms of the rates over 2 pi that of the values, for cubics to be used.
+_LEAST_PER_PERIOD = 4.0
+# Error, as a fraction of the range, above which a cubic's extreme is not used, and the samples alone count.
+_LARGEST_ERROR = 0.01
 
 
 def sample_rate(time: Array) -> float:
-    """Rate of uniform samples [Hz], from their instants [s]; 0 for one alone."""
+    """Rate of uniform samples [Hz], from their instants [s]; 0 for a single sample."""
     return (time.size - 1) / float(time[-1] - time[0]) if time.size > 1 else 0.0
 
 
 def path(values: Array, rates: Array, spacing: float) -> tuple[Array, Array]:
-    """Reach along samples, (n,), and extremes of the cubics between them in their order, and where these are, in samples."""
+    """List the samples, (n,), and the extremes of the cubics between them in order, and their positions [samples]."""
     start, step = values[:-1], np.diff(values)
     slope, last = spacing * rates[:-1], spacing * rates[1:]
     square, cube = 3.0 * step - 2.0 * slope - last, slope + last - 2.0 * step
@@ -147,11 +147,11 @@ def misfit(values: Array, rates: Array, spacing: float) -> Array:
     if values.size < 3:
         return np.full(values.size, np.inf)
     middle = 0.5 * (values[:-2] + values[2:]) + 0.25 * spacing * (rates[:-2] - rates[2:])
-    return np.pad(_OF_MISFIT * np.abs(middle - values[1:-1]), 1, mode="edge")
+    return np.pad(_ERROR_OF_MISFIT * np.abs(middle - values[1:-1]), 1, mode="edge")
 
 
 def peak_between(time: Array, values: Array, rates: Array) -> tuple[float, float, float]:
-    """Find the largest value, its instant [s], and by how much the history may be above it; never more than it reached."""
+    """Find the largest value at or between samples, its instant [s], and the most by which the history may exceed it."""
     if values.size < 2:
         return float(values[0]), float(time[0]), np.inf
     spacing = 1.0 / sample_rate(time)
@@ -159,11 +159,11 @@ def peak_between(time: Array, values: Array, rates: Array) -> tuple[float, float
     k = int(reached.argmax())
     error = misfit(values, rates, spacing)
     beside = np.minimum(places.astype(np.int64), values.size - 2)
-    if np.std(rates) * _LEAST * spacing > 2.0 * np.pi * np.std(values):
+    if np.std(rates) * _LEAST_PER_PERIOD * spacing > 2.0 * np.pi * np.std(values):
         k = int(values.argmax())
         return float(values[k]), float(time[k]), np.inf
     highest = float((reached + np.maximum(error[beside], error[beside + 1])).max())
-    if highest - reached[k] > _TRUSTED * np.ptp(values):
+    if highest - reached[k] > _LARGEST_ERROR * np.ptp(values):
         k = int(np.searchsorted(places, values.argmax()))
     return float(reached[k]), float(time[0] + places[k] * spacing), highest - float(reached[k])
 

@@ -1,4 +1,4 @@
-"""Verdicts in sentences, and the summary of a run by them."""
+"""Summary of a run: its verdicts in sentences, and its peaks, limits and verdicts as plain values."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -47,7 +47,7 @@ class BodyPeak:
 
 @dataclass(frozen=True, kw_only=True)
 class MountPeak:
-    """Peaks of a mount and the verdicts on its travel."""
+    """Peaks of a mount's deflection and force, and the verdicts on its travel."""
 
     name: str
     isolator: str  # name of the device
@@ -111,7 +111,7 @@ def mount_peaks(response: Response) -> list[MountPeak]:
     return sorted(rows, key=lambda row: -1.0 if row.utilisation is None else row.utilisation, reverse=True)
 
 
-# Said wherever the rule is why a limit is exceeded.
+# Stated wherever combined travel is exceeded.
 OWN_RULE = (
     "Combined travel, the ellipsoid through the rated travels, is this program's own rule; `wirerope run "
     "--no-combined-travel`, or 0 for limit/combined_travel in the model, leaves it out."
@@ -121,14 +121,14 @@ _LIMITS = 8  # limits of payload, loads and stops that have lines of their own
 
 
 def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
-    """Say the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
-    early = too_short(response)  # whose reason stands in the headline
+    """Describe the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
+    early = too_short(response)  # the reason stands in the headline
     lines = ["What is not exceeded yet is not judged."] if early else []
     kinds = (ACCELERATION, RATTLE_SPACE)
     elsewhere = set(OF_MOUNTS) - {LOAD, STOP_FORCE}
     rows = [row for row in verdicts if row.criterion.kind not in elsewhere and not row.contact]
     judged = sorted((row for row in rows if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
-    lines += [f"{row.verdict.capitalize()}: {against_limit(row)}{_at(row)}." for row in judged[:_LIMITS]]
+    lines += [f"{row.verdict.capitalize()}: {against_limit(row)}{_instant(row)}." for row in judged[:_LIMITS]]
     if more := judged[_LIMITS:]:
         over = sum(row.verdict == EXCEEDED for row in more)
         lines.append(f"Of the other limits {over or 'none'} of {len(more)} is exceeded.")
@@ -139,7 +139,7 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     rated = [row for row in mounts if row.utilisation is not None]
     lines += single_travel_lines([verdict for row in mounts for verdict in row.travel.values()])
     lines += (_combined_lines(response, verdicts, early) if rated else []) + pressed_lines(verdicts)
-    together = any(row.criterion == COMBINED and row.verdict != NOT_JUDGED for row in verdicts)  # whose line says it
+    together = any(row.criterion == COMBINED and row.verdict != NOT_JUDGED for row in verdicts)  # its line names tension
     untensioned = bool(rated) and not together and all(row.travel["tension"].utilisation is None for row in rated)
     unrated = ["tension of every mount"] * untensioned + [row.name for row in mounts if row.utilisation is None]
     if unrated and not early:
@@ -148,7 +148,7 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Name the mount with most of its rated static load; nothing where none is judged."""
+    """Describe the mount with most of its rated static load in a line; no line where no static load is judged."""
     worst = most_used(row for row in verdicts if row.criterion.kind == STATIC_LOAD)
     if worst is None:
         return []
@@ -157,7 +157,7 @@ def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def rested_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Say that stops or contacts carry weight at rest, history by history; nothing where none does."""
+    """Describe for each history the weight that stops or contacts carry at rest; no line where they carry none."""
     return [f"{row.note[:1].upper()}{row.note[1:]}." for row in verdicts if row.criterion.kind == RESTED]
 
 
@@ -166,7 +166,7 @@ def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def contact_lines(response: Response, early: str = "") -> list[str]:
-    """Say which pair of geoms was struck hardest and how many others were, which stops closed, and what touches always."""
+    """Describe the contacts of a run: struck pairs of geoms and the hardest of them, closed stops, lasting contacts."""
     known, lines = response.peaks.contacts or {}, []
     for thing, of_mounts in (("contact pair", False), ("bump stop", True)):
         contacts = {name: contact for name, contact in known.items() if bool(contact.mount) is of_mounts}
@@ -188,12 +188,13 @@ def contact_lines(response: Response, early: str = "") -> list[str]:
 
 
 def _listed(names: list[str], between: str = ", ") -> str:
+    """Join the first names, and the number of the others."""
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return between.join(names[:_NAMED]) + more
 
 
 def against_limit(row: Verdict) -> str:
-    """Put a value beside its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"; of a ratio the percentage."""
+    """Write a value with its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"; of a ratio the percentage."""
     used = f"{100.0 * (row.utilisation or 0.0):.0f} %"
     if not row.unit:
         return f"{row.criterion} of {row.subject}, {used}"
@@ -202,12 +203,12 @@ def against_limit(row: Verdict) -> str:
 
 
 def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Say in a line which mounts exceed a rated travel along an axis, and which is most used; no line where none is judged."""
+    """Describe travel along single axes in a line: mounts that exceed it, and the most used; no line if no travel is judged."""
     rows = [row for row in verdicts if row.criterion.kind == TRAVEL]
     worst = most_used(rows)
     if worst is None:
         return []
-    used = f"{100.0 * (worst.utilisation or 0.0):.0f} % in {worst.criterion.sense}{_at(worst)}"
+    used = f"{100.0 * (worst.utilisation or 0.0):.0f} % in {worst.criterion.sense}{_instant(worst)}"
     over = [row for row in rows if row.verdict == EXCEEDED]
     names = {rating: dict.fromkeys(row.subject for row in over if row.criterion.sense == rating) for rating in RATINGS}
     exceeded = [f"in {rating} by {', '.join(mounts)}" for rating, mounts in names.items() if mounts]
@@ -215,12 +216,12 @@ def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
     return [f"Travel along single axes: {answer}; most used {worst.subject}, {used}."]
 
 
-def _at(row: Verdict) -> str:
+def _instant(row: Verdict) -> str:
     return "" if row.time is None else f" at {instant_text(row.time)}"
 
 
 def pressed_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Name in a line the mounts that are pressed until their bars meet and beyond; no line where none is."""
+    """Name in a line the mounts that are pressed until their bars meet and beyond; no line without such mounts."""
     flat = dict.fromkeys(row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED)
     return [
         f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model, or "
@@ -229,7 +230,7 @@ def pressed_lines(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _combined_lines(response: Response, verdicts: Sequence[Verdict], early: str) -> list[str]:
-    """Say at how many mounts all axes together come to more than the ratings, what is left out, and what is not judged."""
+    """Describe combined travel in a line: mounts that exceed it, directions without a rating, and mounts not judged."""
     every = [row for row in verdicts if row.criterion == COMBINED]
     rows = {row.subject: row for row in every if row.verdict != NOT_JUDGED}
     worst = most_used(rows.values())
@@ -239,13 +240,15 @@ def _combined_lines(response: Response, verdicts: Sequence[Verdict], early: str)
     which = f"all {len(rows)} mounts{'' if len(rows) == len(every) else ' that are judged'}"
     within = f"is within at {'the only mount' if len(every) == 1 else which}"
     answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else within
-    parts = [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} %{_at(worst)} (in-house rule)"]
+    parts = [
+        f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} %{_instant(worst)} (in-house rule)"
+    ]
     rated = {mount.name: mount.travel for mount in response.scene.mounts}
     travels = [row for row in verdicts if row.subject in rows and row.criterion.kind == TRAVEL and row.value > 0.0]
     for way in ("compression", "tension"):
-        free = [row for row in travels if row.criterion.sense == way and way not in rated[row.subject]]
-        if free:
-            most = max(free, key=lambda row: row.value)
+        unrated = [row for row in travels if row.criterion.sense == way and way not in rated[row.subject]]
+        if unrated:
+            most = max(unrated, key=lambda row: row.value)
             parts.append(f"{way}, up to {1e3 * most.value:.3g} mm at {most.subject}, has no limit and is left out")
     reasons: dict[str, list[str]] = {}
     for row in every:

@@ -1,4 +1,4 @@
-"""Deflections of mounts against rated travels, one by one and all at once, until the bars meet, and beyond what was tested."""
+"""Verdicts on mount deflections: rated travels along single axes and combined, bottoming, and tested ranges."""
 
 import math
 from collections.abc import Mapping
@@ -19,11 +19,11 @@ from wirerope_mj.mounts.isolator.travel import RATINGS, falling_text, travel_in,
 
 
 def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Judge every mount in compression, tension, shear, roll and all of them combined.
+    """Judge the travel of every mount in compression, tension, shear and roll, and combined.
 
     Deflections count from the unloaded mount, so that the sag is part of them. Beyond its rated compression a wire-rope
-    isolator bottoms; for how long is in the note. Stops of the model are contacts, judged by `contact_verdicts`: what
-    they stop shows as a deflection that ends there.
+    isolator bottoms; for how long is in the note. Stops of the model are contacts, judged by `contact_verdicts`: a
+    deflection ends at a stop.
 
     No standard and no vendor gives a rule for several axes at once: the ellipsoid through the rated travels, beyond which
     "travel combined" is exceeded, is this project's own. A model or `wirerope run --no-combined-travel` switches it off.
@@ -33,16 +33,16 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
         deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
         for rating, verdict in peak_travel_verdicts(mount, response.peaks.mounts[mount.name].deflection).items():
             if verdict.verdict == EXCEEDED:
-                beyond = _length(response.time, travel_in(rating, deflection) > mount.travel[rating])
+                beyond = _duration_in_all(response.time, travel_in(rating, deflection) > mount.travel[rating])
                 verdict = replace(verdict, note=beyond and f"beyond it for {beyond}")
             verdicts.append(verdict)
         if response.scene.combined_travel:
-            verdicts.append(_combined(response, mount, deflection))
+            verdicts.append(_combined_verdict(response, mount, deflection))
     return tuple(verdicts)
 
 
 def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
-    """Judge the travel of a mount by rating, from the peaks of every step alone."""
+    """Judge the travel of a mount by rating, from its extreme deflections over all steps."""
     reached, verdicts = travel_reached(peak.minimum, peak.maximum), {}
     for rating, (axis, way) in RATINGS.items():
         down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
@@ -56,7 +56,7 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
 
 
 def rest_travel_verdicts(isolators: Mapping[str, Isolator], table: StaticTable) -> tuple[Verdict, ...]:
-    """Judge the travel of every mount at rest and its bars, history by history; `isolators` by mount."""
+    """Judge the travel and bottoming of every mount at rest, history by history; `isolators` by mount."""
     verdicts: list[Verdict] = []
     for history, sag in table.sags.items():
         for name, mount in sag.listed.items():
@@ -78,8 +78,8 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
     """Judge the largest compression of every mount against that at which its bars meet, height - 2 bar.
 
     The rated compression, less than that, is where the vendor says that a mount bottoms: see `travel_verdicts`. No law knows
-    that the bars meet, so that what is beyond it cannot happen: a stop is missing in the model. Where the isolator does not
-    state the thickness of its bars, the whole height is an upper bound: it can be exceeded, but nothing is within.
+    that the bars meet; compressions beyond it cannot happen, and show that a stop is missing in the model. Where the isolator
+    does not state the thickness of its bars, the whole height is an upper bound, by which a value can only be exceeded.
     """
     verdicts = []
     for mount in response.scene.isolating:
@@ -102,7 +102,7 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
 
 
 def combined_travel(mount: SceneMount, deflection: Array) -> Array:
-    """Compute the utilisation by all rated travels of a mount at once, (n_t,), from its deflection (n_t, 3)."""
+    """Compute the combined utilisation of a mount's rated travels, (n_t,), from its deflection (n_t, 3)."""
     total = np.zeros(len(deflection))
     for rating, travel in mount.travel.items():
         total += (travel_in(rating, deflection) / travel) ** 2
@@ -112,8 +112,8 @@ def combined_travel(mount: SceneMount, deflection: Array) -> Array:
 def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: Array) -> Array:
     """Compute the combined utilisation of many mounts, (...), by the rule of a run's verdicts; NaN where it is not judged.
 
-    `farthest` is the largest utilisation of every step, `judged` that of the instants at which the way along the axis is
-    rated, (...), `reached` and `rated` are travels in the order of RATINGS [m], (..., 4); NaN stands for what there is not.
+    `farthest` is the largest utilisation over all steps, `judged` that over the steps at which the direction of the axial
+    deflection is rated, (...); `reached` and `rated` are travels in the order of RATINGS [m], (..., 4); NaN for missing values.
     """
     across = np.array([way == 0.0 for _, way in RATINGS.values()])
     bound = np.isnan(judged) | (np.isnan(rated) & (reached > 0.0))[..., across].any(axis=-1)
@@ -123,22 +123,22 @@ def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: 
 ELLIPSOID = "sqrt of the sum of (deflection / rated)^2 at one instant"
 
 
-def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdict:
+def _combined_verdict(response: Response, mount: SceneMount, deflection: Array) -> Verdict:
     """Judge all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1."""
-    # A rebound into tension, which few vendors rate, counts nothing in the sum, and is said; so no axis uses more by itself
-    # than all do together. A mount that is never pressed, or whose shear or roll is not rated, has a lower bound: it can
-    # exceed, but not be within. Older responses have it in their samples alone, which must not miss the peaks of every step.
+    # A rebound into tension, which few vendors rate, counts nothing in the sum, and is noted; so no single axis uses more than
+    # the sum. Of a mount that is never compressed, or whose shear or roll is not rated, the sum is a lower bound: it can exceed
+    # the limit, but not be within. Older responses have samples alone, which must not miss the peaks of every step.
     peak = response.peaks.mounts[mount.name].deflection
     reached = travel_reached(peak.minimum, peak.maximum)
     missing = [rating for rating in RATINGS if rating not in mount.travel and reached[rating] > 0.0]
     followed = response.peaks.travels
-    travel = _sampled(response.time, mount, deflection) if followed is None else followed[mount.name]
+    travel = _sampled_combined_travel(response.time, mount, deflection) if followed is None else followed[mount.name]
     value, when, notes = travel.value, travel.time, [ELLIPSOID]
     bound = travel.judged is None or any(RATINGS[rating][1] == 0.0 for rating in missing)
     ways = [rating for rating in missing if RATINGS[rating][1]]
     one_way = ways[0] if ways else None
     if one_way and value <= 1.0 and travel.judged is not None:
-        length = _length(response.time, travel_in(one_way, deflection) > 0.0)
+        length = _duration_in_all(response.time, travel_in(one_way, deflection) > 0.0)
         notes.append(f"up to {1e3 * reached[one_way]:.3g} mm of {one_way} count nothing{f', {length}' if length else ''}")
     if missing:
         always = f"in {one_way} throughout, and " if len(ways) == 1 and travel.judged is None else ""
@@ -155,8 +155,8 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
     )  # fmt: skip
 
 
-def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTravel:
-    """Find the farthest travel of the samples, refined between them."""
+def _sampled_combined_travel(time: Array, mount: SceneMount, deflection: Array) -> CombinedTravel:
+    """Find the largest combined travel of the samples, refined between them."""
     total, judged = np.zeros(time.size), np.ones(time.size, dtype=bool)
     for rating, (_, way) in RATINGS.items():
         travel = travel_in(rating, deflection)
@@ -169,25 +169,25 @@ def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTrave
     return CombinedTravel(value=math.sqrt(square), time=when, judged=of_judged, judged_time=math.nan)
 
 
-# Fraction of a rated travel by which samples may miss the peaks of every step: what they are judged by is known within 1 %.
+# Fraction of a rated travel by which samples may miss the peaks of every step: the utilisation is then known within 1 %.
 MISSED = 0.005
 
 
-def _length(time: Array, rows: Booleans) -> str:
-    """Say how long something lasted, as the samples tell; "" if too few of them do."""
+def _duration_in_all(time: Array, rows: Booleans) -> str:
+    """Write the duration of the samples in `rows`, "12 ms in all"; "" if they are too few."""
     count = np.count_nonzero(rows)
-    spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a run shorter than that has one sample
-    return f"{duration_text(count * spacing)} in all" if count >= _ENOUGH else ""
+    spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a very short run has one sample
+    return f"{duration_text(count * spacing)} in all" if count >= _LEAST_SAMPLES else ""
 
 
-_ENOUGH = 10  # Samples from which on they tell how long something lasts, to a tenth
+_LEAST_SAMPLES = 10  # Least samples of a duration, for an error of a tenth
 
 
 _NAMED = 3  # mounts and axes that a sentence names
 
 
 def untested(isolators: Mapping[str, Isolator], ends: Mapping[str, tuple[Array, Array]]) -> str:
-    """List the mounts that move outside their isolators' tested ranges, and how far, as part of a sentence; "" if none does.
+    """List the mounts that move outside their isolators' tested ranges, and how far, as part of a sentence; "" without any.
 
     `ends` are the lowest and highest deflections along roll, shear and axial [m], (3,) each, by mount.
     """
@@ -201,7 +201,7 @@ def untested(isolators: Mapping[str, Isolator], ends: Mapping[str, tuple[Array, 
 
 
 def untested_line(isolators: Mapping[str, Isolator], response: Response) -> str:
-    """Warn of the mounts whose deflections in a run are outside what was tested; "" where none is."""
+    """Warn of the mounts whose deflections in a run are outside the tested range; "" without such mounts."""
     peaks = {name: mount.deflection for name, mount in response.peaks.mounts.items()}
     ends = {name: (peak.minimum, peak.maximum) for name, peak in peaks.items()}
     where = untested(isolators, ends)
@@ -212,7 +212,7 @@ def untested_line(isolators: Mapping[str, Isolator], response: Response) -> str:
 
 
 def falling_line(isolators: Mapping[str, Isolator], response: Response) -> str:
-    """Warn of the mounts that went where their force falls as the deflection grows; "" where none did."""
+    """Warn of the mounts whose force fell as the deflection grew; "" without such mounts."""
     falling = []
     for name, mount in response.peaks.mounts.items():
         ends = zip(isolators[name].axes.items(), mount.deflection.minimum, mount.deflection.maximum, strict=True)

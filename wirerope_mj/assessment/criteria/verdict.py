@@ -17,7 +17,7 @@ TRAVEL: Final = "travel"
 RMS: Final = "rms acceleration"
 SIGMA: Final = "3-sigma acceleration"
 LARGEST: Final = "largest acceleration"
-AMPLIFIED = 1.005  # Ratio to the base from which an amplification is said: less is 1.00
+AMPLIFIED = 1.005  # Ratio to the base above which an amplification is reported: less would print as 1.00
 LOAD: Final = "load"
 STOP_FORCE: Final = "stop force"
 STATIC_LOAD: Final = "static load in compression"
@@ -57,7 +57,7 @@ STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
 
 @dataclass(frozen=True, kw_only=True)
 class Amplification:
-    """An acceleration of the payload beside that of the base by the same measure."""
+    """Acceleration of the payload and that of the base by the same measure."""
 
     measure: str  #: "peak", or "rms along z"
     value: float  #: of the payload [m/s^2]
@@ -74,14 +74,14 @@ class Verdict:
     """A value against its limit by one criterion; without a limit, or without a value, nothing is judged."""
 
     criterion: Criterion  #: what is judged, for instance "acceleration along z" or "travel in compression"
-    subject: str  #: of what, for instance the name of a body, a point or a mount
-    value: float  #: what was reached, in `unit`; NaN if it is not known
-    limit: float | None  #: what is allowed, in `unit`; None if nobody states it
+    subject: str  #: name of the judged body, point or mount
+    value: float  #: value that was reached, in `unit`; NaN if it is not known
+    limit: float | None  #: value that is allowed, in `unit`; None if no limit is stated
     unit: str  #: SI unit of both, "" for a ratio
     time: float | None = None  #: instant at which the value was reached [s]; None if it has none
-    note: str = ""  #: why nothing is judged, or what the value rests on
+    note: str = ""  #: why it is not judged, or how the value was found
     contact: str = ""  #: STRUCK, TOUCHING, CLEAR or NOT_JUDGED for a contact pair; "" for everything else
-    #: of an acceleration under a shock or random vibration, beside the base's; None for everything else
+    #: amplification of the base's acceleration under a shock or random vibration; None for other criteria
     amplification: Amplification | None = None
 
     def __post_init__(self) -> None:
@@ -92,7 +92,7 @@ class Verdict:
 
     @property
     def utilisation(self) -> float | None:
-        """Value over limit; None = not judged, or weight on stops, whose limit says only from when on there is any."""
+        """Value over limit; None = not judged, or weight on stops, whose limit is but a threshold for any weight there."""
         return None if self.criterion.kind == RESTED else self._ratio
 
     @property
@@ -109,7 +109,7 @@ class Verdict:
 
     @property
     def verdict(self) -> str:
-        """One of "within", "exceeded" and "not judged", or what became of a contact pair; a value at its limit is within."""
+        """One of "within", "exceeded" and "not judged", or the outcome of a contact pair; a value at its limit is within."""
         if self.contact:
             return self.contact
         if self._ratio is None:
@@ -117,7 +117,7 @@ class Verdict:
         return WITHIN if self._ratio <= 1.0 else EXCEEDED
 
     def to_dict(self) -> Entries:
-        """Write the verdict as plain values; what is not known or not finite is None."""
+        """Write the verdict as plain values; unknown and non-finite values are None."""
         return {
             "criterion": str(self.criterion), "subject": self.subject, "value": json_values(self.value),
             "limit": self.limit, "unit": self.unit, "time_s": self.time, "margin": json_values(self.margin),
@@ -126,7 +126,7 @@ class Verdict:
 
 
 def largest_each(verdicts: Iterable[Verdict]) -> list[Verdict]:
-    """Keep, of several verdicts by one criterion on one name, as of a body and a point of that name, the largest alone."""
+    """Keep the verdict with the largest value for each criterion and subject, such as of a body and a point of one name."""
     largest: dict[tuple[str, str], Verdict] = {}
     for row in verdicts:
         key = row.criterion, row.subject
@@ -136,14 +136,14 @@ def largest_each(verdicts: Iterable[Verdict]) -> list[Verdict]:
 
 
 def most_used(verdicts: Iterable[Verdict]) -> Verdict | None:
-    """Find the verdict with the largest utilisation; None if nothing is judged."""
+    """Find the verdict with the largest utilisation; None if no verdict is judged."""
     return next(iter(by_use(verdicts).values()), None)
 
 
 def by_use(verdicts: Iterable[Verdict]) -> dict[str, Verdict]:
-    """Find the most used verdict of every subject of which anything is judged, the largest utilisation first.
+    """Find the verdict with the largest utilisation of every judged subject, the largest first.
 
-    That is the one order in which the most critical mounts, bodies and points are named and drawn.
+    This is the order in which the most critical mounts, bodies and points are named and drawn.
     """
     judged = [row for row in verdicts if row.utilisation is not None]
     first: dict[str, Verdict] = {}
@@ -153,7 +153,7 @@ def by_use(verdicts: Iterable[Verdict]) -> dict[str, Verdict]:
 
 
 def most_amplified(verdicts: Iterable[Verdict]) -> tuple[str, Amplification] | None:
-    """Find the subject whose acceleration is largest beside the base's, if it is more than that; None otherwise."""
+    """Find the subject with the largest amplification of the base's acceleration; None if there is no amplification."""
     amplified = [(row.subject, row.amplification) for row in verdicts if row.amplification is not None]
     worst = max(amplified, key=lambda pair: pair[1].ratio, default=None)
     return worst if worst is not None and worst[1].ratio > AMPLIFIED else None
@@ -173,7 +173,7 @@ def limits_by_name(
 ) -> dict[str, PayloadLimit]:
     """Choose the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
 
-    ValueError if a limit names nothing that is known.
+    ValueError if a limit names neither a known subject nor one of `others`.
     """
     chosen = [limit for limit in (response.scene.limits if limits is None else limits) if limit.kind == kind]
     for limit in chosen:

@@ -1,6 +1,6 @@
-"""Durability: what a run, or random vibration, does to whatever tires. Counts cycles of responses; knows no material.
+"""Durability: fatigue damage of a run or of random vibration. Counts cycles of responses; knows no material.
 
-Exponent and constant of a fatigue curve N = C / A^b, A being the amplitude, are always said by who asks. Without a constant
+Exponent and constant of a fatigue curve N = C / A^b, A being the amplitude, are always given by the caller. Without a constant
 damage is relative. Uses responses and motions, and the package rainflow for the counting.
 """
 

@@ -1,4 +1,4 @@
-"""Cycles of a history by rainflow counting, their spectrum and damage, and the random vibration that does the same."""
+"""Cycles of a history by rainflow counting, their damage spectrum, and the random vibration of equal damage."""
 
 import math
 from dataclasses import dataclass
@@ -22,17 +22,17 @@ from wirerope_mj.motions.spectra.psd import equivalent_psd
 from wirerope_mj.motions.spectra.ramp import check_samples, octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, ramp_steps
 
-# Exponents of fatigue curves: with a larger one amplitudes of micrometres do a damage that is no number any more.
+# Exponents of fatigue curves: with larger ones the damage of amplitudes of micrometres underflows.
 FLATTEST, STEEPEST = 1.0, 50.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Cycles(Brief):
-    """Cycles of a history."""
+    """Cycles of a history by rainflow counting."""
 
-    ranges: Array  # of each cycle from its lowest to its highest value, (n,)
-    means: Array  # between them, (n,)
-    counts: Array  # 1 for a closed cycle, 0.5 for what is left open, (n,)
+    ranges: Array  # highest less lowest value of each cycle, (n,)
+    means: Array  # mean of both values, (n,)
+    counts: Array  # 1 for a closed cycle, 0.5 for an open half, (n,)
 
     @property
     def total(self) -> float:
@@ -72,8 +72,8 @@ def rainflow_cycles(history: ArrayLike) -> Cycles:
         raise ValueError(f"`history` must be finite numbers, (n,) with n >= 2, got the shape {values.shape}.")
     moved = values[np.concatenate([[True], np.diff(values) != 0.0])]
     turns = np.flatnonzero(np.diff(np.sign(np.diff(moved))) != 0.0) + 1
-    # Ends and turning points alone: the counting goes through them one by one. The package sees an end only behind a third
-    # value; one that repeats is no turning point.
+    # Ends and turning points alone, for speed. The package counts the last value only if another follows; a repeated value is
+    # no turning point.
     points = moved[np.unique([0, *turns, moved.size - 1])].tolist()
     rows = [row[:3] for row in rainflow.extract_cycles([*points, points[-1]])]
     ranges, means, counts = np.array(rows, dtype=np.float64).reshape(-1, 3).T
@@ -96,8 +96,8 @@ def fatigue_damage_spectrum(
     """Compute the fatigue damage spectrum of a sampled acceleration.
 
     The oscillators start at rest and are solved exactly for an acceleration that is straight between the samples, as for shock
-    response spectra; cycles of the samples are counted by the rainflow method. What vibrates on after the last sample is not
-    counted.
+    response spectra; cycles of the samples are counted by the rainflow method. Free vibration after the last
+    sample is not counted.
 
     Args:
         time: uniform instants [s], (n,).

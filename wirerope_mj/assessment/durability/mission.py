@@ -1,4 +1,4 @@
-"""Cycles of the mounts of a run, and a service life as a file: runs, and how often each of them happens."""
+"""Cycles of the mounts of a run, and damage over a service life: a file of runs and how often each of them happens."""
 
 import math
 from dataclasses import dataclass, field
@@ -21,9 +21,9 @@ from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import AXES
 
 Quantity = Literal["deflection", "force"]
-_LEAST = 16  # Samples from which on every other one alone tells how much hangs on the rate
-# Samples to a period of the mean frequency below which a steady vibration may repeat itself in them, and look alike.
-_OF_PERIOD = 4.0
+_LEAST_SAMPLES = 16  # Least samples for an error estimate from every other sample
+# Least samples to a period of the mean frequency for it: of a steady vibration fewer may repeat themselves and look alike.
+_LEAST_PER_PERIOD = 4.0
 
 ROUNDING = 1e-8  # deflection that bodies far away leave where nothing bends [m]
 
@@ -35,15 +35,15 @@ class MountCycles:
     mount: str
     axis: str  # "roll", "shear" or "axial"
     cycles: Cycles  # from the turning points, also between the samples
-    # of what is counted, and of the deflection that it hangs on, the cycles of all samples and of every other one
-    # alone, the even and the odd ones, to tell how much hangs on the rate; empty where there are too few, in all or of a period
+    # cycles of all samples and of every other sample alone, even and odd ones, for the error by the sampling rate: of the
+    # quantity and of the deflection; empty where samples are too few, in all or to a period
     coarser: tuple[tuple[Cycles, Cycles], ...] = field(default=(), compare=False, repr=False)
     frequency: float = 0.0  # mean frequency of the deflection, rms of its rate over 2 pi that of itself [Hz]
 
     def damage_error(self, exponent: float) -> float:
-        """Compare the damage of every other sample with that of all, less 1, in size; infinite where nothing can be told.
+        """Compute the relative change of damage from all samples to every other sample; infinite where samples are too few.
 
-        The damage of all samples is off by about a third of it: errors fall with the square of the rate at the least.
+        The error of the damage is about a third of it: errors fall with the square of the sampling rate at the least.
         """
         pairs = [(all_of.damage(exponent), half.damage(exponent)) for all_of, half in self.coarser]
         return max((abs(half / damage - 1.0) if damage else 0.0 for damage, half in pairs), default=math.inf)
@@ -76,14 +76,14 @@ def mount_cycles(
         for number, axis in enumerate(AXES):
             deflection = response.column(f"mounts/{mount.name}/deflection/{axis}")[rows]
             rate, spread = rates[:, number], float(deflection.std())
-            several = ((0, 1), (0, 2), (1, 2)) if deflection.size >= _LEAST else ((0, 1),)
+            several = ((0, 1), (0, 2), (1, 2)) if deflection.size >= _LEAST_SAMPLES else ((0, 1),)
             turns = [[path(deflection[at::every], rate[at::every], every * spacing)[0] for at, every in several]]
             if quantity == "force":
                 force = response.column(f"mounts/{mount.name}/force/{axis}")[rows]
                 turns.append([parabolas(force[at::every]) for at, every in several])
             counted = [tuple(map(rainflow_cycles, each)) for each in turns]
             frequency = float(rate.std()) / (2.0 * math.pi * spread) if spread else 0.0
-            enough = frequency * spacing * _OF_PERIOD <= 1.0
+            enough = frequency * spacing * _LEAST_PER_PERIOD <= 1.0
             coarser = tuple((whole, half) for whole, *halves in counted for half in halves if enough)
             cycles.append(MountCycles(mount=mount.name, axis=axis, cycles=counted[-1][0], coarser=coarser, frequency=frequency))
     return cycles
@@ -91,8 +91,8 @@ def mount_cycles(
 
 def deflection_rates(response: Response, mount: SceneMount) -> Array:
     """Compute the rates of a mount's deflection along roll, shear and axial at the samples [m/s], (n_t, 3)."""
-    place, velocity, _, _ = _site(response, mount.payload_body, mount.payload_point)
-    base, base_velocity, turn, spin = _site(response, mount.base_body, mount.base_point)
+    place, velocity, _, _ = _point_motion(response, mount.payload_body, mount.payload_point)
+    base, base_velocity, turn, spin = _point_motion(response, mount.base_body, mount.base_point)
     relative = velocity - base_velocity - np.cross(spin, place - base)
     rates, rigid = (np.einsum("...ij,...i->...j", turn @ mount.axes, vector) for vector in (relative, place - base))
     bent = response.mounts[mount.name].deflection - rigid  # what a flexible part adds, whose modes are no bodies
@@ -101,25 +101,25 @@ def deflection_rates(response: Response, mount: SceneMount) -> Array:
     return np.asarray(rates)
 
 
-def _site(response: Response, body: str, point: Array) -> tuple[Array, Array, Array, Array]:
-    """Follow place and velocity of a point of a body, the body's axes and its angular velocity, at the samples."""
+def _point_motion(response: Response, body: str, point: Array) -> tuple[Array, Array, Array, Array]:
+    """Compute position and velocity of a body's point, the body's axes and its angular velocity, at the samples."""
     if body in response.bodies:
         moved = response.bodies[body]
         turn, spin = rotation_matrices(moved.orientation), moved.angular_velocity
         arm = turn @ point
         return moved.position + arm, moved.velocity + np.cross(spin, arm), turn, spin
-    still, none = next((part for part in response.scene.bodies if part.name == body), None), np.zeros(3)
-    if still is None:
-        return point, none, np.eye(3), none
+    still, zero = next((part for part in response.scene.bodies if part.name == body), None), np.zeros(3)
+    if still is None:  # the world
+        return point, zero, np.eye(3), zero
     turn = rotation_matrices(still.orientation)
-    return still.position + turn @ point, none, turn, none
+    return still.position + turn @ point, zero, turn, zero
 
 
-# By how much damage may change with every other sample alone: that of all samples is known better than that.
+# Largest relative change of damage from all samples to every other sample; the error of the damage is smaller.
 DAMAGE_ERROR = 0.01
-NEGLIGIBLE = 0.01  # Damage over that of the worst mount and axis below which it does not matter how well it is known
-PER_PERIOD = 100  # Samples to a period of the mean frequency of a deflection that are asked for where there are too few
-# Kinds of motions that go on for hours, or of which a part that was measured stands for them.
+NEGLIGIBLE = 0.01  # Damage over that of the worst mount and axis below which its error does not matter
+PER_PERIOD = 100  # Samples to a period of the mean frequency that a message asks for where there are too few
+# Kinds of motions that go on for hours, or of which a measured part stands for hours.
 _LASTING = STEADY | {"random-vibration", "record", "force-table"}
 _SHORTEST = 0.05  # Fraction of a stationary vibration that a run must hold for hours of it to be counted
 
@@ -141,7 +141,7 @@ class Stage:
 class Mission:
     """A service life."""
 
-    stages: Annotated[tuple[Stage, ...], Key("stage")] = ()  # what happens in it
+    stages: Annotated[tuple[Stage, ...], Key("stage")] = ()  # runs that happen in it
     exponent: Positive  # b of the fatigue curve N = C / A^b
     quantity: Quantity = "deflection"  # of the mounts that is counted
     constant: Positive | None = None  # C, in the quantity's SI unit to the power b; None: damage is relative
@@ -153,7 +153,7 @@ class Mission:
 
 @dataclass(frozen=True, kw_only=True)
 class MountDamage:
-    """Damage of an axis of a mount over a service life: of each stage, and how many cycles that are."""
+    """Damage of an axis of a mount over a service life, stage by stage, and its number of cycles and largest range."""
 
     mount: str
     axis: str
@@ -187,7 +187,7 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
         kinds = {part.get("kind") for part in elements(response.motion)}
         if (early := too_short(response)) and not kinds <= STEADY | {"random-vibration"}:
             raise RecordError(f"{stage.run}: {early}. What it does to the mounts is not over.")
-        start, end, length = _counted(response, stage)
+        start, end, length = _counted_interval(response, stage)
         times = stage.repetitions if stage.hours is None else 3600.0 * stage.hours / length
         assert times is not None
         for counted in mount_cycles(response, quantity=mission.quantity, start=start, end=end):
@@ -227,11 +227,11 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
     return sorted(damages, key=lambda row: -row.total)
 
 
-def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
-    """Find the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s]."""
-    # Hours are of what goes on: of random vibration its stationary part, neither rise nor fall nor what follows; of sines,
-    # sweeps and records from their start to their end, with all that follows. Repetitions are of the whole run. RecordError if
-    # hours are asked for of a shock, or of random vibration of which the run holds too little.
+def _counted_interval(response: Response, stage: Stage) -> tuple[float, float, float]:
+    """Find the instants between which a stage's cycles are counted, and the length that its `hours` are divided by [s]."""
+    # Hours are of a lasting motion: of random vibration its stationary part, without rise, fall and decay; of sines, sweeps and
+    # records from their start to their end, with the decay counted. Repetitions are of the whole run. RecordError if hours are
+    # asked for of a shock, or of random vibration of which the run holds too little.
     first, last = float(response.time[0]), float(response.time[-1])
     if stage.hours is None:
         return first, last, last - first
