@@ -1,4 +1,4 @@
-"""Isolators: their ratings, and of one its laws, its geometry and where its figures come from."""
+"""Blocks on isolators: a table of their ratings, and the laws, geometry and provenance of each."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,7 +10,7 @@ from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.laws import Law
 
-_SOFTER = 0.05  # fraction of a mount's stiffness that a bracket takes before its figure is stated
+_SOFTENING = 0.05  # fraction of a mount's stiffness lost to a bracket, above which the figure is stated
 
 
 def ratings_table(devices: Sequence[Isolator]) -> Table:
@@ -32,14 +32,14 @@ RATING_COLUMNS = (
 
 
 def ratings(device: Isolator) -> tuple[float | None, ...]:
-    """List the cells of an isolator below `RATING_COLUMNS`."""
+    """List sizes, static load and rated travels of an isolator, the cells of `RATING_COLUMNS`."""
     size, limits = device.geometry, device.limits
     sizes = (size.height, size.width) if size else (None, None)
     return *sizes, limits.static_load, *(getattr(limits.travel, rating) for rating in RATINGS)
 
 
 def provenance_statement(device: Isolator) -> Statement:
-    """State where an isolator's figures come from, its stops and stiffening, and what is assumed."""
+    """State the provenance of an isolator's figures, its stops, stiffening and bracket, and what is assumed."""
     stated = device.provenance
     text = f"{device.name}: {stated.kind} figures. "
     text += f"Source: {stated.source.rstrip('.')}. " if stated.source else "No source is stated. "
@@ -60,8 +60,8 @@ def provenance_statement(device: Isolator) -> Statement:
     for axis, stiffness in device.bracket.stated.items() if device.bracket is not None else ():
         law = device.axes[axis]
         softer = law.initial_stiffness / (law.initial_stiffness + stiffness) if law is not None else 0.0
-        much = f"by {100.0 * softer:.0f} %" if softer > _SOFTER else f"by less than {100.0 * _SOFTER:.0f} %"
-        text += f" Along {axis} on a bracket of {1e-6 * stiffness:.4g} kN/mm, softer {much} at small amplitudes."
+        amount = f"by {100.0 * softer:.0f} %" if softer > _SOFTENING else f"by less than {100.0 * _SOFTENING:.0f} %"
+        text += f" Along {axis} on a bracket of {1e-6 * stiffness:.4g} kN/mm, softer {amount} at small amplitudes."
     assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
     return Statement(f"source-{device.name}", text, items=assumed)
 
@@ -81,18 +81,19 @@ def isolator_blocks(device: Isolator) -> Iterator[Block]:
 def law_text(law: Law) -> str:
     texts = []
     for values in (part.to_dict() for part in law.components):
-        parameters = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
+        parameters = [f"{key} = {_value_text(value)}" for key, value in values.items() if key != "law"]
         texts.append(f"{values['law']}: {', '.join(parameters)}")
     return " and ".join(texts)
 
 
-def _value(value: object) -> str:
+def _value_text(value: object) -> str:
     if isinstance(value, list):
-        return f"[{', '.join(map(_value, value))}]"
+        return f"[{', '.join(map(_value_text, value))}]"
     return f"{value:.6g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value).lower()
 
 
 def _joint_lines(device: Isolator) -> Iterator[str]:
+    """Yield lines on what acts on several axes: coupling, loop, rotation, stiffening."""
     if device.coupling is not None:
         both = " and ".join(AXES[axis] for axis in device.coupled_axes)
         yield f"coupling: {device.coupling}, {both} share one hysteretic force"

@@ -1,4 +1,4 @@
-"""What a job says: which load case governs each limit, an envelope over the cases, and each case by itself."""
+"""Content of a job: the load case that governs each limit, envelopes over the cases, and each case by itself."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -26,15 +26,15 @@ REPORTED = (
     "grounds", "base", "contact-histories", "numerics",
 )  # fmt: skip
 
-STATED = "Stated by the author: "  # stands before what no computation says
-_GOVERNING = 12  # limits that are shown before the others are folded away, or go into an appendix
-# Kinds of limits that are those of the job, and stand before those of the mounts.
-_PAYLOAD = (ACCELERATION, RATTLE_SPACE)
+STATED = "Stated by the author: "  # put before what no computation supports
+_SHOWN_LIMITS = 12  # limits that are shown before the others are folded away, or go into an appendix
+# Kinds of limits of the payload, which stand before those of the mounts
+_PAYLOAD_LIMITS = (ACCELERATION, RATTLE_SPACE)
 
 
 @dataclass(frozen=True, kw_only=True)
 class JudgedCase:
-    """A load case that was simulated and judged; `note` says what it is from."""
+    """A load case that was simulated and judged; `note` describes its origin."""
 
     name: str
     folder: str
@@ -47,11 +47,11 @@ class JudgedJob:
     """A job whose load cases were simulated and judged."""
 
     name: str
-    question: str  # what it answers
+    question: str  # that the job answers
     cases: tuple[JudgedCase, ...]  # in the order of the job
     report: tuple[str, ...]  # sections of a run that each case shows, of `REPORTED`
     document: Document | None  # data of the document; None for a plain report
-    written: str  # when
+    written: str  # date and time of the simulation
 
     @property
     def runs(self) -> dict[str, JudgedRun]:
@@ -64,7 +64,7 @@ class JudgedJob:
 
 
 def job_content(job: JudgedJob) -> Content:
-    """Compose the answer of a job and its grounds, the cases over each other, then each by itself."""
+    """Compose the content of a job: answer, limits, envelopes and basis, then each load case."""
 
     def answers() -> Iterator[Block]:
         warnings = dict.fromkeys(text for run in job.runs.values() for text in run.model_warnings)
@@ -81,7 +81,7 @@ def job_content(job: JudgedJob) -> Content:
     def case_blocks(case: JudgedCase) -> Iterator[Block]:
         yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
         yield Statement(f"{case.folder}/motion", f"{case.run.acting}. {case.note}".strip(), tone="quiet")
-        yield from _blocks(case, {"answer", *job.report} - {"verdicts"})
+        yield from _run_blocks(case, {"answer", *job.report} - {"verdicts"})
 
     first, document = job.cases[0].run, job.document
     texts = document.paragraphs if document else lambda name: []
@@ -103,7 +103,7 @@ def job_content(job: JudgedJob) -> Content:
     for case in job.cases:
         sections.append(Section(f"case-{case.folder}", f"Load case: {case.name}", partial(case_blocks, case)))
     for case in job.cases if "verdicts" in job.report else ():
-        blocks = partial(_blocks, case, ("verdicts",))
+        blocks = partial(_run_blocks, case, ("verdicts",))
         sections.append(Section(f"verdicts-{case.folder}", f"All verdicts of {case.name}", blocks, appendix=True))
     version = first.inputs.get("versions", {}).get("wirerope-mj", "unknown")
     return Content(
@@ -117,7 +117,7 @@ def job_content(job: JudgedJob) -> Content:
 
 
 def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
-    """State in how many cases a limit is exceeded, and what is most critical in which."""
+    """State the verdict of a job: the load cases that exceed a limit, and the most critical limit with its case."""
     every = [row for rows in verdicts.values() for row in rows]
     answers = {name: headline(rows).text for name, rows in verdicts.items()}
     over = [name for name, text in answers.items() if text.startswith(FAIL)]
@@ -126,7 +126,7 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
     worst = most_used(every)
     where = next((name for name, rows in verdicts.items() if worst in rows), "")
     used = "" if worst is None else f"{critical_text(every)}, in {where}"
-    count, (of, missing) = several(len(verdicts), "load case"), scope(every)
+    count, (restriction, missing) = several(len(verdicts), "load case"), scope(every)
     if over:
         text = fail_text(f"{len(over)} of {count} {'exceeds' if len(over) == 1 else 'exceed'} a limit", every, f", in {where}")
         tone = "exceeded"
@@ -134,8 +134,8 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
         text, tone = f"{UNKNOWN}: of {count} {listed(open_cases) or 'none'} cannot be judged", "unjudged"
         text += f"; most critical {used}" if used else ""
     else:
-        text = f"{PASS}{of}: all {several(judged, 'check')} in {count} are within limits; most critical {used}"
-        tone = "unjudged" if of else "within"
+        text = f"{PASS}{restriction}: all {several(judged, 'check')} in {count} are within limits; most critical {used}"
+        tone = "unjudged" if restriction else "within"
     struck = [name for name, rows in verdicts.items() if any(row.contact == STRUCK for row in rows)]
     text += f"; stops or contacts are struck in {listed(struck)}" if struck else ""
     text += f"; {missing}" if missing and judged and not open_cases else ""
@@ -143,8 +143,10 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
     if amplified is not None:
         case = next(name for name, rows in verdicts.items() if amplified in ((row.subject, row.amplification) for row in rows))
         text += f"; {amplified_text(every)}, in {case}"
-    left = len({(row.criterion, row.subject) for row in every if row.verdict == NOT_JUDGED and not row.contact})
-    text += f"; {several(left, 'value')} {'is' if left == 1 else 'are'} not judged" if left else ""
+    unjudged_count = len({(row.criterion, row.subject) for row in every if row.verdict == NOT_JUDGED and not row.contact})
+    text += (
+        f"; {several(unjudged_count, 'value')} {'is' if unjudged_count == 1 else 'are'} not judged" if unjudged_count else ""
+    )
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0], "cases": float(len(verdicts))}
     if worst is not None:
         values |= {
@@ -156,7 +158,7 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
 
 
 def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
-    """Tabulate what each case uses of each kind of limit; the last row is the case that governs."""
+    """Tabulate the utilisation of each kind of limit in each case; the last row names the governing case."""
     kinds = list(dict.fromkeys(row.criterion.kind for rows in verdicts.values() for row in rows if row.utilisation is not None))
     contacts = any(row.contact for rows in verdicts.values() for row in rows)
     rows: list[Row] = []
@@ -189,7 +191,7 @@ def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
 
 
 def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
-    """Tabulate every limit with the case that uses most of it; None where nothing is judged."""
+    """Tabulate every limit with the case that uses most of it; None if no limit is judged."""
     by_limit: dict[tuple[str, str], list[tuple[str, Verdict]]] = {}
     for name, of_case in verdicts.items():
         for row in of_case:
@@ -205,7 +207,7 @@ def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
             shown_unit(worst.unit), used_mark(used), "all" if len(cases) == len(verdicts) > 1 else name, worst.time,
             Mark(worst.verdict, TONE[worst.verdict]),
         ]  # fmt: skip
-        rows.append(((used <= 1.0, worst.criterion.kind not in _PAYLOAD, -used), cells))
+        rows.append(((used <= 1.0, worst.criterion.kind not in _PAYLOAD_LIMITS, -used), cells))
     if not rows:
         return None
     rows.sort(key=lambda pair: pair[0])
@@ -221,7 +223,7 @@ def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
         [cells for _, cells in rows],
         note="Of a limit with several directions or senses the one that is used most. Exceeded limits stand first, then those "
         "of the payload, then those of the mounts.",
-        shown=max(over, _GOVERNING),
+        shown=max(over, _SHOWN_LIMITS),
     )  # fmt: skip
 
 
@@ -240,7 +242,8 @@ def _cases(job: JudgedJob) -> Iterator[Table]:
     yield Table("load-cases", "Load cases", columns, rows)
 
 
-def _blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:
+def _run_blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:
+    """Yield the blocks of a case's run in `sections`, with ids below the case's folder."""
     for section in run_content(case.run).sections:
         for block in section.blocks if section.id in sections else ():
             yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block
@@ -249,6 +252,7 @@ def _blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:
 def basis_blocks(
     runs: Mapping[str, JudgedRun], assumptions: Sequence[str], validation: Sequence[str]
 ) -> Iterator[Block | None]:
+    """Yield what is assumed, what was checked, and what was not validated, with the author's paragraphs."""
     devices = list({device.name: device for run in runs.values() for device in devices_of(run)}.values())
     first, numerics = next(iter(runs.values())), {case: run.response.numerics for case, run in runs.items()}
 
@@ -256,8 +260,10 @@ def basis_blocks(
     for case, run in runs.items():
         initial = str(run.inputs.get("simulate", {}).get("initial", "settled"))
         starts.setdefault(START.get(initial, initial), []).append(case)
-    whose = {text: "Every load case begins" if len(starts) == 1 else f"{listed(of)}: begins" for text, of in starts.items()}
-    assumed = [f"{begin} {text}." for text, begin in whose.items()]
+    beginnings = {
+        text: "Every load case begins" if len(starts) == 1 else f"{listed(of)}: begins" for text, of in starts.items()
+    }
+    assumed = [f"{begin} {text}." for text, begin in beginnings.items()]
     assumed.append(f"Gravity is {first.gravity:g} m/s²." if first.gravity else "There is no gravity.")
     assumed.append("The base moves as the load case says, whatever the mounts do to it; bodies are those of the model.")
     for device in devices:
@@ -300,5 +306,6 @@ def basis_blocks(
 
 
 def stated(name: str, paragraphs: Sequence[str], before: str = "") -> Iterator[Statement]:
+    """Yield the author's paragraphs as statements, each with the text `before` in front."""
     for number, text in enumerate(paragraphs, start=1):
         yield Statement(f"{name}-{number}", f"{before}{text}")

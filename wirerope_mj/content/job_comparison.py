@@ -1,4 +1,4 @@
-"""What a comparison of two jobs says: what each uses of its limits in every load case, and which inputs differ."""
+"""Content of a comparison of two jobs: utilisation of limits in every load case, and inputs that differ."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -14,14 +14,14 @@ from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 # Names and values of what was given to each load case of each job
 Inputs = Mapping[str, Mapping[str, Mapping[str, str]]]
 
-_SAME = 0.005  # of a limit, below which two utilisations are shown as the same percentage
-_SHOWN = 12
-_DERIVED = ("inputs", "timestep", "engine")  # digests, and what was chosen for a run
-_SAID = {*SPOKEN_MOTIONS, "levels", "record"}  # options that say the motion
+_NEGLIGIBLE_CHANGE = 0.005  # of a utilisation, below which two are shown as the same percentage
+_SHOWN_LIMITS = 12
+_DERIVED = ("inputs", "timestep", "engine")  # inputs that follow from others: digests, and choices made for a run
+_MOTION_OPTIONS = {*SPOKEN_MOTIONS, "levels", "record"}  # options that describe the motion
 
 
 def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Content:
-    """Compose how two jobs differ; `inputs` by job and load case."""
+    """Compose the content of a comparison of two jobs; `inputs` by job and load case."""
     first, second = jobs.values()
     names = list(jobs)
 
@@ -44,23 +44,23 @@ def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Con
 
 def _conclusion(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Statement:
     common = [case for case in first.verdicts if case in second.verdicts]
-    change = {case: _used(second.verdicts[case]) - _used(first.verdicts[case]) for case in common}
-    more = [case for case, by in change.items() if by >= _SAME]
-    less = [case for case, by in change.items() if by <= -_SAME]
-    news = [case for case in common if _fails(second, case) and not _fails(first, case)]
-    ends = [case for case in common if _fails(first, case) and not _fails(second, case)]
+    change = {case: _largest_use(second.verdicts[case]) - _largest_use(first.verdicts[case]) for case in common}
+    more = [case for case, by in change.items() if by >= _NEGLIGIBLE_CHANGE]
+    less = [case for case, by in change.items() if by <= -_NEGLIGIBLE_CHANGE]
+    newly_exceeded = [case for case in common if _fails(second, case) and not _fails(first, case)]
+    newly_kept = [case for case in common if _fails(first, case) and not _fails(second, case)]
     parts = [
-        f"{names[1]} exceeds limits in {listed(news)}, which {names[0]} keeps" if news else "",
-        f"{names[1]} keeps the limits in {listed(ends)}, which {names[0]} exceeds" if ends else "",
+        f"{names[1]} exceeds limits in {listed(newly_exceeded)}, which {names[0]} keeps" if newly_exceeded else "",
+        f"{names[1]} keeps the limits in {listed(newly_kept)}, which {names[0]} exceeds" if newly_kept else "",
         f"uses more of the limits in {listed(more)}" if more else "",
         f"uses less of the limits in {listed(less)}" if less else "",
     ]
     text = "; ".join(filter(None, parts)) or f"{names[1]} uses as much of the limits as {names[0]} in all common load cases"
     text = text if text.startswith(names[1]) else f"{names[1]} {text}"
-    return Statement("headline", f"{text}.", tone="exceeded" if news else "")
+    return Statement("headline", f"{text}.", tone="exceeded" if newly_exceeded else "")
 
 
-def _used(verdicts: Sequence[Verdict]) -> float:
+def _largest_use(verdicts: Sequence[Verdict]) -> float:
     worst = most_used(verdicts)
     return worst.utilisation or 0.0 if worst is not None else 0.0
 
@@ -89,6 +89,7 @@ def _cases(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
 
 
 def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table | Statement:
+    """Tabulate limits of which the jobs use different fractions, each with its governing load cases."""
     largest: list[dict[tuple[str, str], tuple[float, str]]] = []
     for job in (first, second):
         of_job: dict[tuple[str, str], tuple[float, str]] = {}
@@ -100,10 +101,10 @@ def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table 
         largest.append(of_job)
     rows: list[tuple[float, Row]] = []
     for key in dict.fromkeys((*largest[0], *largest[1])):
-        (before, case), (after, other) = (of_job.get(key, (None, "")) for of_job in largest)
-        if before is None or after is None or abs(after - before) >= _SAME:
+        (before, first_case), (after, second_case) = (of_job.get(key, (None, "")) for of_job in largest)
+        if before is None or after is None or abs(after - before) >= _NEGLIGIBLE_CHANGE:
             change = None if before is None or after is None else after - before
-            cells = [*key, used_mark(before), case, used_mark(after), other, change]
+            cells = [*key, used_mark(before), first_case, used_mark(after), second_case, change]
             rows.append((-max(before or 0.0, after or 0.0), cells))
     if not rows:
         return Statement("limits", "They use the same fraction of every limit.")
@@ -113,19 +114,19 @@ def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table 
         columns += [Column(name, "%", "z.0f"), *left("in")]
     return Table(
         "limits", f"{several(len(rows), 'limit')} of which they use different fractions",
-        [*columns, Column("change", "%", "+.0f")], [cells for _, cells in rows], shown=_SHOWN,
+        [*columns, Column("change", "%", "+.0f")], [cells for _, cells in rows], shown=_SHOWN_LIMITS,
     )  # fmt: skip
 
 
 def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: Inputs) -> Statement:
-    """List the inputs of common load cases that differ, those of all cases once."""
+    """List the inputs and limits of common load cases that differ, each difference once with its cases."""
     differences: dict[str, list[str]] = {}
     common = [case for case in first.verdicts if case in second.verdicts]
     for case in common:
         before, after = inputs[names[0]].get(case, {}), inputs[names[1]].get(case, {})
         differ = [key for key in dict.fromkeys((*before, *after)) if before.get(key) != after.get(key)]
         for key in differ:
-            if key not in _DERIVED and not (key == "motion" and _SAID & set(differ)):
+            if key not in _DERIVED and not (key == "motion" and _MOTION_OPTIONS & set(differ)):
                 text = f"{key}: {before.get(key, 'not given')} and {after.get(key, 'not given')}"
                 differences.setdefault(text, []).append(case)
         before, after = (

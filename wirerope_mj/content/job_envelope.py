@@ -25,14 +25,14 @@ _COLOURS = 6  # numbered colours of a chart; further cases repeat them in dashes
 
 
 def envelope_blocks(runs: Mapping[str, JudgedRun]) -> Iterator[Block | None]:
-    yield _base(runs)
-    yield _accelerations(runs)
-    yield _room(runs)
-    yield _mounts(runs)
-    yield from _spectra(runs)
+    yield _base_table(runs)
+    yield _accelerations_table(runs)
+    yield _room_table(runs)
+    yield _mounts_table(runs)
+    yield from _spectra_chart(runs)
 
 
-def _base(runs: Mapping[str, JudgedRun]) -> Table:
+def _base_table(runs: Mapping[str, JudgedRun]) -> Table:
     rows: list[Row] = []
     for case, run in runs.items():
         base = run.response.base
@@ -52,7 +52,7 @@ def _base(runs: Mapping[str, JudgedRun]) -> Table:
     )  # fmt: skip
 
 
-def _room(runs: Mapping[str, JudgedRun]) -> Table | None:
+def _room_table(runs: Mapping[str, JudgedRun]) -> Table | None:
     names = list(next(iter(runs.values())).response.peaks.points)
     if not names:
         return None
@@ -60,8 +60,10 @@ def _room(runs: Mapping[str, JudgedRun]) -> Table | None:
     for name in names:
         moved = {case: run.response.peaks.points[name].relative_displacement for case, run in runs.items()}
         worst = max(moved, key=lambda case: moved[case].value)
-        ways = [(max(-peak.minimum[axis], 0.0), max(peak.maximum[axis], 0.0)) for peak in moved.values() for axis in range(3)]
-        largest = np.array(ways).reshape(len(moved), 6).max(axis=0)
+        strokes = [
+            (max(-peak.minimum[axis], 0.0), max(peak.maximum[axis], 0.0)) for peak in moved.values() for axis in range(3)
+        ]
+        largest = np.array(strokes).reshape(len(moved), 6).max(axis=0)
         rows.append([name, *map(float, largest), worst])
     return Table(
         "envelope-room", "Room that points need in all load cases",
@@ -73,7 +75,7 @@ def _room(runs: Mapping[str, JudgedRun]) -> Table | None:
     )  # fmt: skip
 
 
-def _accelerations(runs: Mapping[str, JudgedRun]) -> Table:
+def _accelerations_table(runs: Mapping[str, JudgedRun]) -> Table:
     by_name: dict[str, list[tuple[str, BodyPeak]]] = {}
     for case, run in runs.items():
         for row in body_peaks(run.response):
@@ -92,12 +94,12 @@ def _accelerations(runs: Mapping[str, JudgedRun]) -> Table:
     )  # fmt: skip
 
 
-def _mounts(runs: Mapping[str, JudgedRun]) -> Table | None:
+def _mounts_table(runs: Mapping[str, JudgedRun]) -> Table | None:
     by_name: dict[str, list[tuple[str, tuple[float, ...]]]] = {}
     for case, run in runs.items():
         for row in mount_peaks(run.response):
             force = run.response.peaks.mounts[row.name].force
-            figures = (
+            figures = (  # of the columns `EXTREMES`
                 max(-row.minimum[2], 0.0), max(row.maximum[2], 0.0), max(row.maximum[1], -row.minimum[1]),
                 max(row.maximum[0], -row.minimum[0]), max(-float(force.minimum[2]), 0.0), max(float(force.maximum[2]), 0.0),
                 abs(row.force[1]), abs(row.force[0]),
@@ -118,14 +120,15 @@ def _mounts(runs: Mapping[str, JudgedRun]) -> Table | None:
     )  # fmt: skip
 
 
-def _spectra(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
+def _spectra_chart(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
+    """Draw shock response spectra of the worst body or point in each load case, and their envelope."""
     name = next((name for run in runs.values() for name in worst_names(run.response)[:1]), None)
     lines: dict[str, dict[str, tuple[Array, Array]]] = {"x": {}, "y": {}, "z": {}}
-    without, q = [], 10.0
+    missing, q = [], 10.0
     for case, run in runs.items():
         shock = run.spectra.shock
         if isinstance(shock, Absent) or name is None:
-            without.append(case)
+            missing.append(case)
             continue
         for axis, spectra in shock.items():
             if name in spectra and name != BASE:
@@ -146,12 +149,12 @@ def _spectra(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
             label = "" if panels else f"SRS, Q = {q:g}: peak acceleration [g]"
             panels.append(spectrum_panel(curves, label, "g", title=f"along {axis}"))
     if panels:
-        left_out = f" Without {listed(without)}: steady or random motions have no such spectrum." if without else ""
+        left_out = f" Without {listed(missing)}: steady or random motions have no such spectrum." if missing else ""
         yield Chart(
             id="envelope-spectra", rows=[panels], height=190.0,
             caption=f"Shock response spectra of {name} under each load case along the axes that it moves the base, and their "
             f"envelope, maximax, Q = {q:g}.{left_out}",
             alt=f"Shock response spectra of {name} under all load cases and their envelope.",
         )  # fmt: skip
-    elif without:
+    elif missing:
         yield Statement("envelope-spectra", "No load case has a shock response spectrum.", tone="quiet")

@@ -1,4 +1,4 @@
-"""A run that was judged, and what else outputs say of it, computed when one of them first asks for it."""
+"""A judged run: response, verdicts, and derived results that outputs share, computed at first use."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -32,20 +32,20 @@ from wirerope_mj.mounts.isolator import Validity
 
 Result = TypeVar("Result")
 
-STILL = 1e-6  # [m/s^2]: an rms that is rounding
+STILL = 1e-6  # [m/s^2]: an rms up to which the base is at rest
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """A response with the verdicts on it: all that peaks, histories and the answer need."""
+    """A response with its verdicts, which is what peaks, histories and the answer need."""
 
     response: Response
     # static loads are those on the first loading and relaxed, not at the start of the run
     verdicts: tuple[Verdict, ...]
-    # rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
-    # else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
+    # rms and 3-sigma accelerations of the payload where random vibration is the only motion of the base; those with a
+    # limit are among the verdicts, too. Absent where the run is too short.
     random: tuple[Verdict, ...] | Absent = ()
-    untested: str = ""  # on mounts that leave the tests of their laws; "" where none does
+    untested: str = ""  # text on mounts that exceed the tests of their laws; "" without such mounts
 
     @property
     def headline(self) -> str:
@@ -57,7 +57,7 @@ class RunResult:
 
     @cached_property
     def sweep(self) -> Sweep | None:
-        """The sweep that the base does; None if it does something else."""
+        """The sweep of the base; None for other motions."""
         motion = self.response.motion
         if motion.get("kind") != Sweep.kind:
             return None
@@ -77,7 +77,7 @@ class RunResult:
 
 @dataclass(frozen=True, kw_only=True)
 class JudgedRun(RunResult):
-    """A run with the verdicts on it."""
+    """A judged run with its system, motion, statics and inputs."""
 
     system: System  # that was simulated
     motion: BaseMotion
@@ -120,7 +120,7 @@ class JudgedRun(RunResult):
 
     @property
     def gravity(self) -> float:
-        """Of the model [m/s^2]."""
+        """Gravity of the model [m/s^2]."""
         return float(np.linalg.norm(self.system.model.opt.gravity))
 
     @property
@@ -133,7 +133,7 @@ class JudgedRun(RunResult):
 
     @cached_property
     def modes(self) -> Mapping[str, Modes | Absent]:
-        """Modes about the equilibria by history; without gravity one."""
+        """Modes about the equilibrium of each loading history; without gravity of the first one only."""
         histories = HISTORIES if self.gravity else HISTORIES[:1]
         return {history: result_or_absent(partial(modes, self.system, history=history)) for history in histories}
 
@@ -143,21 +143,21 @@ def judged_run(system: System, motion: BaseMotion, response: Response, inputs: E
     statics = result_or_absent(partial(static_table, system))
     has_gravity = bool(system.model.opt.gravity.any())  # without a load there is no static load to judge
     known = statics if has_gravity and isinstance(statics, StaticTable) else None
-    random = result_or_absent(partial(_random, response))
+    random = result_or_absent(partial(_random_verdicts, response))
     rows = () if isinstance(random, Absent) else random
     limited = tuple(row for row in rows if row.limit is not None or row.note.startswith(SAMPLED))
     verdicts = (*judge(response, statics=known), *limited)
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     return JudgedRun(
         system=system, motion=motion, response=response, statics=statics,
-        verdicts=_beside_the_base(verdicts, rows, response), random=random,
+        verdicts=_with_rms_amplification(verdicts, rows, response), random=random,
         untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
         model_warnings=(*model_warnings(system), *missing_modes(system, motion)), inputs=inputs or {},
     )  # fmt: skip
 
 
-def _beside_the_base(verdicts: Sequence[Verdict], random: Sequence[Verdict], response: Response) -> tuple[Verdict, ...]:
-    """Let accelerations under random vibration be amplified as their rms values are."""
+def _with_rms_amplification(verdicts: Sequence[Verdict], random: Sequence[Verdict], response: Response) -> tuple[Verdict, ...]:
+    """Set the amplification of accelerations under random vibration to that of their rms values."""
     if not random:
         return tuple(verdicts)
     rms, largest = _base_rms(response), dict[str, Amplification]()
@@ -178,7 +178,8 @@ def _base_rms(response: Response) -> Array:
     return response.base.acceleration[rows].std(axis=0)
 
 
-def _random(response: Response) -> tuple[Verdict, ...]:
+def _random_verdicts(response: Response) -> tuple[Verdict, ...]:
+    """Judge rms and 3-sigma accelerations; empty unless random vibration is the only motion of the base."""
     alone, first, _ = steady_interval(response.motion)
     if not alone or first == -math.inf:
         return ()
@@ -186,6 +187,7 @@ def _random(response: Response) -> tuple[Verdict, ...]:
 
 
 def result_or_absent(compute: Callable[[], Result]) -> Result | Absent:
+    """Compute a result; Absent with the reason if it cannot be computed."""
     try:
         return compute()
     except (WireRopeError, ValueError) as error:

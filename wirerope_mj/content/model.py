@@ -1,4 +1,4 @@
-"""What was simulated: geometry, mounts and isolators with their ratings and the source of their figures."""
+"""Blocks on the simulated model: geometry, masses, mounts, and isolators with ratings and provenance."""
 
 from collections.abc import Iterator, Sequence
 
@@ -12,11 +12,11 @@ from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.tables import Column, Row, Table, left
 from wirerope_mj.mounts.isolator import Isolator
 
-_FEW = 12  # Mounts and stops that are listed in any case
+_LEAST_SHOWN = 12  # Mounts and stops that are listed in any case
 
 
 def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield scene, masses, mounts and isolators with the source of their figures."""
+    """Yield scene, masses, mounts, and isolators with ratings and provenance."""
     scene = run.response.scene
     start = f"Model {run.model_file} with {mounts_and_stops(scene.mounts)}."
     if bends := " and ".join(body.name for body in scene.bodies if body.bends):
@@ -31,8 +31,9 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
         if scene.mounts:
             numbered = any(label != name for name, label in mount_labels(scene).items())
             caption += ", its mounts with their " + ("numbers (see the table)." if numbered else "names.")
-            behind = crowded_label(scene)
-            caption += f' "{behind[0]}": {behind[1]} mounts behind each other.' if behind else ""
+            if crowded := crowded_label(scene):
+                label, count = crowded
+                caption += f' "{label}": {count} mounts behind each other.'
         if flexible := flexible_bodies(scene):
             caption = f"{caption.rstrip('.')}. Outlined in green: {' and '.join(flexible)}, flexible."
         yield SceneView(id="geometry", scene=scene, caption=caption)
@@ -47,7 +48,7 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
             ),
             [(name, payload.mass, *map(float, (*payload.centre, *payload.inertia))) for name, payload in payloads],
         )  # fmt: skip
-    yield _mounts(run)
+    yield _mounts_table(run)
     devices = devices_of(run)
     if devices:
         yield ratings_table(devices)
@@ -56,13 +57,13 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def mounts_and_stops(mounts: Sequence[SceneMount]) -> str:
-    """Count mounts and stops: "24 mounts and 16 stops"."""
+    """Write the numbers of mounts and stops, such as "24 mounts and 16 stops"."""
     stops = sum(mount.stop for mount in mounts)
     count = several(len(mounts) - stops, "mount") if len(mounts) > stops else "no mounts"
     return f"{count} and {several(stops, 'stop')}" if stops else count
 
 
-def _mounts(run: JudgedRun) -> Table | None:
+def _mounts_table(run: JudgedRun) -> Table | None:
     scene = run.response.scene
     if not scene.mounts:
         return None
@@ -80,7 +81,7 @@ def _mounts(run: JudgedRun) -> Table | None:
         "Mounts",
         [*([Column("no.")] if numbered else []), *columns, Column("axial direction")],
         rows,
-        shown=max(len(scene.isolating), _FEW),  # stops are the last, and alike
+        shown=max(len(scene.isolating), _LEAST_SHOWN),  # stops are the last, and alike
         note="Positions are the elastic centres at mid-height. Axial points from the base's bar to the payload's; tension "
         "is positive.",
     )

@@ -1,4 +1,4 @@
-"""The modes of a system about its equilibrium: which frequency to quote, damping, shapes, and what the laws were tested for."""
+"""Content on modes about the equilibrium: frequencies to quote, damping, shapes, and amplitudes beyond ratings or tests."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -17,9 +17,9 @@ from wirerope_mj.foundation.tables import Cell, Column, Row, Table, left
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.isolator.parts import BELOW
 
-TIPS = "tips over"  # Stands for the frequency of a mode in which the weight wins over the mounts
+TIPS = "tips over"  # in place of the frequency of a mode whose stiffness is negative under the weight
 _SHIP_AXES: tuple[Direction, ...] = ("fore-and-aft", "athwartship", "vertical")
-_LEAST_WEIGHT = 1e-3  # fraction of a mode's weight along which it is said to move
+_LEAST_WEIGHT = 1e-3  # fraction of a mode's weight, up to which it does not move along an axis
 _FREQUENCY, _DAMPING = Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.1f")
 _MASS = [Column(f"mass\n{axis}", "%", "z.1f") for axis in "xyz"]
 _MODE = *left("mode"), Column("shape", align="text")
@@ -33,12 +33,12 @@ _NOTE = (
 def modes_content(
     system: System, small: Modes, large: Sequence[Modes] = (), *, ddam: tuple[Ship, Location] | None = None
 ) -> Content:
-    """Describe modes at small and other amplitudes, and the design accelerations of DDAM."""
+    """Compose the content of modes at small and larger amplitudes, and design accelerations by DDAM."""
 
     def at_small() -> Iterator[Block | None]:
         yield modes_table(small)
         yield energy_table(system, small)
-        yield _quote(at_amplitudes=bool(large))
+        yield _frequency_advice(at_amplitudes=bool(large))
         yield from _statements("small-amplitude", about_small(system, small))
         yield from _statements("below-tests", below_tests(system))
 
@@ -54,13 +54,13 @@ def modes_content(
         Section("modes", "", at_small, "summary"),
         Section("amplitudes", "", at_large, "summary"),
         Section("stability", "", lambda: stability, "summary"),
-        Section("ddam", "", lambda: [_ddam(small, *ddam)] if ddam else [], "summary"),
+        Section("ddam", "", lambda: [_ddam_table(small, *ddam)] if ddam else [], "summary"),
     )
     return Content(title=f"{system.name}: modes", verdict=stability[0], sections=sections)
 
 
 def run_modes_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield the small modes of a run's system about its equilibria, and its stability."""
+    """Yield the small-amplitude modes of a run's system about its equilibria, and their stability."""
     computed = {history: modes for history, modes in run.modes.items() if isinstance(modes, Modes)}
     for history, modes in run.modes.items():
         if isinstance(modes, Absent):
@@ -69,20 +69,20 @@ def run_modes_blocks(run: JudgedRun) -> Iterator[Block | None]:
         yield modes_table(modes, note=_NOTE if rank == len(computed) else "")
         yield energy_table(run.system, modes)
     if computed:
-        yield _quote(at_amplitudes=False)
+        yield _frequency_advice(at_amplitudes=False)
         yield from _statements("below-tests", below_tests(run.system))
     yield from stability_blocks({history: modes.stability for history, modes in computed.items()})
 
 
 def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
-    """Tabulate frequency, damping, tangents and mass of every mode."""
+    """Tabulate frequency, damping, tangents and participating mass of every mode."""
     tangents = Column("tangent,\nunloading", "Hz", "z.3f"), Column("tangent,\nloading", "Hz", "z.3f")
     rows: list[Row] = []
     for number, shape in enumerate(modes.descriptions):
-        frequencies = [_hertz(values[number]) for values in (modes.unloading, modes.loading)]
+        frequencies = [_hertz_cell(values[number]) for values in (modes.unloading, modes.loading)]
         mass = map(float, modes.participation[number])
         damping = float(modes.damping_ratio[number])
-        rows.append((str(number + 1), shape, _hertz(modes.frequencies[number]), damping, *frequencies, *mass))
+        rows.append((str(number + 1), shape, _hertz_cell(modes.frequencies[number]), damping, *frequencies, *mass))
     return Table(
         f"modes-{modes.history}", f"Modes about the equilibrium {HISTORIES[modes.history]}",
         (*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS), rows, note=note,
@@ -90,12 +90,12 @@ def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
 
 
 def energy_table(system: System, modes: Modes) -> Table | None:
-    """Tabulate where strain energy sits; None where nothing but mounts is elastic."""
+    """Tabulate the shares of strain energy in every mode; None if only mounts are elastic."""
     shares = strain_energy(system, modes)
     if shares is None:
         return None
     rows: list[Row] = [
-        (str(number + 1), shape, _hertz(modes.frequencies[number]), *map(float, shares[number]))
+        (str(number + 1), shape, _hertz_cell(modes.frequencies[number]), *map(float, shares[number]))
         for number, shape in enumerate(modes.descriptions)
     ]
     return Table(
@@ -113,7 +113,7 @@ def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
     rows: list[Row] = [
         (
             str(mode + 1), shape, "small" if result.amplitude is None else result.amplitude,
-            _hertz(result.frequencies[index[mode]]), float(result.damping_ratio[index[mode]]),
+            _hertz_cell(result.frequencies[index[mode]]), float(result.damping_ratio[index[mode]]),
         )
         for mode, shape in enumerate(small.descriptions)
         for result, index in zip(results, indices, strict=True)
@@ -126,13 +126,13 @@ def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
 
 
 def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
-    """Yield one mode: frequency, damping, tangents, mass, deflections of the mounts."""
+    """Yield frequency, damping, tangents, participating mass and mount deflections of a mode."""
     mass = ", ".join(f"{in_unit(part, '%'):z.1f} % {axis}" for part, axis in zip(modes.participation[mode], "xyz", strict=True))
     yield Statement(
-        "mode", f"Small-amplitude natural frequency {_text(modes.frequencies[mode])}", tone="strong",
+        "mode", f"Small-amplitude natural frequency {_hertz_text(modes.frequencies[mode])}", tone="strong",
         items=(
             f"damping {in_unit(float(modes.damping_ratio[mode]), '%'):.1f} %",
-            f"tangents at rest: unloading {_text(modes.unloading[mode])}, loading {_text(modes.loading[mode])}",
+            f"tangents at rest: unloading {_hertz_text(modes.unloading[mode])}, loading {_hertz_text(modes.loading[mode])}",
             f"mass that takes part: {mass}",
         ),
     )  # fmt: skip
@@ -145,7 +145,7 @@ def _statements(name: str, texts: Iterator[str], tone: str = "unjudged") -> Iter
     return (Statement(name, text, tone=tone) for text in texts)
 
 
-def _quote(*, at_amplitudes: bool) -> Statement:
+def _frequency_advice(*, at_amplitudes: bool) -> Statement:
     where = "listed below" if at_amplitudes else "which `wirerope modes --amplitude-mm` gives"
     return Statement(
         "which-frequency",
@@ -156,7 +156,7 @@ def _quote(*, at_amplitudes: bool) -> Statement:
 
 
 def about_small(system: System, small: Modes) -> Iterator[str]:
-    """Yield what is unusual of small-amplitude frequencies."""
+    """Yield cautions about small-amplitude frequencies: outside their tangents, or of laws with n < 1."""
     outside = small.outside_tangents
     if outside.size:
         which = f"{'modes' if outside.size > 1 else 'mode'} {', '.join(str(row + 1) for row in outside)}"
@@ -173,7 +173,7 @@ def about_small(system: System, small: Modes) -> Iterator[str]:
 
 
 def below_tests(system: System) -> Iterator[str]:
-    """Yield the isolators whose small cycles lie below what was tested."""
+    """Yield a caution about isolators whose small-amplitude cycles lie below the tested amplitudes."""
     least = {
         f"{mount.isolator.name} {axis} ({in_unit(tested.amplitude[0], 'mm'):.3g} mm)": None
         for mount in system.mounts.values()
@@ -189,26 +189,28 @@ def below_tests(system: System) -> Iterator[str]:
 
 
 def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
+    """Yield for each amplitude the mounts that it takes beyond their rated travel."""
     for result in large:
         beyond = {name: used for name in system.mounts if (used := travel_utilisation(system, result, name)) > 1.0}
         if beyond:
             worst = max(beyond, key=lambda name: beyond[name])
             yield (
-                f"{_size(result)} takes mounts beyond their rated travel: {', '.join(beyond)} ({worst} up to "
+                f"{_amplitude_text(result)} takes mounts beyond their rated travel: {', '.join(beyond)} ({worst} up to "
                 f"{in_unit(beyond[worst], '%'):.0f} % of it, sag included). The law is not warranted there."
             )
 
 
 def outside_tests(system: System, large: Sequence[Modes]) -> Iterator[str]:
+    """Yield for each amplitude the mounts that it takes outside the tests of their laws."""
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     for result in large:
         if where := untested(isolators, {name: reached_in(result, name) for name in system.mounts}):
             tested = "outside the cycles that isolators were identified from"
-            yield f"{_size(result)} is {tested}: {where}. Their laws are extrapolated."
+            yield f"{_amplitude_text(result)} is {tested}: {where}. Their laws are extrapolated."
 
 
 def about_carried(system: System, small: Modes, large: Sequence[Modes]) -> Iterator[str]:
-    """Yield for each amplitude the modes that move where cycles carry the weight on average."""
+    """Yield for each amplitude the modes whose mean position shifts until cycles carry the weight on average."""
     for result in large:
         lasting = carried(system, result)
         if not lasting.apart.size:
@@ -220,16 +222,17 @@ def about_carried(system: System, small: Modes, large: Sequence[Modes]) -> Itera
             for at in lasting.apart
         )
         yield (
-            f"Cycles of {_size(result)} about the equilibrium do not carry the weight on average. In lasting vibration the "
-            f"mounts move to where they do: {text}."
+            f"Cycles of {_amplitude_text(result)} about the equilibrium do not carry the weight on average. In lasting "
+            f"vibration the mounts move to where they do: {text}."
         )
 
 
-def _ddam(small: Modes, ship: Ship, location: Location) -> Table:
+def _ddam_table(small: Modes, ship: Ship, location: Location) -> Table:
+    """Tabulate modal weights and design accelerations by mode and axis."""
     rows: list[Row] = []
     for number, frequency in enumerate(map(float, small.frequencies)):
         weights = STANDARD_GRAVITY * small.moving_mass * small.participation[number]
-        cells: list[Cell] = [str(number + 1), _hertz(frequency)]
+        cells: list[Cell] = [str(number + 1), _hertz_cell(frequency)]
         for weight, direction in zip(map(float, weights), _SHIP_AXES, strict=True):
             if not (frequency > 0.0 and weight > _LEAST_WEIGHT * weights.sum()):
                 cells += [None, None]
@@ -246,13 +249,13 @@ def _ddam(small: Modes, ship: Ship, location: Location) -> Table:
     )  # fmt: skip
 
 
-def _size(result: Modes) -> str:
+def _amplitude_text(result: Modes) -> str:
     return f"{in_unit(result.amplitude or 0.0, 'mm'):g} mm"
 
 
-def _hertz(frequency: float) -> Cell:
+def _hertz_cell(frequency: float) -> Cell:
     return float(frequency) if math.isfinite(frequency) else TIPS
 
 
-def _text(frequency: float) -> str:
+def _hertz_text(frequency: float) -> str:
     return f"{frequency:.3f} Hz" if math.isfinite(frequency) else TIPS

@@ -1,4 +1,4 @@
-"""The mounts in motion: peaks against their ratings, histories of what is used, deflections and loops, and the course."""
+"""Blocks on the mounts in motion: peaks against ratings, histories, loops, contacts, and the events of the run."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -26,11 +26,11 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.isolator import AXES
 
-_LONG = 10_000  # samples from which loops are drawn around the largest deflection only
-_AROUND = 300  # samples before and after it
+_LONG_RUN = 10_000  # samples from which loops are drawn around the largest deflection only
+_LOOP_SAMPLES = 300  # samples that are drawn before and after it
 _ROUNDING = 1e-9  # of the largest force, below which an axis carries none
 _SENSES = ("compr.", "tension", "shear", "roll")
-# A mount with its extremes by sense
+# Columns of a mount's extremes by sense
 EXTREMES = (
     *left("mount"), *(Column(head, "mm", "z.1f") for head in _SENSES),
     *(Column(head, "kN", "z.2f") for head in _SENSES),
@@ -38,7 +38,7 @@ EXTREMES = (
 
 
 def mount_blocks(run: RunResult) -> Iterator[Block | None]:
-    """Tabulate extremes of every mount by sense, and what it uses of its ratings."""
+    """Tabulate extremes of every mount by sense, and its utilisation of the ratings."""
     order = [*by_use(run.verdicts), *(mount.name for mount in run.response.scene.mounts)]
     peaks = sorted(mount_peaks(run.response), key=lambda row: order.index(row.name))
     combined = {row.subject: row for row in run.verdicts if row.criterion == COMBINED}
@@ -46,7 +46,7 @@ def mount_blocks(run: RunResult) -> Iterator[Block | None]:
     marked = False
     rows: list[Row] = []
     for row in peaks:
-        force, of_all = run.response.peaks.mounts[row.name].force, combined.get(row.name)
+        force, all_axes = run.response.peaks.mounts[row.name].force, combined.get(row.name)
         known = run.validity.get(row.name)
         outside = known and known.outside(np.asarray(row.minimum), np.asarray(row.maximum), small=False)
         marked |= bool(outside)
@@ -57,8 +57,8 @@ def mount_blocks(run: RunResult) -> Iterator[Block | None]:
         cells += [abs(row.force[axis]) for axis in (1, 0)]
         if rated:
             cells += [used_mark(row.utilisation), row.governing or "-"]
-            cells += [used_mark(of_all.utilisation if of_all else None)] if combined else []
-        exceeded = row.exceeded or (of_all is not None and of_all.verdict == EXCEEDED)
+            cells += [used_mark(all_axes.utilisation if all_axes else None)] if combined else []
+        exceeded = row.exceeded or (all_axes is not None and all_axes.verdict == EXCEEDED)
         verdict = EXCEEDED if exceeded else WITHIN if row.governing else NOT_JUDGED
         rows.append([*cells, Mark(verdict, TONE[verdict])])
     if not rows:
@@ -72,7 +72,7 @@ def mount_blocks(run: RunResult) -> Iterator[Block | None]:
 
 
 def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield histories, loops of the worst mount, and the course of the run."""
+    """Yield histories of utilisation, deflection and force, loops of the most used mount, and the events of the run."""
     rows, selection = mount_peaks(run.response), run.selection
     if not rows:
         return
@@ -112,10 +112,11 @@ def _histories_chart(quantity: str, response: Response, names: Sequence[str], se
 
 
 def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
+    """Draw loops of a mount along its loaded axes; of a long run those around the largest deflection."""
     rows = slice(None)
-    if response.time.size > _LONG:
+    if response.time.size > _LONG_RUN:
         middle = int(np.searchsorted(response.time, response.peaks.mounts[name].deflection.time))
-        rows = slice(max(middle - _AROUND, 0), middle + _AROUND)
+        rows = slice(max(middle - _LOOP_SAMPLES, 0), middle + _LOOP_SAMPLES)
     deflection, force = (
         np.stack([response.column(f"mounts/{name}/{part}/{axis}")[rows] for axis in AXES], axis=1)
         for part in ("deflection", "force")
@@ -149,7 +150,7 @@ _CONTACT_COLUMNS = (
 
 
 def contact_blocks(run: RunResult) -> Iterator[Block]:
-    """Tabulate what touched of stops and pairs of geoms."""
+    """Tabulate the stops and contact pairs that touched, with force, depth and energy."""
     contacts = run.response.peaks.contacts
     if contacts is None:
         yield Statement("contacts", "Contacts were not recorded: the run was made by an older version.", tone="unjudged")

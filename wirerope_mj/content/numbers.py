@@ -1,11 +1,11 @@
-"""Values as an engineer reads them: millimetres, kilonewtons and g, with as many digits as they are worth."""
+"""Values as text in an engineer's units, such as mm, kN and g, with significant digits only."""
 
 import math
 import re
 
 from wirerope_mj.foundation.units import force_unit, in_unit, shown_in, significant
 
-ABSENT = "–"  # Stands where there is no value
+ABSENT = "–"  # in place of a missing value
 MINUS = "\N{MINUS SIGN}"
 
 
@@ -20,7 +20,7 @@ def shown(value: float | None, unit: str = "", *, digits: int = 3) -> str:
 
 
 def with_unit(value: float | None, unit: str, *, digits: int = 3) -> str:
-    """Write number and unit; the unit may also be one that is displayed: "ms", "%"."""
+    """Write a value with its unit, an SI unit or a displayed one such as "ms" or "%"."""
     if unit == "N" and value is not None and force_unit(value) == "N":
         return f"{number(value, digits=digits)} N"
     return f"{shown(value, unit, digits=digits)} {shown_unit(unit)}".strip()
@@ -35,12 +35,12 @@ def fixed(value: float, decimals: int) -> str:
 
 
 def several(count: int, thing: str) -> str:
-    """Count a noun: "1 mount", "3 mounts"."""
+    """Write a count with its noun, such as "1 mount" or "3 mounts"."""
     return f"{count} {thing if count == 1 else thing + 's'}"
 
 
 def title_of(name: str) -> str:
-    """Write a name as text: "shock-box_3ax" is "Shock box 3ax"; hyphens between digits stay."""
+    """Write a name as a title, "shock-box_3ax" as "Shock box 3ax"; hyphens between digits stay."""
     text = re.sub(r"(?<!\d)-|-(?!\d)", " ", name.replace("_", " ")).strip()
     return text[:1].upper() + text[1:]
 
@@ -50,6 +50,7 @@ def paragraphs(text: str) -> list[str]:
 
 
 def listed(names: list[str], *, most: int = 6) -> str:
+    """Join names by commas; of more than `most`, count the rest."""
     if len(names) <= most:
         return ", ".join(names)
     return f"{', '.join(names[: most - 1])} and {len(names) - most + 1} more"

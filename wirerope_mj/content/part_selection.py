@@ -1,4 +1,4 @@
-"""Parts that are chosen: by simulating every part under all load cases, or by the vendors' worksheet."""
+"""Content of a part selection: by simulating every part under all load cases, or by the vendors' worksheet."""
 
 import math
 from collections.abc import Iterator
@@ -13,12 +13,12 @@ from wirerope_mj.content.verdicts import used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.studies.catalogue import BY, CRITERIA, CatalogueSelection, TriedPart
 
-_FIRST, _NEAREST = 12, 5  # parts shown by default: that keep every limit, that do not
+_FIRST, _NEAREST = 12, 5  # parts shown by default: of those that keep every limit, and of those that exceed one
 _HEADINGS = {"price": Column("price", "", ".2f"), "mass": Column("mass of\nmounts", "kg", ".2f")}
 
 
 def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -> Content:
-    """Compose a simulated selection; `every` part is shown, or the first and the nearest."""
+    """Compose a simulated selection; all parts are shown if `every`, else the first and those nearest to the limits."""
     tried, meeting = [part for part in selection.tried if not part.reason], selection.meeting
     thing = "part" if len({part.placement for part in tried}) < 2 else "choice"
     counted = f"{several(len(tried), thing)} simulated under {several(len(selection.cases), 'load case')}"
@@ -26,38 +26,38 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
     if meeting:
         first = meeting[0]
         by = selection.by if selection.by != "margin" else "largest margin"
-        text = f"{len(meeting)} of {counted} keep every limit; first by {by}: {_called(first)}, {_critical(first)}"
+        text = f"{len(meeting)} of {counted} keep every limit; first by {by}: {_part_label(first)}, {_critical_text(first)}"
         limited = {measure for measure in CRITERIA if not math.isnan(first.used(measure)[0])}
-        what = "acceleration of the payload" if "clearance" in limited else "payload"
-        text += "" if "fragility" in limited else f"; {what} not judged: no limit stated"
+        unlimited = "acceleration of the payload" if "clearance" in limited else "payload"
+        text += "" if "fragility" in limited else f"; {unlimited} not judged: no limit stated"
         for case, motion in selection.cases.items():
             if clause := amplified(first.largest("acceleration*", case), motion):
                 text += f"; {clause}, under {case}"
         text += "."
     else:
-        beyond = f"; nearest {_called(tried[0])}, {_critical(tried[0])}" if tried else ""
+        beyond = f"; nearest {_part_label(tried[0])}, {_critical_text(tried[0])}" if tried else ""
         text = f"None of {counted} keeps every limit{beyond}." if tried else "No part could be simulated."
     return Content(
         title="Selection of isolators",
         verdict=Statement("headline", text, tone="within" if meeting else "exceeded", values=values),
-        sections=(Section("parts", "Parts", partial(_parts, selection, every), "summary"),),
+        sections=(Section("parts", "Parts", partial(_part_blocks, selection, every), "summary"),),
     )
 
 
-def _parts(selection: CatalogueSelection, every: bool) -> Iterator[Block]:
+def _part_blocks(selection: CatalogueSelection, every: bool) -> Iterator[Block]:
     numbered = tuple(f"{number}: {name}" for number, name in enumerate(selection.cases, start=1))
     yield Statement("load-cases", "Load cases", items=numbered, tone="strong")
     meeting, rest = selection.meeting, [part for part in selection.tried if not part.meets and not part.reason]
     if meeting:
         title = f"{several(len(meeting), 'part')} keep{'s' if len(meeting) == 1 else ''} every limit"
-        yield _table("candidates", title, selection, meeting, None if every else _FIRST)
+        yield _parts_table("candidates", title, selection, meeting, None if every else _FIRST)
     if rest and (every or not meeting):
         title = f"{several(len(rest), 'part')} exceed{'s' if len(rest) == 1 else ''} a limit, the nearest first"
-        yield _table("rejected", title, selection, rest, None if every else _NEAREST)
+        yield _parts_table("rejected", title, selection, rest, None if every else _NEAREST)
     yield Statement("notes", items=tuple(_notes(selection)))
 
 
-def _table(
+def _parts_table(
     name: str, title: str, selection: CatalogueSelection, parts: list[TriedPart] | tuple[TriedPart, ...], most: int | None
 ) -> Table:  # fmt: skip
     placed = len({part.placement for part in selection.tried if part.placement}) > 1
@@ -73,8 +73,9 @@ def _table(
     for part in parts:
         used, criterion, case = part.governing
         number = str(cases.index(case) + 1) if case and criterion != STATIC_LOAD else ""
-        cells: list[Cell] = [part.name, *([part.placement] if placed else []), used_mark(_known(used)), criterion, number]
-        cells += [used_mark(_known(part.used(measure)[0])) for measure in ("static_load", "travel")]
+        cells: list[Cell] = [part.name, *([part.placement] if placed else [])]
+        cells += [used_mark(_finite(used)), criterion, number]
+        cells += [used_mark(_finite(part.used(measure)[0])) for measure in ("static_load", "travel")]
         cells += [part.acceleration, part.displacement, selection.figure(part, "height")]
         rows.append([*cells, *(selection.figure(part, by) for by in extra)])
     return Table(
@@ -85,6 +86,7 @@ def _table(
 
 
 def _notes(selection: CatalogueSelection) -> Iterator[str]:
+    """Yield remarks on unjudged limits, parts that were not simulated, and the ranking."""
     tried = [part for part in selection.tried if not part.reason]
     reasons: dict[str, list[str]] = {}
     for part in selection.tried:
@@ -96,8 +98,8 @@ def _notes(selection: CatalogueSelection) -> Iterator[str]:
             yield f"{criterion}: no limit, not judged"
         elif missing:
             yield f"{criterion}: not rated by the vendor, not judged: {listed(missing)}"
-    for why, names in reasons.items():
-        yield f"not simulated: {listed(names)}: {why}"
+    for reason, names in reasons.items():
+        yield f"not simulated: {listed(names)}: {reason}"
     if len(tried) > len(selection.meeting):
         yield "figures of parts beyond a limit are computed as far as it takes to know that it is exceeded"
     yield (
@@ -111,22 +113,22 @@ def _notes(selection: CatalogueSelection) -> Iterator[str]:
         yield f"ranked by {selection.by}; --by {others}"
 
 
-def _called(part: TriedPart) -> str:
+def _part_label(part: TriedPart) -> str:
     return f"{part.mounts} {part.name}"
 
 
-def _critical(part: TriedPart) -> str:
+def _critical_text(part: TriedPart) -> str:
     used, criterion, case = part.governing
     under = f" under {case}" if criterion != STATIC_LOAD else ""
     return f"{100.0 * used:.0f} % of {criterion}{under}" if criterion else "nothing judged"
 
 
-def _known(value: float) -> float | None:
+def _finite(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
 def selection_content(selection: PartSelection, *, every: bool) -> Content:
-    """Compose what a worksheet says; `every` part that does not meet it is shown with reasons."""
+    """Compose a selection by the worksheet; all parts are shown if `every`, the rejected ones with reasons."""
     met, rest = len(selection.candidates), len(selection.rejected)
     undecided = sum(part.undecided for part in selection.rejected)
     values = {"met": float(met), "not_met": float(rest - undecided), "not_judged": float(undecided)}
@@ -142,15 +144,15 @@ def selection_content(selection: PartSelection, *, every: bool) -> Content:
         title="Selection of isolators",
         verdict=Statement("headline", text, tone=tone, values=values),
         sections=(
-            Section("worksheet", "Worksheet", lambda: (_worksheet(selection.worksheet),), "summary"),
+            Section("worksheet", "Worksheet", lambda: (_worksheet_statement(selection.worksheet),), "summary"),
             Section("parts", "Parts", lambda: _worksheet_parts(selection, every), "summary"),
         ),
     )
 
 
-def _worksheet(sheet: Worksheet) -> Statement:
-    rows = [f"{sheet.load:.1f} N on each of {sheet.mounts} mounts, {_loading(sheet.loading)}"]
-    rows.append(f"velocity change {sheet.velocity:.3f} m/s, {_loading(sheet.direction)}")
+def _worksheet_statement(sheet: Worksheet) -> Statement:
+    rows = [f"{sheet.load:.1f} N on each of {sheet.mounts} mounts, {_loading_text(sheet.loading)}"]
+    rows.append(f"velocity change {sheet.velocity:.3f} m/s, {_loading_text(sheet.direction)}")
     if sheet.largest_frequency is not None and sheet.largest_vibration_stiffness is not None:
         stiffness = 1e-3 * sheet.largest_vibration_stiffness
         rows.append(
@@ -159,7 +161,7 @@ def _worksheet(sheet: Worksheet) -> Statement:
         )
     if sheet.smallest_travel is not None and sheet.largest_shock_stiffness is not None:
         rows.append(
-            f"{_g(sheet.fragility):.4g} g need at least {1e3 * sheet.smallest_travel:.1f} mm of travel: shock stiffness at "
+            f"{_in_g(sheet.fragility):.4g} g need at least {1e3 * sheet.smallest_travel:.1f} mm of travel: shock stiffness at "
             f"most {1e-3 * sheet.largest_shock_stiffness:.0f} N/mm"
         )
     if sheet.travel is not None:
@@ -173,7 +175,7 @@ def _worksheet_parts(selection: PartSelection, every: bool) -> Iterator[Block]:
         rows: list[Row] = []
         for part in selection.candidates:
             critical = Mark("nothing judged", "quiet") if part.governing is None else str(part.governing.criterion)
-            peak = f"{_g(part.acceleration):.2f}{'*' if selection.worksheet.amplifies(part.acceleration) else ''}"
+            peak = f"{_in_g(part.acceleration):.2f}{'*' if selection.worksheet.amplifies(part.acceleration) else ''}"
             worst = most_used(part.verdicts)
             cells: list[Cell] = [part.part.name, used_mark(part.utilisation("static load")), part.frequency, part.travel]
             cells += [used_mark(part.utilisation("rated travel")), peak, used_mark(worst.utilisation if worst else None)]
@@ -205,12 +207,13 @@ def _worksheet_parts(selection: PartSelection, every: bool) -> Iterator[Block]:
 
 
 def _worksheet_notes(selection: PartSelection) -> Iterator[str]:
+    """Yield remarks on stiff parts, long pulses, and limits and options that are not judged."""
     sheet = selection.worksheet
     stiff = sum(sheet.amplifies(part.acceleration) for part in selection.candidates)
     if stiff:
         yield (
-            f"* by the worksheet {stiff} of them pass on more than the pulse's own peak of {_g(sheet.peak):.4g} g: too stiff "
-            "to isolate this shock, whatever is used of the limits"
+            f"* by the worksheet {stiff} of them pass on more than the pulse's own peak of {_in_g(sheet.peak):.4g} g: too "
+            "stiff to isolate this shock, whatever is used of the limits"
         )
     if sheet.fragility is None:
         yield "without --fragility the part that passes on least, the softest that fits, comes first"
@@ -233,9 +236,9 @@ def _worksheet_notes(selection: PartSelection) -> Iterator[str]:
     yield "closed formulas of a guided mass: wirerope select simulates every part at the positions of the mounts"
 
 
-def _g(value: float | None) -> float:
+def _in_g(value: float | None) -> float:
     return math.nan if value is None else value / WORKSHEET_GRAVITY
 
 
-def _loading(mode: str) -> str:
+def _loading_text(mode: str) -> str:
     return "in shear or roll" if mode == "shear" else mode_text(mode)

@@ -1,4 +1,4 @@
-"""What a frequency response says, whoever shows it: resonances, folds, what is stable, and the curves of all levels."""
+"""Content of a frequency response: resonances, folds, stability, and the curves of all levels."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -27,13 +27,13 @@ from wirerope_mj.foundation.units import force_unit, in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.parts import BELOW
 
-_MARKED = 0.05  # Ratio to the fundamental from which another harmonic gives a peak its name
-_BESIDE, _ABOVE = 1.01, 1.12  # room about the curves, as factors
+_NAMED_SHARE = 0.05  # Ratio to the fundamental from which another harmonic gives a peak its name
+_MARGIN_X, _MARGIN_Y = 1.01, 1.12  # ratios of the ends of the axes to those of the curves
 _NUMBERS = (Column("frequency", "Hz", ".5g"), Column("amplitude", "m/s²", ".4g"), Column("transmissibility", form=".4g"))
 
 
 def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = ()) -> Content:
-    """Compose a frequency response level by level, with the orders of a machine."""
+    """Compose the content of a frequency response at all levels, with the orders of a machine."""
     options, (start, stop) = result.options, result.options.range
     assert options.response_direction is not None
     return Content(
@@ -68,17 +68,17 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
 
 def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
     branches = [summary.level.branch for summary in findings if summary.level.branch is not None]
-    early = [branch for branch in branches if not branch.complete]
-    if early:
-        level, text = abs(float(early[0].acceleration[0])), early[0].message
-        if all(branch.beyond_travel for branch in early):
-            at = float(early[0].frequency[-1])
+    incomplete = [branch for branch in branches if not branch.complete]
+    if incomplete:
+        level, text = abs(float(incomplete[0].acceleration[0])), incomplete[0].message
+        if all(branch.beyond_travel for branch in incomplete):
+            at = float(incomplete[0].frequency[-1])
             return Statement(
-                "headline", f"RATED TRAVEL at {level:.4g} m/s² from {at:.4g} Hz on: {early[0].beyond_travel}; motions "
+                "headline", f"RATED TRAVEL at {level:.4g} m/s² from {at:.4g} Hz on: {incomplete[0].beyond_travel}; motions "
                 "beyond are not followed.", tone="exceeded", values={"acceleration": level, "frequency": at},
             )  # fmt: skip
         return Statement("headline", f"ENDED EARLY at {level:.4g} m/s²: {text}.", tone="exceeded")
-    first, last = _top(findings[0]), _top(findings[-1])
+    first, last = _highest_peak(findings[0]), _highest_peak(findings[-1])
     words = "Resonance" if not (first.at_edge or last.at_edge) else "No resonance peak in the range; largest response"
     levels = [summary.level.acceleration for summary in findings]
     frequency, ratio = f"{last.frequency:.4g} Hz", f"{last.transmissibility:.3g}"
@@ -95,18 +95,21 @@ def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
     )  # fmt: skip
 
 
-def _top(summary: LevelSummary) -> ResonancePeak:
+def _highest_peak(summary: LevelSummary) -> ResonancePeak:
+    """Find the highest resonance peak of a level, or the largest response of its sweeps."""
     if summary.peaks:
         return summary.peaks[0]
-    way, seen = max(summary.comparisons.items(), key=lambda item: item[1].peak)
+    way, comparison = max(summary.comparisons.items(), key=lambda item: item[1].peak)
     ends = summary.level.sweeps[way].frequency[[0, -1]]
     return ResonancePeak(
-        frequency=seen.peak_frequency, amplitude=seen.peak, transmissibility=summary.level.transmissibility(seen.peak),
-        point=-1, at_edge=seen.peak_frequency in ends, order=math.nan, harmonic="", share=math.nan,
+        frequency=comparison.peak_frequency, amplitude=comparison.peak,
+        transmissibility=summary.level.transmissibility(comparison.peak), point=-1,
+        at_edge=comparison.peak_frequency in ends, order=math.nan, harmonic="", share=math.nan,
     )  # fmt: skip
 
 
 def _findings(result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand]) -> Iterator[Statement]:
+    """Yield the machine orders at resonances, and the levels whose motion is outside the tests of the laws."""
     if bands:
         yield Statement("orders", items=tuple(order_statements(bands, findings)))
     isolators = {name: mount.isolator for name, mount in result.system.mounts.items()}
@@ -122,10 +125,11 @@ def _findings(result: FrequencyResponse, findings: Sequence[LevelSummary], bands
             ends = {name: (mount.minimum[row], mount.maximum[row]) for name, mount in sweep.mounts.items()}
         if where := untested(isolators, ends):
             below = any(
-                0.5 * (ends[name][1][k] - ends[name][0][k]) < one.amplitude[0]
+                0.5 * (ends[name][1][k] - ends[name][0][k]) < tested_range.amplitude[0]
                 for name, isolator in isolators.items()
                 for k, axis in enumerate(AXES)
-                if (one := isolator.validity.stated.get(axis)) and axis in isolator.validity.outside(*ends[name], small=True)
+                if (tested_range := isolator.validity.stated.get(axis))
+                and axis in isolator.validity.outside(*ends[name], small=True)
             )
             end = f" Cycles below the least tested are {BELOW}." if below else ""
             yield Statement(
@@ -142,7 +146,7 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
         level, branch = summary.level, summary.level.branch
         for number, peak in enumerate(summary.peaks):
             if number:
-                name: Cell = f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
+                name: Cell = f"peak of {peak.harmonic}" if peak.share >= _NAMED_SHARE else "further peak"
             elif branch is not None and not branch.complete:
                 end = "highest within rated travel" if branch.beyond_travel else "highest before it ended"
                 name = Mark(end, "exceeded")
@@ -150,23 +154,23 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
                 name = Mark("highest, at the edge", "unjudged") if peak.at_edge else "resonance peak"
             note = f"{peak.harmonic}, {100.0 * peak.share:.3g} %"
             rows.append((level.acceleration, name, peak.frequency, peak.amplitude, peak.transmissibility, note))
-        for way, seen in summary.comparisons.items():
-            ratio = level.transmissibility(seen.peak)
-            rows.append((level.acceleration, f"peak of the sweep {way}", seen.peak_frequency, seen.peak, ratio, ""))
+        for way, comparison in summary.comparisons.items():
+            ratio = level.transmissibility(comparison.peak)
+            rows.append((level.acceleration, f"peak of the sweep {way}", comparison.peak_frequency, comparison.peak, ratio, ""))
     columns = (Column("level", "m/s²", ".4g"), *left("peak"), *_NUMBERS, Column("harmonic", align="text"))
     note = "Harmonic: the largest one besides the fundamental, of which it is so many percent."
     return Table("peaks", "Peaks", columns, rows, note=note)
 
 
 def event_table(findings: Sequence[LevelSummary]) -> Table | None:
-    """Tabulate folds, changes of stability, side branches and jumps; None without any."""
+    """Tabulate folds, changes of stability, side branches and jumps; None without events."""
     rows: list[Row] = []
     for summary in findings:
         level = summary.level
         if level.branch is not None:
             rows += [(level.acceleration, *row) for row in _branch_events(level.branch)]
-        for way, seen in summary.comparisons.items():
-            for jump in seen.jumps:
+        for way, comparison in summary.comparisons.items():
+            for jump in comparison.jumps:
                 ratio, note = level.transmissibility(jump.amplitude), f"{100.0 * jump.past_fold:+.2f} % from the fold"
                 name = f"jump of the sweep {way}"
                 rows.append((level.acceleration, name, jump.frequency, jump.amplitude, ratio, note))
@@ -176,6 +180,7 @@ def event_table(findings: Sequence[LevelSummary]) -> Table | None:
 
 
 def _branch_events(branch: Branch) -> Iterator[Row]:
+    """Yield rows of the folds, changes of stability and side branches of a branch."""
     jumps = {jump.parameter: jump for jump in branch.jumps}
     for event in branch.bifurcations:
         jump = jumps.get(event.frequency) if event.kind == "fold" else None
@@ -206,11 +211,11 @@ def _level_statement(summary: LevelSummary, rate: float) -> Statement:
         text = f"{unstable.size} points between {span} are unstable{beside}" if span else "all motions are stable"
         lines.append(f"{text}{neutral}")
     for way, sweep in level.sweeps.items():
-        seen = summary.comparisons[way]
+        comparison = summary.comparisons[way]
         text = f"sweep {way} at {rate:g} octaves/min: {sweep.frequency.size} cycles, {sweep.model_steps} model steps"
-        if not math.isnan(seen.largest):
-            text += f"; away from jumps within {100.0 * seen.largest:.2g} % of the branch (at {seen.at:.4g} Hz), half of it "
-            text += f"within {100.0 * seen.median:.2g} %"
+        if not math.isnan(comparison.largest):
+            text += f"; away from jumps within {100.0 * comparison.largest:.2g} % of the branch (at {comparison.at:.4g} Hz), "
+            text += f"half of it within {100.0 * comparison.median:.2g} %"
         lines += [text, *(f"sweep {way}: {warning}" for warning in sweep.warnings)]
     if level.sweeps:
         lines.append(f"sweeps: {level.sweep_seconds:.1f} s together")
@@ -222,7 +227,7 @@ def _level_statement(summary: LevelSummary, rate: float) -> Statement:
 def amplitude_chart(
     result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = (), *, relative: bool = False
 ) -> Chart:
-    """Draw the payload's largest acceleration over frequency for all levels, or over that of the base."""
+    """Draw the payload's largest acceleration, or its ratio to that of the base, over frequency for all levels."""
     options = result.options
     assert options.response_direction is not None
     what = f"{options.payload} along {direction_text(options.response_direction)}"
@@ -230,8 +235,8 @@ def amplitude_chart(
     x, y = (np.concatenate([getattr(curve, part) for curve in curves]) for part in "xy")
     panel = Panel(
         curves, f"transmissibility of {what} [-]" if relative else f"largest acceleration of {what} [m/s²]",
-        xlabel="frequency of the base [Hz]", xlim=(float(x.min()) / _BESIDE, float(x.max()) * _BESIDE),
-        ylim=(float(y.min()) / _ABOVE, float(y.max()) * _ABOVE), log="xy", unit="" if relative else "m/s²", xunit="Hz",
+        xlabel="frequency of the base [Hz]", xlim=(float(x.min()) / _MARGIN_X, float(x.max()) * _MARGIN_X),
+        ylim=(float(y.min()) / _MARGIN_Y, float(y.max()) * _MARGIN_Y), log="xy", unit="" if relative else "m/s²", xunit="Hz",
         bands=[(band.label, band.low, band.high) for band in bands],
     )  # fmt: skip
     name = "Transmissibility" if relative else "Largest acceleration"
@@ -253,8 +258,8 @@ def _curves(findings: Sequence[LevelSummary], *, relative: bool) -> list[Curve]:
         if level.branch is not None and (curve := summary.curve) is not None:
             # segments that are alike in stability, each with the first point of the next
             ends = [0, *(np.flatnonzero(np.diff(curve.stable)) + 1).tolist(), max(curve.stable.size - 1, 1)]
-            for a, b in zip(ends[:-1], ends[1:], strict=True):
-                part, stable = slice(a, b + 1), bool(curve.stable[a])
+            for first, last in zip(ends[:-1], ends[1:], strict=True):
+                part, stable = slice(first, last + 1), bool(curve.stable[first])
                 branches.append(Curve(
                     curve.frequency[part], scale * curve.amplitude[part], name=name if stable else f"{name}, unstable",
                     kind=kind, dash="" if stable else "dashed", marks=curve.stable.size == 1, weight=1.2,
@@ -273,8 +278,8 @@ def _curves(findings: Sequence[LevelSummary], *, relative: bool) -> list[Curve]:
     return [*marks, *([backbone] if backbone else []), *branches, *sweeps]
 
 
-_PANELS = 4  # panels: from the lowest level to the highest
-_MULTIPLIERS = 5
+_PANELS = 4  # most panels of a chart, from the lowest level to the highest
+_MULTIPLIERS = 5  # Floquet multipliers in the table
 Motion = tuple[Branch, int, PeriodicOrbit]  # A branch, the number of one of its points, and the motion there
 
 
@@ -294,7 +299,8 @@ def orbit_blocks(branches: Sequence[Branch]) -> Iterator[Block]:
 
 
 def _orbit_chart(motions: Sequence[Sequence[Motion]], mount: str, axis: int, *, portraits: bool = False) -> Chart:
-    device = motions[0][0][0].system.mounts[mount].isolator.name
+    branch, *_ = motions[0][0]
+    device = branch.system.mounts[mount].isolator.name
     panels = [_orbit_panel(level, mount, axis, portraits=portraits) for level in motions]
     across = 2 if len(panels) == _PANELS else len(panels)
     what = "Phase portraits" if portraits else "Loops"
@@ -363,12 +369,12 @@ def _ranges(orbit: PeriodicOrbit, mount: str, axis: int) -> tuple[float, float, 
 
 
 def motion_blocks(motion: Motion, until: int, loop: tuple[str, int] | None) -> Iterator[Block]:
-    """Yield a motion: stability, multipliers, events up to the point `until`, and a mount's loop."""
+    """Yield stability, multipliers, events up to the point `until`, and a mount's loop of a motion."""
     branch, point, orbit = motion
     level, state = abs(float(branch.acceleration[point])), "stable" if orbit.stable else "UNSTABLE"
     yield Statement("motion", f"{orbit.frequency:.5g} Hz, {level:.4g} m/s²: {state}", tone="strong")
-    near = [event.description for event in branch.bifurcations if point <= event.index < max(until, point + 1)]
-    yield Statement("events", items=tuple(near))
+    events = [event.description for event in branch.bifurcations if point <= event.index < max(until, point + 1)]
+    yield Statement("events", items=tuple(events))
     yield Statement(
         "amplitude",
         f"Amplitude {branch.amplitude[point]:.4g} m/s², transmissibility {branch.transmissibility[point]:.4g}",

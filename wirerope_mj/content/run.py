@@ -1,4 +1,4 @@
-"""The content of a run, and what reaches the payload: accelerations against their limits, over time and over frequency."""
+"""Content of a run, and its blocks on accelerations of the payload: against limits, over time and over frequency."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -56,7 +56,7 @@ START = {
 
 
 def run_content(run: JudgedRun) -> Content:
-    """Compose what a run says: the verdict first, what it rests on after it."""
+    """Compose the content of a run: the verdict first, then its grounds."""
 
     def section(name: str, title: str, blocks: Callable[[JudgedRun], Iterable[Block | None]], depth: Depth = "full") -> Section:
         return Section(name, title, partial(blocks, run), depth)
@@ -94,7 +94,7 @@ def run_content(run: JudgedRun) -> Content:
             section("decks", "On a deck that bends", decks_blocks),
             section("deck", "Loads on the deck", deck_blocks),
             section("credibility", "How far this can be relied on", credibility_blocks),
-            section("numerics", "Numerics, options and versions", _numerics),
+            section("numerics", "Numerics, options and versions", _settings_blocks),
             section("verdicts", "All verdicts", lambda run: [full_table(run.verdicts)]),
         ),
     )
@@ -109,16 +109,17 @@ def numerics_statement(numerics: Numerics) -> Statement:
     )  # fmt: skip
 
 
-def _numerics(run: JudgedRun) -> Iterator[Block]:
+def _settings_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Tabulate steps, estimated error, samples, options and versions of a run."""
     numerics, arguments = run.response.numerics, run.inputs.get("simulate", {})
     initial, versions = str(arguments.get("initial", "settled")), run.inputs.get("versions", {})
-    finite, given = math.isfinite(numerics.error_estimate), math.isnan(numerics.accuracy)
+    finite, step_given = math.isfinite(numerics.error_estimate), math.isnan(numerics.accuracy)
     error = f"{with_unit(numerics.error_estimate, '%', digits=2)} of the peaks, by halving the step"
-    if not finite and given:
+    if not finite and step_given:
         error = "not estimated: the step was given"
     elif not finite or numerics.limited_by == SENSITIVE:
         error = numerics.error_text
-    elif given:
+    elif step_given:
         error += " that was given"
     else:
         above = "above the " if numerics.error_estimate > numerics.accuracy else ""
@@ -162,13 +163,13 @@ def acceleration_blocks(run: RunResult) -> Iterator[Block | None]:
         most = max((row for row in run.random if row.criterion.kind == RMS), key=lambda row: row.value)
         kinds = (("rms", RMS), ("3-sigma", SIGMA))
         criteria = [(f"{text} {axis}", Criterion(kind, axis=axis)) for text, kind in kinds for axis in "xyz"]
-        of_base = [float(rms) if rms > STILL else None for rms in run.base_rms]
+        base_values = [float(rms) if rms > STILL else None for rms in run.base_rms]
         names = dict.fromkeys(row.subject for row in run.random)
         yield Table(
             "random", "Random vibration: rms and 3-sigma accelerations",
             [*left(""), *(Column(text, "g", ".3f") for text, _ in criteria)],
             [
-                [f"{run.response.scene.base} (base)", *of_base, *(rms and SIGMAS * rms for rms in of_base)],
+                [f"{run.response.scene.base} (base)", *base_values, *(rms and SIGMAS * rms for rms in base_values)],
                 *([name, *(values.get((name, criterion)) for _, criterion in criteria)] for name in names),
             ],
             note="Of the stationary part, from where the response has settled in it. The largest rms of the payload, "
@@ -177,6 +178,7 @@ def acceleration_blocks(run: RunResult) -> Iterator[Block | None]:
 
 
 def _payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield accelerations of the most accelerated bodies and points: histories, over a sweep, and spectra."""
     worst = worst_names(run.response)
     if not worst:
         return
@@ -204,6 +206,7 @@ def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
 
 
 def _sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
+    """Draw accelerations along the base's motion over the frequency of the sweep, as maxima of short intervals."""
     response, curves, tops = run.response, [], list[str]()
     frequency, peaks = sweep.frequency(response.time), {row.name: row for row in body_peaks(response)}
     for rank, name in enumerate((*worst_names(response), BASE)):
@@ -225,7 +228,7 @@ def _sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
 
 
 def panel_over_frequency(run: JudgedRun) -> Panel | None:
-    """Choose what is drawn over frequency; None without anything."""
+    """Draw the panel over frequency: of a sweep, densities or shock response spectra; None without spectra."""
     if isinstance(run.motion, Sweep):
         chart = _sweep_chart(run, run.motion)
         ends = sorted((run.motion.start, run.motion.stop))
@@ -233,19 +236,20 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
     axis = main_direction(run.response)
     if run.spectra.densities:
         axes = list(run.spectra.densities)
-        panel, axis = _along(densities_chart(run), axes, axis), axis if axis in axes else axes[0]
+        panel, axis = _panel_along(densities_chart(run), axes, axis), axis if axis in axes else axes[0]
         rms = {short(name): in_unit(rms_along(run, name, axis), "g") for name in run.spectra.densities[axis]}
         curves = [replace(curve, name=f"{curve.name}, {number(rms[curve.name])} g rms") for curve in panel.curves]
         return replace(panel, curves=curves)
     if isinstance(run.spectra.shock, Absent):
         return None
-    panel = _along(shock_chart(run), list(run.spectra.shock), axis)
+    panel = _panel_along(shock_chart(run), list(run.spectra.shock), axis)
     tops = [(curve, int(curve.y.argmax())) for curve in panel.curves]
     curves = [replace(curve, peak=(float(curve.x[top]), float(curve.y[top]))) for curve, top in tops]
     return replace(panel, curves=curves)
 
 
-def _along(chart: Chart, axes: list[str], axis: str) -> Panel:
+def _panel_along(chart: Chart, axes: list[str], axis: str) -> Panel:
+    """Choose the panel of an axis, with the label and the title of the row."""
     row = chart.rows[0]
     panel = row[axes.index(axis) if axis in axes else 0]
     return replace(panel, ylabel=f"{row[0].ylabel} {panel.title}")

@@ -1,4 +1,4 @@
-"""Spectra of a run, of its base and of the bodies and points that are shaken most: of a shock, or of random vibration."""
+"""Spectra of a run, of its base and of its most accelerated bodies and points: SRS of a shock, or PSD of random vibration."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -18,24 +18,24 @@ from wirerope_mj.motions.spectra.ramp import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held, shock_response_spectrum
 
 BASE = "base"  # Name of the base among the spectra
-Q = 10.0  # Amplification of the oscillators: the convention where nothing else is agreed
+Q = 10.0  # quality factor of the oscillators, the usual convention
 _LOWEST, _HIGHEST = 1.0, 1000.0  # [Hz]
-_FINE = 10_000.0  # [Hz], at which a base whose motion is known in closed form is sampled
-_MOST_FINE = 200_000  # samples of it: twenty seconds
-_LONG = 200_000  # samples from which spectra have fewer lines: each takes 10 ms for a million samples
+_FINE_RATE = 10_000.0  # [Hz], at which a base whose motion is known in closed form is sampled
+_MOST_FINE_SAMPLES = 200_000  # samples at this rate: twenty seconds
+_LONG_RUN = 200_000  # samples from which spectra have fewer lines: each takes 10 ms for a million samples
 _LINES, _FEW_LINES = 12, 6  # to an octave
 _STEADY = ("sweep", "sine", "vibration-lines")
 _LEAST_STEADY = 1.0  # [s] of stationary vibration below which a density is too uncertain to be shown
 
 
-_STILL = 1e-12  # [m]: an axis that moves less does not move
+_STILL = 1e-12  # [m]: displacement up to which the base is at rest along an axis
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunSpectra:
-    """Spectra of a run: shock response spectra, or why there are none, and densities, by axis and name.
+    """Spectra of a run by axis and name: shock response spectra, or the reason for their absence, and densities.
 
-    Those of bodies and points come from samples, which hold them within 1 % up to the frequency `held` [Hz].
+    Spectra of bodies and points are computed from samples, within 1 % up to the frequency `held` [Hz].
     """
 
     shock: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
@@ -44,11 +44,11 @@ class RunSpectra:
 
 
 def spectra_of(motion: BaseMotion, response: Response, sample_rate: float) -> RunSpectra:
-    """Compute the spectra of a run's base and of the bodies and points that are drawn."""
+    """Compute the spectra of a run's base and of its most accelerated bodies and points."""
     names = worst_names(response)
     shock = run_spectra(motion, response, names, sample_rate)
     held_to = math.nan
-    if aliasing([motion], sample_rate):  # a sine that is as fast as the samples looks slow in them, and smooth
+    if aliasing([motion], sample_rate):  # a sine near the sample rate appears slow and smooth
         held_to = 0.0
     elif not isinstance(shock, Absent):
         held_to = min(
@@ -63,7 +63,7 @@ def spectra_of(motion: BaseMotion, response: Response, sample_rate: float) -> Ru
 def run_spectra(
     motion: BaseMotion, response: Response, names: Sequence[str], sample_rate: float
 ) -> Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent:
-    """Compute spectra along every axis in which the base moves, by axis and name; or why there are none."""
+    """Compute shock response spectra along the axes in which the base moves, by axis and name, or why they are absent."""
     terms = motion.parts
     axes = moving_axes(response)
     if not axes:
@@ -79,13 +79,13 @@ def run_spectra(
         # An oscillator's first extreme is exp(-zeta t) of the jump with t = arccos(zeta) / sqrt(1 - zeta^2), in radians of its
         # undamped frequency.
         zeta = 0.5 / Q
-        of_jump = math.exp(-zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta))
+        jump_ratio = math.exp(-zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta))
         return Absent(
             reason="The base's velocity jumps: its acceleration is not finite, and a single jump has the same "
-            f"pseudo-velocity at every frequency, {of_jump:.3g} of it at Q = {Q:g} (the jump itself without damping). "
+            f"pseudo-velocity at every frequency, {jump_ratio:.3g} of it at Q = {Q:g} (the jump itself without damping). "
             "No shock response spectrum is shown."
         )
-    frequencies = octave_grid(_LOWEST, highest, per_octave=_LINES if response.time.size <= _LONG else _FEW_LINES)
+    frequencies = octave_grid(_LOWEST, highest, per_octave=_LINES if response.time.size <= _LONG_RUN else _FEW_LINES)
     fine = fine_base(motion, response)
     spectra: dict[str, dict[str, ShockResponseSpectrum]] = {}
     for axis in axes:
@@ -103,8 +103,8 @@ def run_densities(
 ) -> Mapping[str, Mapping[str, PowerSpectralDensity]]:
     """Compute power spectral densities of a random vibration while it is stationary, by axis and name.
 
-    They begin where the base is stationary and the response has settled, all at the same instant: after the longest
-    `settling` of the densities without it.
+    All begin at the same instant, when the base is stationary and the response has settled: the longest `settling` of first
+    estimates over the whole stationary part.
     """
     alone, first, last = steady_interval(motion.to_dict())
     axes = moving_axes(response)
@@ -136,27 +136,28 @@ def _densities(
 
 
 def fine_base(motion: BaseMotion, response: Response) -> tuple[Array, Array] | None:
-    """Sample the base's closed form so finely that no peak falls between: instants [s], (n,), accelerations [m/s^2], (n, 3).
+    """Sample the closed form of the base's motion at 10 kHz: instants [s], (n,), and accelerations [m/s^2], (n, 3).
 
-    None where the motion has none, jumps in velocity or lasts too long, or where the run's own samples are as fine.
+    None if the motion has no closed form, jumps in velocity or lasts too long, or if the run's samples are as fine.
     """
-    fine = int(float(response.time[-1]) * _FINE) + 1
-    if motion.files or motion.velocity_jumps or fine > _MOST_FINE or fine <= response.time.size:
+    fine = int(float(response.time[-1]) * _FINE_RATE) + 1
+    if motion.files or motion.velocity_jumps or fine > _MOST_FINE_SAMPLES or fine <= response.time.size:
         return None
-    time = np.arange(fine) / _FINE
+    time = np.arange(fine) / _FINE_RATE
     return time, motion.acceleration(time)
 
 
 def held_text(held: float) -> str:
-    """Write up to which frequency [Hz] samples hold a spectrum, 0 where no line is sure."""
+    """Describe the frequency [Hz] up to which samples hold a spectrum; 0 if they hold no line of it."""
     return f"within 1 % {f'up to {held:.3g} Hz' if held else 'at no frequency'}"
 
 
 def moving_axes(response: Response) -> list[int]:
+    """List the axes along which the base moves."""
     return [axis for axis in range(3) if np.abs(response.base.displacement[:, axis]).max(initial=0.0) > _STILL]
 
 
 def acceleration_along(response: Response, name: str, axis: int) -> Array:
     """Read the acceleration of a body, a point or the "base" along an axis [m/s^2], (n_t,)."""
-    room = "base" if name == "base" else f"bodies/{name}" if name in response.bodies else f"points/{name}"
-    return response.column(f"{room}/acceleration/{'xyz'[axis]}")
+    group = "base" if name == "base" else f"bodies/{name}" if name in response.bodies else f"points/{name}"
+    return response.column(f"{group}/acceleration/{'xyz'[axis]}")

@@ -1,4 +1,4 @@
-"""Scenes before they are drawn: outlines in a plan and an elevation, labels of mounts, and the worst instant of a run."""
+"""Geometry of drawn scenes: outlines in a plan and an elevation, labels of mounts, and the worst instant of a run."""
 
 import math
 from contextlib import suppress
@@ -21,29 +21,29 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
 
 LONGEST_LABEL = 5  # letters of a mount's name beside its mark; if one is longer, all mounts are numbered
-_AROUND = 16  # corners of a circle that is drawn as a polygon
-_PALE = 0.62  # fraction of white in a body's colour, so that the mounts stand out
+_CIRCLE_CORNERS = 16  # corners of a circle that is drawn as a polygon
+_WHITENING = 0.62  # fraction of white in a body's colour, so that the mounts stand out
 _COINCIDENT = 0.02  # of the drawing's width: mounts closer than this have one label
 
 
 @dataclass(frozen=True)
 class View:
-    """A direction to look in: the world axes that run right and up in the drawing, and the one that comes out of it."""
+    """A view: the world axes that point right and up in the drawing, and the axis towards the viewer."""
 
     title: str
     right: int
     up: int
     towards: int
-    sign: float  # of what comes towards the eye, along `towards`
+    sign: float  # of the direction to the viewer along `towards`
 
     def seen(self, points: Array) -> Array:
         """Project points (.., 3) into the drawing [m], (.., 2)."""
         return np.asarray(points)[..., [self.right, self.up]]
 
 
-_PLAN = View("from above", 0, 1, 2, 1.0)
-_FROM_FRONT = View("from the front, along -x", 1, 2, 0, 1.0)
-_FROM_SIDE = View("from the side, along +y", 0, 2, 1, -1.0)
+_PLAN = View("from above", right=0, up=1, towards=2, sign=1.0)
+_FROM_FRONT = View("from the front, along -x", right=1, up=2, towards=0, sign=1.0)
+_FROM_SIDE = View("from the side, along +y", right=0, up=2, towards=1, sign=-1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +51,7 @@ class DrawnScene:
     """A scene with its shapes in the world frame."""
 
     scene: Scene
-    # body, geom and points whose convex hull it is, (n, 3) [m], of every shape
+    # body, geom and points (n, 3) [m] of every shape, which is the convex hull of the points
     shapes: tuple[tuple[SceneBody, Geom, Array], ...]
     # low, high: least and largest coordinates of shapes and mounts [m], (3,)
     low: Array
@@ -71,7 +71,7 @@ def mount_labels(scene: Scene) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Outline:
-    """A shape as it is seen: the corners of its convex hull in the drawing [m], (n, 2), and its colour, 0 to 1, (4,)."""
+    """The outline of a shape in a drawing: corners of its convex hull [m], (n, 2), and colour from 0 to 1, (4,)."""
 
     corners: Array
     colour: tuple[float, ...]
@@ -83,7 +83,7 @@ def flexible_bodies(scene: Scene) -> list[str]:
 
 
 def crowded_label(scene: Scene) -> tuple[str, int] | None:
-    """Find the first label for more mounts than it names, as "m1 +2", and for how many."""
+    """Find the first label shared by more than two mounts, such as "m1 +2", and their number; None without one."""
     for view in drawn_scene(scene).views:
         for _, names in label_groups(scene, view):
             if len(names) > 2:
@@ -109,6 +109,7 @@ def mount_positions(scene: Scene) -> dict[str, Array]:
 
 
 def drawn_scene(scene: Scene) -> DrawnScene:
+    """Transform the shapes of a scene into the world frame, without planes, and find their extent."""
     shapes = []
     for body in scene.bodies:
         for geom in (geom for geom in body.geoms if geom.shape != "plane"):
@@ -120,17 +121,17 @@ def drawn_scene(scene: Scene) -> DrawnScene:
 
 
 def outlines(drawn: DrawnScene, view: View) -> list[Outline]:
-    """Outline all shapes as they are seen, what is behind first."""
-    nearer = sorted(drawn.shapes, key=lambda entry: float((view.sign * entry[2][:, view.towards]).max()))
-    seen, flexible = [], flexible_bodies(drawn.scene)
-    for body, geom, points in nearer:
+    """Project all shapes into their outlines in a view, from back to front."""
+    back_to_front = sorted(drawn.shapes, key=lambda entry: float((view.sign * entry[2][:, view.towards]).max()))
+    projected, flexible = [], flexible_bodies(drawn.scene)
+    for body, geom, points in back_to_front:
         paint = np.array([0.86, 0.88, 0.90]) if body.on_base or not body.moves else geom.rgba[:3]
-        colour = (*(_PALE + (1.0 - _PALE) * paint).tolist(), max(float(geom.rgba[3]), 0.15))
+        colour = (*(_WHITENING + (1.0 - _WHITENING) * paint).tolist(), max(float(geom.rgba[3]), 0.15))
         corners = view.seen(points)
         with suppress(scipy.spatial.QhullError):  # of what is flat, the points themselves
             corners = np.asarray(corners[scipy.spatial.ConvexHull(corners).vertices])
-        seen.append(Outline(corners, colour, body.name in flexible))
-    return seen
+        projected.append(Outline(corners, colour, body.name in flexible))
+    return projected
 
 
 def label_groups(scene: Scene, view: View) -> list[tuple[Array, list[str]]]:
@@ -149,11 +150,12 @@ def label_groups(scene: Scene, view: View) -> list[tuple[Array, list[str]]]:
 
 
 def shared_label(names: list[str]) -> str:
-    """Make one label for mounts behind each other: "m1, m2", or "m1 +2" for three."""
+    """Join the labels of mounts behind each other, as "m1, m2", or as "m1 +2" for three."""
     return ", ".join(names) if len(names) < 3 else f"{names[0]} +{len(names) - 1}"
 
 
 def _local_points(geom: Geom) -> Array:
+    """List points in the frame of a geom whose convex hull is its shape [m], (n, 3)."""
     if geom.shape == "mesh":
         return geom.vertices
     if geom.shape == "box":
@@ -170,19 +172,20 @@ def _local_points(geom: Geom) -> Array:
 
 
 def _ring(radius: float, height: float) -> Array:
-    angle = np.linspace(0.0, 2.0 * np.pi, _AROUND, endpoint=False)
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(_AROUND, height)], axis=1)
+    """List points of a circle about z at a height, (n, 3)."""
+    angle = np.linspace(0.0, 2.0 * np.pi, _CIRCLE_CORNERS, endpoint=False)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(_CIRCLE_CORNERS, height)], axis=1)
 
 
-_SEEN = 0.06  # of the drawing's extent, which the largest displacement may take
-_FACTORS = (100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)
-_STILL = 1e-6  # [m]: what moves less is not worth a picture
+_SHOWN_DISPLACEMENT = 0.06  # fraction of the drawing's extent that the largest displacement may take
+_FACTORS = (100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)  # by which displacements are enlarged
+_STILL = 1e-6  # [m]: displacement below which a scene is not shown
 
 
 def worst_instant(run: JudgedRun) -> SceneView | None:
-    """Show the worst instant of what is most critical, displacements enlarged; None where nothing moves.
+    """Show the scene at the instant of the most critical verdict, displacements enlarged; None without motion.
 
-    What is most critical at rest, by its static load, is shown when it uses most of its other limits.
+    A subject that is most critical by its static load is shown at the instant of its next most used limit.
     """
     critical = most_used(run.verdicts)
     rows = [(row, row.time) for row in ordered(run.verdicts) if row.time is not None and math.isfinite(row.value)]
@@ -205,7 +208,7 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
 
 
 def scene_at(response: Response, instant: float, *, title: str = "") -> SceneView | None:
-    """Show the scene at the sample nearest to an instant [s], displacements enlarged; None where nothing is seen to move."""
+    """Show the scene at the sample nearest to an instant [s], displacements enlarged; None without visible motion."""
     scene = response.scene
     if not any(body.geoms for body in scene.bodies):
         return None
@@ -220,7 +223,7 @@ def scene_at(response: Response, instant: float, *, title: str = "") -> SceneVie
     if largest < _STILL:
         return None
     drawn = drawn_scene(scene)
-    allowed = _SEEN * float((drawn.high - drawn.low).max())
+    allowed = _SHOWN_DISPLACEMENT * float((drawn.high - drawn.low).max())
     factor = next((factor for factor in _FACTORS if factor * largest <= allowed), 1.0)
     bodies, rotation = [], scipy.spatial.transform.Rotation
     for body in scene.bodies:

@@ -1,4 +1,4 @@
-"""What a search says: its front in a table and a chart, and some of its designs as scenes."""
+"""Content of a design search: its Pareto front in a table and a chart, and some of its designs as scenes."""
 
 from collections.abc import Iterator
 
@@ -13,16 +13,16 @@ from wirerope_mj.foundation.tables import Column, Table, left
 from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, row_of, values_of
 from wirerope_mj.studies.search.result import GENERATION, SearchResult
 
-_SHOWN, _EMPTY = 24, 12  # designs that are read at once; names of mounts that are not fitted and listed
-_DRAWN, _NEAREST = 4, 8  # designs that are drawn; that are shown where none is within the limits
+_SHOWN, _EMPTY = 24, 12  # designs shown at once; names listed of mounts that are not fitted
+_DRAWN, _NEAREST = 4, 8  # designs drawn as scenes; designs in the chart if all exceed limits
 _NAMED = 12  # designs of the front with a label
-_AROUND = 0.35  # of the extent of the front with the given designs: what is drawn around it
-_APART = 0.05  # of the chart's height: labels that are nearer would cover each other
-_LEFT = 0.15  # of the chart's width: nearer to its edge labels have no room on the left
+_MARGIN = 0.35  # around the front and the given designs, as a fraction of their extent
+_LABEL_DISTANCE = 0.05  # least vertical distance of labels, as a fraction of the chart's height
+_LABEL_WIDTH = 0.15  # room of a label on the left of its design, as a fraction of the chart's width
 
 
 def search_content(result: SearchResult) -> Content:
-    """Compose what a search that is complete says."""
+    """Compose the content of a complete search: answer, objectives and limits, front and designs."""
     study, count = result.study, result.front.num_rows
     text = f"{several(count, 'design')} on the front, within the limits" if count else "No design within the limits was found"
     values = {"front": float(count)} if count else {}
@@ -32,7 +32,7 @@ def search_content(result: SearchResult) -> Content:
         yield Statement("answer", " ".join([result.message, *notes]))
         yield from failed_blocks(result, "design")
 
-    def sought() -> Iterator[Block]:
+    def objectives() -> Iterator[Block]:
         items = [f"Least: {measure_of(name).text}." for name in result.minimise]
         for name, largest in result.limits.items():
             measure = measure_of(name)
@@ -47,7 +47,7 @@ def search_content(result: SearchResult) -> Content:
         verdict=rested_first(Statement("headline", text, tone="within" if count else "exceeded", values=values), study),
         sections=(
             Section("answer", "", answer, "headline"),
-            Section("sought", "Objectives and limits", sought),
+            Section("sought", "Objectives and limits", objectives),
             Section("results", "Results", lambda: _results(result), "summary"),
             Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
@@ -61,8 +61,8 @@ def _results(result: SearchResult) -> Iterator[Block]:
         return
     if any(column.places_mounts for varied in result.study.quantities for column in varied.columns):
         # the given design, and the front's ends, knee and middle
-        wanted = list(dict.fromkeys([*range(min(result.start, 1)), *result.chosen]))[:_DRAWN]
-        for variant in sorted(wanted, key=lambda n: (n >= result.start, front.index(n) if n in front else -1)):
+        variants = list(dict.fromkeys([*range(min(result.start, 1)), *result.chosen]))[:_DRAWN]
+        for variant in sorted(variants, key=lambda n: (n >= result.start, front.index(n) if n in front else -1)):
             row = row_of(result.table, variant)
             measures = [measure_of(name) for name in result.minimise if name != "mounts"]
             parts = [f"{row['mounts']:.0f} mounts"]
@@ -76,7 +76,7 @@ def _results(result: SearchResult) -> Iterator[Block]:
 
 
 def front_table(result: SearchResult, most: int | None = None) -> Table:
-    """Tabulate the designs that were given, and those of the front."""
+    """Tabulate the given designs and the designs of the front."""
     measures = [measure_of(name) for name in result.shown]
     designs = {row["variant"]: row for row in result.table.slice(0, result.start).to_pylist() + result.front.to_pylist()}
     rows = []
@@ -131,14 +131,14 @@ def front_chart(result: SearchResult) -> Chart:
     wanted = np.array(result.chosen if front.size else result.chosen[:_NEAREST], dtype=np.int64)
     shown = np.concatenate([wanted, given])
     xlim, ylim = (
-        _range(values[shown], None if measure is None else result.limits.get(measure.name), measure)
+        _axis_range(values[shown], None if measure is None else result.limits.get(measure.name), measure)
         for measure, values in ((across, x), (up, y))
     )
     outside = int((known & ((x < xlim[0]) | (x > xlim[1]) | (y < ylim[0]) | (y > ylim[1]))).sum())
     left_out = [f"{outside} designs farther out"] * bool(outside) + [f"{len(result.failed)} failed"] * bool(result.failed)
     panel = Panel(
         curves, up.column.title(), xlabel="design" if across is None else across.label,
-        limits=_limit(result, up), xlimits=[] if across is None else _limit(result, across),
+        limits=_limit_levels(result, up), xlimits=[] if across is None else _limit_levels(result, across),
         notes=_labels(result, front, (x, y), (xlim, ylim)), xlim=xlim, ylim=ylim,
         title=f"not shown: {'; '.join(left_out)}" if left_out else "", unit=up.unit,
         xunit="" if across is None else across.unit,
@@ -149,16 +149,17 @@ def front_chart(result: SearchResult) -> Chart:
     return Chart(id="front", rows=[[panel]], height=260.0, caption=caption, alt=caption)
 
 
-def _limit(result: SearchResult, measure: Measure) -> list[tuple[str, float]]:
+def _limit_levels(result: SearchResult, measure: Measure) -> list[tuple[str, float]]:
     return [("limit", measure.factor * result.limits[measure.name])] if measure.name in result.limits else []
 
 
-def _range(values: Array, limit: float | None, measure: Measure | None) -> tuple[float, float]:
+def _axis_range(values: Array, limit: float | None, measure: Measure | None) -> tuple[float, float]:
+    """Compute the range of an axis around values and limit, from 0 on unless values are negative."""
     ends = values[np.isfinite(values)]
     ends = ends if ends.size else np.zeros(1)
     if measure is not None and limit is not None:
         ends = np.append(ends, measure.factor * limit)
-    room = _AROUND * float(np.ptp(ends) or abs(ends[0]) or 1.0)
+    room = _MARGIN * float(np.ptp(ends) or abs(ends[0]) or 1.0)
     low = float(ends.min()) - room
     return (max(low, 0.0) if ends.min() >= 0.0 else low), float(ends.max()) + room
 
@@ -166,17 +167,17 @@ def _range(values: Array, limit: float | None, measure: Measure | None) -> tuple
 def _labels(
     result: SearchResult, front: Integers, at: tuple[Array, Array], limits: tuple[tuple[float, float], tuple[float, float]]
 ) -> list[Note]:
-    """Name designs of the front, and those that were given, by their number of mounts, where there is room."""
+    """Label given designs and designs of the front with their number of mounts, as far as labels do not overlap."""
     mounts, notes, heights = np.asarray(result.table["mounts"]), list[Note](), list[float]()
     first = [*range(result.start), *([] if result.knee is None else [result.knee])]
     for variant in [*first, *front[[0, -1]], *front] if front.size else first:
         x, y = at[0][variant], at[1][variant]
         across, up = ((value - low) / (high - low) for value, (low, high) in zip((x, y), limits, strict=True))
         inside = 0.0 <= across <= 1.0 and 0.0 <= up <= 1.0
-        if not inside or len(notes) == _NAMED or any(abs(up - height) < _APART for height in heights):
+        if not inside or len(notes) == _NAMED or any(abs(up - height) < _LABEL_DISTANCE for height in heights):
             continue
         heights.append(up)
         label = f"{mounts[variant]:.0f} mounts" + (f", design {variant}" if variant in first else "")
         # On the left of a front there is room; beyond the given design on the right.
-        notes.append((float(x), float(y), label, across > _LEFT and variant >= result.start))
+        notes.append((float(x), float(y), label, across > _LABEL_WIDTH and variant >= result.start))
     return notes

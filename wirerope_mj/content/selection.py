@@ -16,36 +16,37 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
 
-MOST_LOOPS = 6  # of the governing axis with a view of their own: two rows of three can be read
-MOST_OTHER_LOOPS = 3  # of other axes; each costs some 40 kilobytes of the file
+MOST_LOOPS = 6  # loops of the governing axis with a view of their own: two rows of three can be read
+MOST_OTHER_LOOPS = 3  # loops of each other axis; each costs some 40 kilobytes of the file
 NAMED = 3  # lines of a graph with colours and names; the others are grey
-MOST = 3  # of bodies or mounts in one panel of a page: more cannot be told apart
+MOST = 3  # curves of bodies or mounts in one panel of a page: more cannot be distinguished
 QUANTITIES = ("deflection", "force")  # Of mounts, as `MountResponse` calls them
-COLOURS = 6  # numbered colours that can be told apart
-_SETTLED = 0.1  # of the largest swing, within which deflections stay when the event is over
+COLOURS = 6  # numbered colours that can be distinguished
+_SETTLED = 0.1  # fraction of the largest swing within which deflections stay when the event is over
 
 
 @dataclass(frozen=True, kw_only=True)
 class Selection:
-    """Selection of what is shown."""
+    """The event, mounts, bodies and points of a response that outputs show."""
 
     event: float  # instant of the first event of the motion [s]
-    window: tuple[float, float]  # first and last instant of what follows from it [s]
-    utilisations: Array  # peak deflection over rated travel, (n_mounts, 3); NaN where nothing is rated
+    window: tuple[float, float]  # first and last instant of the response to it [s]
+    utilisations: Array  # peak deflection over rated travel, (n_mounts, 3); NaN without a rating
     mounts: tuple[str, ...]  # names of the mounts that are no stops, in the order of `utilisations`
     ranked: dict[str, tuple[str, ...]]  # per axis the mounts that act in it, by utilisation of the rated travel
     # per quantity and axis the mounts that act in it, by peak
     leading: dict[tuple[str, str], tuple[str, ...]]
-    # bodies, points: what rides on the base, by peak acceleration
+    # bodies, points: names of those on the mounts, by peak acceleration
     bodies: tuple[str, ...]
     points: tuple[str, ...]
     verdicts: tuple[Verdict, ...]  # on the run
-    used: tuple[Used, ...]  # what has limits over time, in the order of `by_use`
-    numbers: dict[str, int]  # in the table of colours, of mounts, bodies and points by name
-    run_color: tuple[int, int, int] | None = None  # of all mounts, among several runs
+    used: tuple[Used, ...]  # limits of subjects with their utilisation over time, in the order of `by_use`
+    numbers: dict[str, int]  # colour numbers of mounts, bodies and points by name
+    run_color: tuple[int, int, int] | None = None  # colour of all mounts, among several runs
 
     @property
     def axes(self) -> tuple[str, ...]:
+        """The mount axes in which forces act, the most utilised first."""
 
         def urgency(axis: str) -> tuple[float, bool]:
             ratio = self.utilisation(self.ranked[axis][0], axis)
@@ -55,7 +56,7 @@ class Selection:
 
     @property
     def governing(self) -> str | None:
-        """The most critical mount, or else the one that travels most; None without mounts."""
+        """The most critical mount, else the mount with the largest travel; None without mounts."""
         used = [name for name in by_use(self.verdicts) if name in self.mounts]
         return used[0] if used else self.ranked[self.axes[0]][0] if self.axes else None
 
@@ -69,21 +70,21 @@ class Selection:
         return replace(self, ranked={axis: tuple(n for n in names if n in mounts) for axis, names in self.ranked.items()})
 
     def utilisation(self, mount: str, axis: str) -> float:
-        """Find peak deflection over rated travel; NaN if nothing is rated."""
+        """Find peak deflection over rated travel; NaN without a rating."""
         return float(self.utilisations[self.mounts.index(mount), AXES.index(axis)])
 
 
 def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Selection:
-    """Choose what is shown of `response`; verdicts are those of `judge` by default."""
+    """Choose event, mounts, bodies and points of a response to show; verdicts are those of `judge` by default."""
 
-    def act(axis: int) -> list[str]:
+    def acting_mounts(axis: int) -> list[str]:
         return [name for name in mounts if response.mounts[name].force[:, axis].any()]
 
     def urgency(name: str, axis: int) -> tuple[float, float]:
         deflection, ratio = response.peaks.mounts[name].deflection, utilisations[mounts.index(name), axis]
         return (0.0 if np.isnan(ratio) else ratio), float(deflection.maximum[axis] - deflection.minimum[axis])
 
-    def size(name: str, quantity: str, axis: int) -> float:
+    def largest(name: str, quantity: str, axis: int) -> float:
         peak = getattr(response.peaks.mounts[name], quantity)
         return float(max(-peak.minimum[axis], peak.maximum[axis]))
 
@@ -96,9 +97,9 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
     utilisations = np.array([rows[name] for name in mounts], dtype=np.float64).reshape(-1, 3)  # None becomes NaN
     ranked, leading = {}, {}
     for number, axis in enumerate(AXES):
-        ranked[axis] = tuple(sorted(act(number), key=partial(urgency, axis=number), reverse=True))
+        ranked[axis] = tuple(sorted(acting_mounts(number), key=partial(urgency, axis=number), reverse=True))
         for quantity in QUANTITIES:
-            order = partial(size, quantity=quantity, axis=number)
+            order = partial(largest, quantity=quantity, axis=number)
             leading[quantity, axis] = tuple(sorted(ranked[axis], key=order, reverse=True))
     first, last = float(response.time[0]), float(response.time[-1])
     event = min(max(response.events[0][0] if response.events else first, first), last)
@@ -121,41 +122,43 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
 
 
 def main_direction(response: Response) -> str:
-    """Name the axis along which the base moves, "x", "y" or "z", or "total"."""
+    """Name the axis along which the base moves, "x", "y" or "z", or "total" for several axes."""
     moved = [axis for axis in range(3) if response.base.acceleration[:, axis].any()]
     return "xyz"[moved[0]] if len(moved) == 1 else "total"
 
 
 def travel_limits(mount: SceneMount, axis: str) -> tuple[float, float]:
-    """Find the lowest and highest rated deflection of an axis [m]; NaN where none is rated."""
+    """Find the lowest and highest rated deflection of an axis [m]; NaN without a rating."""
     below, above = SIDES[axis]
     return -mount.travel.get(below, np.nan), mount.travel.get(above, np.nan)
 
 
 def kind_of(selection: Selection, name: str, other: int | str = OTHERS) -> int | str:
+    """Find the colour number of a mount, body or point; `other` without a number."""
     return selection.numbers.get(name, other)
 
 
 def or_other(name: str, kind: int | str, rank: int, count: int) -> tuple[str, int | str]:
-    """Name and colour a curve among `count`, from `NAMED` on as one of the others."""
+    """Find name and colour of a curve among `count`; from rank `NAMED` on it is one of the "others"."""
     left = count - NAMED
     return (name, kind) if rank < NAMED else (f"{left} other{'s' if left > 1 else ''}", OTHERS)
 
 
 def numbered(groups: Sequence[Sequence[str]]) -> dict[str, int]:
+    """Assign colour numbers to names, for each name the number used least in its group, then least of all."""
     numbers: dict[str, int] = {}
     for group in groups:
         for name in group:
             if name not in numbers:
-                of_group, taken = [numbers[member] for member in group if member in numbers], list(numbers.values())
-                numbers[name] = min(range(COLOURS), key=lambda n: (of_group.count(n), taken.count(n), n))
+                in_group, in_use = [numbers[member] for member in group if member in numbers], list(numbers.values())
+                numbers[name] = min(range(COLOURS), key=lambda n: (in_group.count(n), in_use.count(n), n))
     return numbers
 
 
 def worst_names(response: Response) -> list[str]:
-    """Choose the bodies and points to draw, three at most; of those that move alike, the first.
+    """Choose at most three bodies and points to draw; of those with equal peaks only the first.
 
-    First those that are nearest to their limits of acceleration, then others with limits, then the largest accelerations.
+    The largest utilisations of acceleration limits come first, then others with limits, then the largest accelerations.
     """
     names: list[str] = []
     peaks: list[tuple[float, ...]] = []
@@ -165,7 +168,7 @@ def worst_names(response: Response) -> list[str]:
             used[verdict.subject] = max(verdict.utilisation, used[verdict.subject])
     for row in sorted(body_peaks(response), key=lambda row: -used.get(row.name, -1.0)):  # else as they are: by size
         size = (row.value, *row.axes)
-        alike = any(np.allclose(size, peak, rtol=1e-6, atol=1e-9) for peak in peaks)  # a point of what cannot turn
+        alike = any(np.allclose(size, peak, rtol=1e-6, atol=1e-9) for peak in peaks)  # a point of a body that does not rotate
         if row.kind != "base" and not alike:
             names.append(row.name)
             peaks.append(size)

@@ -1,4 +1,4 @@
-"""Spectra as charts and statements: those of a run, and of any acceleration on four-way paper, beside a test, as densities."""
+"""Charts and tables of spectra: of a run, on four-way paper, beside a test spectrum, and power spectral densities."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,10 +22,10 @@ from wirerope_mj.foundation.tables import Cell, Column, Table, left
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 
-_DECADES, POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is nothing to design for
-_ABOVE = 1.15  # of the largest, where the axis ends
-_NEAR_DECADE = 0.05  # of a frequency, within which an axis goes on to a power of ten
-_ALIKE = 1e-6  # fraction by which two spectra differ that are one line
+_DECADES, POWER_DECADES = 2.5, 4.0  # decades below the largest value that are drawn
+_MARGIN = 1.15  # ratio of the end of an axis to the largest value
+_NEAR_DECADE = 0.05  # relative distance within which an axis is extended to a power of ten
+_EQUAL = 1e-6  # relative difference up to which two spectra are one line
 
 
 def spectra_blocks(run: JudgedRun) -> Iterator[Block]:
@@ -59,7 +59,7 @@ def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
     parts = ((_srs_label(q), "g"), (f"pseudo-velocity, Q = {q:g} [m/s]", "m/s"))
     equal: dict[str, list[str]] = {}  # axes along which the base moves alike, by the first of them
     for axis, spectrum in spectra.items():
-        same = (other for other in equal if np.allclose(spectrum.maximax, spectra[other].maximax, rtol=_ALIKE, atol=0.0))
+        same = (other for other in equal if np.allclose(spectrum.maximax, spectra[other].maximax, rtol=_EQUAL, atol=0.0))
         equal.setdefault(next(same, axis), []).append(axis)
     row = []
     for number, (label, unit) in enumerate(parts):
@@ -91,7 +91,7 @@ def shock_chart(run: JudgedRun) -> Chart:
     }
     q = next(iter(first.values())).q
     return replace(
-        _panels(lines, _srs_label(q), run.selection, unit="g"),
+        _axis_panels(lines, _srs_label(q), run.selection, unit="g"),
         id="payload-spectra",
         caption=f"Shock response spectra of {listed(names)} and of the base, maximax, Q = {q:g}: what equipment meets "
         "that stands there. Where the payload's line lies above the base's, isolation makes it worse. "
@@ -112,7 +112,7 @@ def densities_chart(run: JudgedRun) -> Chart:
     first = next(iter(densities.values()))
     psd, names = next(iter(first.values())), listed([name for name in first if name != BASE])
     return replace(
-        _panels(lines, "PSD [g²/Hz]", run.selection, decades=POWER_DECADES, unit="g²/Hz"),
+        _axis_panels(lines, "PSD [g²/Hz]", run.selection, decades=POWER_DECADES, unit="g²/Hz"),
         id="densities",
         caption=f"Power spectral densities of {names} and of the base while the response is stationary: "
         f"{psd.duration:.4g} s, resolution {psd.resolution:.3g} Hz, {several(psd.segments, 'segment')}, so that each "
@@ -122,7 +122,7 @@ def densities_chart(run: JudgedRun) -> Chart:
 
 
 def rms_along(run: JudgedRun, name: str, axis: str) -> float:
-    """Find a root mean square [m/s^2]: the one that is judged, or that of the density."""
+    """Find the rms acceleration along an axis [m/s^2]: the judged value, or that of the density."""
     if name == THE_BASE:
         return float(run.base_rms["xyz".index(axis)])
     verdicts, criterion = () if isinstance(run.random, Absent) else run.random, Criterion(RMS, axis=axis)
@@ -131,10 +131,11 @@ def rms_along(run: JudgedRun, name: str, axis: str) -> float:
     return next(judged, float(density.rms) if density else 0.0)
 
 
-def _panels(
+def _axis_panels(
     lines: Mapping[str, Mapping[str, tuple[Array, Array]]], label: str, selection: Selection, *, unit: str,
     decades: float = _DECADES,
 ) -> Chart:  # fmt: skip
+    """Draw spectra in a panel for each axis, the base behind the others."""
     row: list[Panel] = []
     for axis, along in lines.items():
         curves = [
@@ -147,25 +148,26 @@ def _panels(
 
 
 def spectrum_panel(curves: list[Curve], label: str, unit: str, *, title: str = "", decades: float = _DECADES) -> Panel:
-    high = _ABOVE * max(float(curve.y.max()) for curve in curves) or 1.0  # nothing moved: an empty paper
-    low = max(min(float(curve.y.min()) for curve in curves) / _ABOVE, high * 10.0**-decades)
-    ends = _end(min(float(curve.x[0]) for curve in curves)), _end(min(float(curve.x[-1]) for curve in curves))
+    """Draw spectra on logarithmic axes, values down to some decades below the largest."""
+    high = _MARGIN * max(float(curve.y.max()) for curve in curves) or 1.0  # nothing moved: an empty paper
+    low = max(min(float(curve.y.min()) for curve in curves) / _MARGIN, high * 10.0**-decades)
+    ends = _axis_end(min(float(curve.x[0]) for curve in curves)), _axis_end(min(float(curve.x[-1]) for curve in curves))
     return Panel(
         curves, label, xlabel="frequency [Hz]", title=title, xlim=ends, ylim=(low, high), log="xy",
         unit=unit, xunit="Hz",
     )  # fmt: skip
 
 
-def _end(frequency: float) -> float:
-    """End an axis at a power of ten that is near, so that it is named."""
+def _axis_end(frequency: float) -> float:
+    """Round the end of an axis to a power of ten within 5 %, so that it gets a label."""
     power = 10.0 ** round(math.log10(frequency))
     return power if abs(frequency / power - 1.0) < _NEAR_DECADE else frequency
 
 
 _HEIGHT = 330.0  # of a panel
-_ACROSS = WIDTH - LEFT - RIGHT  # width of a panel: a decade is as long on both axes of four-way paper
-_INSIDE = 1.07  # of a frequency, by which names stand off the edge
-_TURN = 2.0 * math.pi
+_PANEL_WIDTH = WIDTH - LEFT - RIGHT  # a decade is as long on both axes of four-way paper
+_LABEL_OFFSET = 1.07  # ratio of frequencies by which labels are set off the edge
+_TWO_PI = 2.0 * math.pi
 
 
 def four_way_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
@@ -173,10 +175,10 @@ def four_way_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
 
     On this paper a shock is a trapezoid: its displacement on the left, its velocity change at the top, its acceleration on
     the right. Displacements are read exactly; accelerations are 2 pi f times the pseudo-velocity, which the absolute
-    acceleration exceeds a little where there is damping. Of the spectra, each of spectrum acceleration, "base" is grey.
+    acceleration exceeds a little where there is damping. The spectrum named "base" is grey.
     """
     curves = _curves(spectra, lambda spectrum: (spectrum.frequencies, spectrum.pseudo_velocity))
-    panel = _over_all(spectrum_panel(curves, f"pseudo-velocity{_q(spectra)} [m/s]", "m/s"))
+    panel = _over_all_frequencies(spectrum_panel(curves, f"pseudo-velocity{_q_text(spectra)} [m/s]", "m/s"))
     assert panel.xlim is not None
     assert panel.ylim is not None
     diagonals = list(_diagonals(panel.xlim, panel.ylim))
@@ -184,7 +186,7 @@ def four_way_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
     lines, notes = [line for line, _ in diagonals], [note for _, some in diagonals for note in some]
     panel = replace(panel, curves=[*curves, *lines], notes=notes)
     return Chart(
-        id="four-way", rows=[[panel]], height=_ACROSS * decades[1] / decades[0], alt="Four-way shock response spectrum."
+        id="four-way", rows=[[panel]], height=_PANEL_WIDTH * decades[1] / decades[0], alt="Four-way shock response spectrum."
     )
 
 
@@ -199,7 +201,7 @@ def shock_spectra_chart(
     if test is not None:
         f, a = (np.asarray(part, dtype=np.float64) for part in test)
         curves.append(Curve(f, in_unit(a, "g"), name="test spectrum", kind=len(curves) % COLOURS, dash="dashed"))
-    panel = _over_all(spectrum_panel(curves, f"SRS{_q(spectra)}: peak acceleration [g]", "g"))
+    panel = _over_all_frequencies(spectrum_panel(curves, f"SRS{_q_text(spectra)}: peak acceleration [g]", "g"))
     return Chart(id="shock-spectra", rows=[[panel]], height=_HEIGHT, alt="Shock response spectra.")
 
 
@@ -209,18 +211,19 @@ def power_densities_chart(densities: Mapping[str, PowerSpectralDensity]) -> Char
         replace(curve, name=f"{name}: {in_unit(float(psd.rms), 'g'):.3g} g rms, ±{in_unit(psd.standard_error, '%'):.0f} %")
         for curve, (name, psd) in zip(curves, densities.items(), strict=True)
     ]
-    panel = _over_all(spectrum_panel(curves, "PSD [g²/Hz]", "g²/Hz", decades=POWER_DECADES))
+    panel = _over_all_frequencies(spectrum_panel(curves, "PSD [g²/Hz]", "g²/Hz", decades=POWER_DECADES))
     return Chart(id="power-densities", rows=[[panel]], height=_HEIGHT, alt="Power spectral densities.")
 
 
 def _curves(spectra: Mapping[str, Any], values_of: Callable[[Any], tuple[Array, Array]]) -> list[Curve]:
+    """Draw spectra in the numbered colours, "base" in grey; ValueError if a spectrum is of several axes."""
     curves: list[Curve] = []
     number = 0
     for name, spectrum in spectra.items():
         x, y = values_of(spectrum)
         if y.ndim != 1:
             raise ValueError(f"the spectrum {name!r} must be of one acceleration, got the shape {y.shape}.")
-        if name == BASE:  # no colour is lost to it
+        if name == BASE:  # it takes no numbered colour
             curves.append(Curve(x, y, name=name, kind=BASE))
             continue
         dash = "dashed" if number >= COLOURS else ""
@@ -229,34 +232,38 @@ def _curves(spectra: Mapping[str, Any], values_of: Callable[[Any], tuple[Array, 
     return curves
 
 
-def _q(spectra: Mapping[str, ShockResponseSpectrum]) -> str:
+def _q_text(spectra: Mapping[str, ShockResponseSpectrum]) -> str:
+    """Write the quality factor that all spectra share, such as ", Q = 10"; "" if they differ."""
     q = {spectrum.q for spectrum in spectra.values()}
     return f", Q = {q.pop():g}" if len(q) == 1 else ""
 
 
-def _over_all(panel: Panel) -> Panel:
+def _over_all_frequencies(panel: Panel) -> Panel:
+    """Extend a panel over the frequencies of all its curves."""
     first, last = min(float(curve.x[0]) for curve in panel.curves), max(float(curve.x[-1]) for curve in panel.curves)
     return replace(panel, xlim=(first, last) if first < last else (first / 2.0, 2.0 * last))
 
 
 def _diagonals(across: tuple[float, float], upward: tuple[float, float]) -> Iterator[tuple[Curve, list[Note]]]:
-    """Yield the lines of equal displacement, rising, and of equal acceleration, falling, with their names at an end."""
+    """Yield the lines of equal displacement, rising, and of equal acceleration, falling, with their labels."""
     (f0, f1), (v0, v1) = across, upward
     middle = math.sqrt(f0 * f1)
 
     def line(first: float, last: float, start: float, end: float) -> Curve:
         return Curve(np.array([first, last]), np.array([start, end]), name="", kind=OTHERS, weight=0.7)
 
-    for d in _round_numbers(v0 / (_TURN * f1), v1 / (_TURN * f0), scale=1e-3):
-        first, last = max(f0, v0 / (_TURN * d)), min(f1, v1 / (_TURN * d))
-        f = _INSIDE * first  # where it comes in
-        notes = [(f, _TURN * f * d, f"{d / 1e-3:.4g} mm", False)] if f < middle and _TURN * f * d < v1 / 1.5 else []
-        yield line(first, last, _TURN * first * d, _TURN * last * d), notes
-    for a in _round_numbers(_TURN * f0 * v0, _TURN * f1 * v1, scale=STANDARD_GRAVITY):
-        first, last = max(f0, a / (_TURN * v1)), min(f1, a / (_TURN * v0))
-        f = last / _INSIDE  # where it leaves
-        notes = [(f, a / (_TURN * f), f"{in_unit(a, 'g'):.4g} g", True)] if f > middle and a / (_TURN * f) < v1 / 1.5 else []
-        yield line(first, last, a / (_TURN * first), a / (_TURN * last)), notes
+    for d in _round_numbers(v0 / (_TWO_PI * f1), v1 / (_TWO_PI * f0), scale=1e-3):
+        first, last = max(f0, v0 / (_TWO_PI * d)), min(f1, v1 / (_TWO_PI * d))
+        f = _LABEL_OFFSET * first  # beside its left end
+        notes = [(f, _TWO_PI * f * d, f"{d / 1e-3:.4g} mm", False)] if f < middle and _TWO_PI * f * d < v1 / 1.5 else []
+        yield line(first, last, _TWO_PI * first * d, _TWO_PI * last * d), notes
+    for a in _round_numbers(_TWO_PI * f0 * v0, _TWO_PI * f1 * v1, scale=STANDARD_GRAVITY):
+        first, last = max(f0, a / (_TWO_PI * v1)), min(f1, a / (_TWO_PI * v0))
+        f = last / _LABEL_OFFSET  # beside its right end
+        notes = (
+            [(f, a / (_TWO_PI * f), f"{in_unit(a, 'g'):.4g} g", True)] if f > middle and a / (_TWO_PI * f) < v1 / 1.5 else []
+        )
+        yield line(first, last, a / (_TWO_PI * first), a / (_TWO_PI * last)), notes
 
 
 def _round_numbers(low: float, high: float, *, scale: float) -> Sequence[float]:

@@ -1,4 +1,4 @@
-"""A system at rest under gravity: sag and load of mounts and payloads, what carries the weight, and how stable it stands."""
+"""Content on rest under gravity: sag and load of mounts and payloads, distribution of the weight, and tipping stability."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,24 +16,24 @@ from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table, left
 
-# What the two equilibria are.
+# Descriptions of the two equilibria by loading history
 HISTORIES = {"virgin": "on the first loading, as after installation", "relaxed": "after long vibration (friction relaxed)"}
 _TONES = {"stable": "within", "slender": "near"}
-_BALANCED = 1e-4  # of the weight, below which nobody asks what carries the rest
-_MORE_THAN_ALL = 1.000001  # times what the lowest mounts carry, rounding included
+_BALANCED = 1e-4  # fraction of the weight up to which loads on contacts and joints are not stated
+_MORE_THAN_ALL = 1.000001  # ratio of all mounts' loads to the weight on mounts, above which payloads are stacked
 
 
 def statics_content(
     name: str, table: StaticTable, verdicts: Sequence[Verdict], stability: Mapping[str, TippingStability]
 ) -> Content:
-    """Describe the equilibrium of a system: sag, loads, verdicts, and stability."""
+    """Compose the content of an equilibrium: sag, loads, verdicts, and stability."""
     return Content(
         title=f"{name}: at rest under gravity",
-        verdict=_rested(verdicts)
-        or _static_load(verdicts)
+        verdict=_rested_statement(verdicts)
+        or _static_load_statement(verdicts)
         or Statement("static-load", "Static load: not judged.", tone="unjudged"),
         sections=(
-            Section("rested", "", lambda: [_rested(verdicts)], "summary"),
+            Section("rested", "", lambda: [_rested_statement(verdicts)], "summary"),
             Section("statics", "", partial(statics_blocks, table, verdicts), "summary"),
             Section("stability", "", partial(stability_blocks, stability, verdicts), "summary"),
         ),
@@ -52,11 +52,11 @@ def run_statics_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[Block | None]:
-    """Yield sag and load of every mount and payload, what carries the weight, and verdicts."""
+    """Yield sag and load of every mount and payload, the distribution of the weight, and verdicts."""
     for history, reason in table.missing.items():
         yield Statement(f"statics-{history}", f"{history.capitalize()}: {reason}", tone="unjudged")
     static = {(row.subject, row.criterion.sense): row for row in verdicts if row.criterion.kind == STATIC_LOAD}
-    yield _mounts(table, static)
+    yield _sag_table(table, static)
     payloads: list[Row] = [
         (name, history, row.mass, *map(float, (*row.displacement, *row.rotation)))
         for history, sag in table.sags.items()
@@ -68,9 +68,9 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
     for history, sag in table.sags.items():
         text = f"{history.capitalize()}: of {with_unit(sag.weight, 'N', digits=4)} of weight the mounts carry "
         text += with_unit(sag.on_mounts, "N", digits=4)
-        for load, what in ((sag.on_contacts, "contacts"), (sag.elsewhere, "joints and their springs")):
+        for load, support in ((sag.on_contacts, "contacts"), (sag.elsewhere, "joints and their springs")):
             if abs(load) > _BALANCED * sag.weight:
-                text += f", {what} {with_unit(load, 'N')}"
+                text += f", {support} {with_unit(load, 'N')}"
         yield Statement(f"weight-{history}", f"{text}.", values={"weight_N": sag.weight})
     if any(sum(row.carries for row in sag.mounts.values()) > _MORE_THAN_ALL * sag.on_mounts for sag in table.sags.values()):
         text = (
@@ -78,9 +78,9 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
             "above as well, so they add up to more than 100 %."
         )
         yield Statement("stacked", text)
-    yield _static_load(verdicts)
+    yield _static_load_statement(verdicts)
     if rest := single_travel_lines(verdicts) + pressed_lines(verdicts):
-        yield Statement("rest-travel", " ".join(rest), tone="exceeded" if _beyond(verdicts) else "within")
+        yield Statement("rest-travel", " ".join(rest), tone="exceeded" if _beyond_travel(verdicts) else "within")
     unjudged: dict[str, dict[str, None]] = {}  # names without repetition, in the order of the model
     for (subject, _), row in static.items():
         if row.limit is None and not math.isnan(row.value):
@@ -90,8 +90,8 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
 
 
 def stability_blocks(stability: Mapping[str, TippingStability], verdicts: Sequence[Verdict] = ()) -> Iterator[Statement]:
-    """Yield how far a system is from tipping over, and if that is extrapolated."""
-    beyond = _beyond(verdicts)
+    """Yield the tipping stability of each equilibrium, and whether it is extrapolated."""
+    beyond = _beyond_travel(verdicts)
     texts = {history: tipping.description for history, tipping in stability.items()}
     same = len(set(texts.values())) == 1
     for history, text in list(texts.items())[: 1 if same else None]:
@@ -107,11 +107,12 @@ def stability_blocks(stability: Mapping[str, TippingStability], verdicts: Sequen
         yield Statement("rest-extrapolated", text, tone="exceeded")
 
 
-def _beyond(verdicts: Sequence[Verdict]) -> bool:
+def _beyond_travel(verdicts: Sequence[Verdict]) -> bool:
+    """Check whether a mount rests beyond its rated travel, or bottoms."""
     return any(row.verdict == EXCEEDED for row in verdicts if row.criterion.kind in (TRAVEL, BOTTOMING))
 
 
-def _mounts(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) -> Table:
+def _sag_table(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) -> Table:
     columns = (
         *left("mount", "history"), Column("axial", "mm", "z.3f"),
         Column("across", "mm", "z.3f"), Column("axial\nload", "kN", "z.3f"), Column("carries", "kN", "z.3f"),
@@ -135,13 +136,13 @@ def _mounts(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) -> 
     )  # fmt: skip
 
 
-def _rested(verdicts: Sequence[Verdict]) -> Statement | None:
+def _rested_statement(verdicts: Sequence[Verdict]) -> Statement | None:
     lines = rested_lines(verdicts)
     text = "The base moves the payload through them; give them a larger gap, or the mounts more stiffness."
     return Statement("rested", " ".join([*lines, text]), tone="exceeded") if lines else None
 
 
-def _static_load(verdicts: Sequence[Verdict]) -> Statement | None:
+def _static_load_statement(verdicts: Sequence[Verdict]) -> Statement | None:
     worst = most_used(row for row in verdicts if row.criterion.kind == STATIC_LOAD)
     if worst is None:
         return None

@@ -1,4 +1,4 @@
-"""What a study says: how often limits are exceeded, the inputs that matter, the worst variants."""
+"""Content of a study: how often limits are exceeded, the most influential inputs, and the worst variants."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -41,7 +41,7 @@ from wirerope_mj.studies.results.measure import (
 from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary, any_exceeded
 from wirerope_mj.studies.results.varied import limits_of, varied_of
 
-_FAILED = 20  # messages that are read
+_MOST_MESSAGES = 20  # messages of failed variants that are listed
 _METHODS = {
     "sobol": "scrambled Sobol sequence", "latin-hypercube": "Latin hypercube", "random": "random samples",
     "grid": "all combinations of the values", "list": "the values as they are listed",
@@ -50,7 +50,7 @@ _METHODS = {
 
 
 def study_content(summary: StudySummary) -> Content:
-    """Compose what a study that is complete says."""
+    """Compose the content of a complete study: exceedances, statistics, influential inputs, worst variants."""
     result, study = summary.result, summary.result.study
 
     def answer() -> Iterator[Block]:
@@ -92,6 +92,7 @@ def study_question(result: StudyResult, kind: str) -> tuple[str, ...]:
 
 
 def _verdict(summary: StudySummary) -> Statement:
+    """State in how many variants a limit is exceeded, and which variants and limits are not judged."""
     if not summary.beyond or not (summary.stated or any(measured.beyond for measured in summary.statistics)):
         return Statement("headline", "Not judged: no limit is stated", tone="unjudged")
     most, ratio = any_exceeded([summary]), summary.ratio_beyond
@@ -104,7 +105,7 @@ def _verdict(summary: StudySummary) -> Statement:
         name, values["used"] = critical
         worst_variant = worst(table, name, 1)[0]
         rest += f"; worst {100.0 * critical[1]:.3g} % of {measure_of(name, limits).heading}, in variant {worst_variant}"
-    of, missing = payload_scope([summary])
+    scope, missing = payload_scope([summary])
     rest += missing
     if len(motions) == 1 and "motion/level" not in input_names(table):
         accelerations = (values_of(table, name) for name in known_measures(table, ("acceleration", ALL)))
@@ -117,13 +118,13 @@ def _verdict(summary: StudySummary) -> Statement:
         kept = f"{most.judged} {'is' if most.judged == 1 else 'are'} within the limits{not_counted(replace(most, failed=0))}"
         text, tone = f"{most.failed} of {most.n + most.failed} variants could not be simulated, {kept}", "unjudged"
     else:
-        text = f"Within the limits{of} in all {most.judged} variants{rest}"
+        text = f"Within the limits{scope} in all {most.judged} variants{rest}"
         tone = "unjudged" if uncounted or missing else "within"
     return Statement("headline", text, tone=tone, values=values)
 
 
 def rested_first(verdict: Statement, study: StudyDefinition) -> Statement:
-    """Say before a verdict that stops or contacts carry weight at rest in the system as its model says it, where they do."""
+    """Put before a verdict that stops or contacts of the nominal system carry weight at rest, if they do."""
     try:
         rows = rested_verdicts(static_table(study.base))
     except ConvergenceError:
@@ -136,7 +137,7 @@ def rested_first(verdict: Statement, study: StudyDefinition) -> Statement:
 
 
 def payload_scope(summaries: Sequence[StudySummary]) -> tuple[str, str]:
-    """Write what limits are of, " of the mounts", and what is not judged; "" where the payload's acceleration is."""
+    """Describe the scope of the limits, " of the mounts", and what is not judged; "" if accelerations are limited."""
     limited: set[str] = set()
     for summary in summaries:
         limits = limits_of(summary.stated)
@@ -153,9 +154,9 @@ def failed_blocks(result: StudyResult, noun: str) -> Iterator[Block]:
     if not result.failed:
         return
     of_message = list(failures(result.failed).items())
-    lines = [f"{numbered(numbers, noun).capitalize()}: {message}" for message, numbers in of_message[:_FAILED]]
-    if len(of_message) > _FAILED:
-        lines.append(f"{len(of_message) - _FAILED} other messages: see the column message of the table.")
+    lines = [f"{numbered(numbers, noun).capitalize()}: {message}" for message, numbers in of_message[:_MOST_MESSAGES]]
+    if len(of_message) > _MOST_MESSAGES:
+        lines.append(f"{len(of_message) - _MOST_MESSAGES} other messages: see the column message of the table.")
     stand = "stands" if len(result.failed) == 1 else "stand"
     text = f"{several(len(result.failed), noun)} could not be simulated and {stand} in no statistic:"
     yield Statement("failed", text, items=tuple(lines), tone="unjudged")
@@ -176,12 +177,12 @@ def numerics_table(result: StudyResult) -> Table:
     return Table("settings", "How it was computed", columns, rows)
 
 
-_WORST, _COLUMNS, _EFFECTS, _FEW = 10, 6, 15, 8  # rows and columns that are read, and effects at once
-_LONG = 11  # letters of a heading that stands on two lines where lines are short
+_WORST, _COLUMNS, _EFFECTS, _FEW = 10, 6, 15, 8  # worst variants, columns of their table, effects, effects shown at once
+_LONG_HEADING = 11  # letters above which a heading is broken into two lines
 
 
 def varied_table(study: StudyDefinition) -> Table:
-    """Tabulate the quantities that vary, what the model says of them, and their distributions."""
+    """Tabulate the varied quantities, their values in the model, and their distributions."""
     rows = []
     for varied in varied_of(study):
         group, each = varied.distribution.group, varied.distribution.each
@@ -239,7 +240,7 @@ def indices_tables(summary: StudySummary) -> list[Table]:
 
 
 def effects_table(summary: StudySummary) -> Table | None:
-    """Tabulate the effects of the strongest inputs; None of fewer than two."""
+    """Tabulate the effects of the strongest inputs; None with fewer than two inputs."""
     if len(summary.effects) < 2:
         return None
     significant = {True: Mark("yes", "strong"), False: Mark("no", "quiet")}
@@ -263,7 +264,7 @@ def effects_table(summary: StudySummary) -> Table | None:
 def worst_table(summary: StudySummary) -> Table:
     """Tabulate the variants with the largest values of the main measure."""
     names = [measure.name for measure in summary.measures]
-    # Of accelerations those of bodies, of points or of both.
+    # accelerations of bodies, of points, or of both together
     measures = [measure for measure in summary.measures if measure.name != "acceleration" or ALL not in names]
     names = list(summary.ranked_inputs[: max(_COLUMNS - len(measures), 2)])
     return Table(
@@ -285,17 +286,17 @@ def worst_table(summary: StudySummary) -> Table:
 
 
 def two_lines(name: str) -> str:
-    """Break a long heading: "mount m16", "axial k1", "[factor]"; "combined", "travel"."""
+    """Break a long heading into two lines, and put its unit on a line by itself."""
     name, bracket, unit = name.partition(" [")
     words = name.split(" ")
-    if len(name) > _LONG and len(words) > 1:
+    if len(name) > _LONG_HEADING and len(words) > 1:
         half = len(words) // 2
         name = " ".join(words[:half]) + "\n" + " ".join(words[half:])
     return f"{name}\n[{unit}" if bracket else name
 
 
 def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary]) -> Content:
-    """Compose how often limits of each load case are exceeded; variant k is one system in all cases."""
+    """Compose the study of a job: exceedances in each load case; variant k is the same system in all cases."""
 
     def case_blocks(summary: StudySummary) -> list[Block]:
         motion = summary.result.study.motions[0].description
@@ -322,20 +323,21 @@ def _job_headline(cases: Mapping[str, StudySummary]) -> Statement:
     rest = not_counted(most)
     if not most.judged:
         return Statement("headline", f"Not judged{rest}", tone="unjudged")
-    values, of = {"beyond": float(most.count), "of": float(most.n)}, ""
+    values, estimate = {"beyond": float(most.count), "of": float(most.n)}, ""
     if sampled:
         values |= {"probability": most.ratio, "low": most.low, "high": most.high, "confidence": CONFIDENCE}
-        of = f" ({percent(most.ratio)}; {percent(most.low)} to {percent(most.high)} at {percent(CONFIDENCE)} confidence)"
+        estimate = f" ({percent(most.ratio)}; {percent(most.low)} to {percent(most.high)} at {percent(CONFIDENCE)} confidence)"
     if most.count:
         worst_case = max(cases, key=lambda name: any_exceeded([cases[name]]).count)
-        text = f"A limit of a load case is exceeded in {most.count} of {most.n} variants{of}, most often in {worst_case}"
+        text = f"A limit of a load case is exceeded in {most.count} of {most.n} variants{estimate}, most often in {worst_case}"
         return Statement("headline", f"{text}{rest}{missing}", tone="exceeded", values=values)
-    text = f"Within the limits{limits} in {several(len(cases), 'load case')} and all {most.judged} variants{of}{rest}{missing}"
-    return Statement("headline", text, tone="unjudged" if rest or missing else "within", values=values)
+    text = f"Within the limits{limits} in {several(len(cases), 'load case')} and all {most.judged} variants"
+    tone = "unjudged" if rest or missing else "within"
+    return Statement("headline", f"{text}{estimate}{rest}{missing}", tone=tone, values=values)
 
 
 def _cases_table(cases: Mapping[str, StudySummary]) -> Table:
-    """Tabulate how often limits are exceeded in each case, and which of them most often; the last row is any case."""
+    """Tabulate how often limits are exceeded in each case, and the limit exceeded most often; the last row is for any case."""
     rows: list[Row] = []
     for name, summary in (*cases.items(), ("any of them", None)):
         studies = list(cases.values()) if summary is None else [summary]

@@ -1,4 +1,4 @@
-"""Charts of a study: by what varies of it, and how it was sampled."""
+"""Charts of a study, chosen by its varied inputs and its sampling."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -32,11 +32,11 @@ from wirerope_mj.studies.vary.sampling import LISTED, OF_INDICES
 # inputs in one chart of bars, in one of all variants
 MOST_BARS, MOST_SCATTERS = 12, 3
 _MOST_CHOICES = 60  # bars in one chart
-_NAME = 34  # letters of an input's name beside its bar
+_NAME_LETTERS = 34  # letters of an input's name beside its bar
 _ROW = 19.0  # height of a bar with its gap
-_BAR = 0.7  # of it, that a bar takes
+_BAR = 0.7  # fraction of this height that the bar takes
 _TEXT = 2.1  # length of an axis over its longest bar, with room for the text
-_CLASSES = 4  # colours of directions that are no grid
+_CLASSES = 4  # colours of directions that form no grid
 
 
 def study_charts(summary: StudySummary) -> Iterator[Chart]:
@@ -100,7 +100,7 @@ def distribution_chart(summary: StudySummary, table: pa.Table, names: Sequence[s
 
 
 def sensitivity_chart(summary: StudySummary) -> Chart:
-    """Draw what inputs explain of a measure's variance; pale those that are not significant."""
+    """Draw the fraction of a measure's variance that each input explains; those that are not significant in grey."""
     effects = summary.effects[:MOST_BARS]
     sizes = np.array([max(100.0 * effect.index, 0.0) for effect in effects])
     kinds: list[int | str] = []
@@ -129,7 +129,7 @@ def sensitivity_chart(summary: StudySummary) -> Chart:
 
 
 def scatter_chart(summary: StudySummary, table: pa.Table, names: Sequence[str]) -> Chart:
-    """Draw every variant by a measure over some inputs, with means."""
+    """Draw a measure of every variant over each of some inputs, with means."""
     shown = measure_of(summary.by)
     panels: list[Panel] = []
     for name in names:
@@ -145,7 +145,7 @@ def scatter_chart(summary: StudySummary, table: pa.Table, names: Sequence[str]) 
             at, means = np.array([x[part].mean() for part in rows]), np.array([y[part].mean() for part in rows])
         curves = [Curve(at, means, name="mean", kind=1), Curve(x, y, name="variants", kind=0, marks=True)]
         xlim = with_room(x, 0.04) if x.size else None
-        panel = _over_input(curves, shown, summary.labels.get(name, name), xlim=xlim)
+        panel = _input_panel(curves, shown, summary.labels.get(name, name), xlim=xlim)
         panels.append(replace(panel, ylabel="") if panels else panel)
     listed = summary.result.study.sampling in LISTED
     mean = "the mean at each value of the input" if listed else "the mean of variants with like values of the input"
@@ -154,7 +154,7 @@ def scatter_chart(summary: StudySummary, table: pa.Table, names: Sequence[str]) 
 
 
 def curve_chart(summary: StudySummary, table: pa.Table, name: str, names: Sequence[str]) -> Chart:
-    """Draw measures over the one number that varies."""
+    """Draw measures over the only number that varies."""
     x = np.asarray(table[name], dtype=np.float64)
     order, panels = np.argsort(x), []
     for shown in map(measure_of, names):
@@ -163,7 +163,7 @@ def curve_chart(summary: StudySummary, table: pa.Table, name: str, names: Sequen
         line = Curve(x[order][known], y[known], name="", kind=0)
         marks = Curve(line.x, line.y, name="variants", kind=0, marks=True)
         top = max(float(line.y.max(initial=0.0)), 0.0 if shown.limit is None else shown.factor * shown.limit)
-        panels.append(_over_input([marks, line], shown, summary.labels.get(name, name), ylim=(0.0, 1.05 * top or 1.0)))
+        panels.append(_input_panel([marks, line], shown, summary.labels.get(name, name), ylim=(0.0, 1.05 * top or 1.0)))
     text = capital(" and ".join(measure_of(measure).text for measure in names))
     caption = f"{text} over {name.replace('/', ' ')}; dashed: the limit."
     return Chart(id="curve", rows=[panels], height=190.0, caption=caption, alt=caption)
@@ -180,8 +180,8 @@ def choices_chart(table: pa.Table, name: str, names: Sequence[str]) -> Chart:
         values = np.nan_to_num(shown.factor * values_of(table, shown.name)[order])
         curves = [
             Curve(values[rows], -rows.astype(np.float64), name="", kind=kind, bars=_BAR)
-            for kind, wanted in ((0, False), (BASE, True))
-            if (rows := np.flatnonzero([(choice == "none") == wanted for choice in choices])).size
+            for kind, nominal in ((0, False), (BASE, True))
+            if (rows := np.flatnonzero([(choice == "none") == nominal for choice in choices])).size
         ]
         panels.append(
             _bar_panel(
@@ -262,6 +262,7 @@ def directions_chart(table: pa.Table, measure: str) -> Chart:
 
 
 def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
+    """Draw directions that form no grid as dots in colours of classes of their values."""
     known = np.isfinite(values)
     edges = np.linspace(values[known].min(), values[known].max(), _CLASSES + 1) if known.any() else np.zeros(_CLASSES + 1)
     place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, _CLASSES - 1)
@@ -275,7 +276,7 @@ def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
 
 
 def _grid(azimuth: Array, elevation: Array, values: Array) -> tuple[Array, Array, Array] | None:
-    """Find azimuths, elevations and values (n_elevation, n_azimuth) of a grid around the sphere; None without one."""
+    """Arrange values (n_elevation, n_azimuth) by azimuths and elevations; None if directions form no grid."""
     # A pole has one value for every azimuth; -180 is 180, too.
     along, up = np.unique(azimuth), np.unique(elevation)
     if min(along.size, up.size) < 2:
@@ -294,16 +295,16 @@ def _grid(azimuth: Array, elevation: Array, values: Array) -> tuple[Array, Array
     return along, up, grid
 
 
-def _over_input(curves: Sequence[Curve], shown: Measure, xlabel: str, **how: Any) -> Panel:
+def _input_panel(curves: Sequence[Curve], shown: Measure, xlabel: str, **how: Any) -> Panel:
     limits = _limits(shown)
     return Panel(
-        curves, shown.column.title(), xlabel=short(plain(xlabel), _NAME), limits=limits, unit=shown.unit,
+        curves, shown.column.title(), xlabel=short(plain(xlabel), _NAME_LETTERS), limits=limits, unit=shown.unit,
         xunit="", **how,
     )  # fmt: skip
 
 
 def _bar_panel(names: Sequence[str], curves: Sequence[Curve], **how: Any) -> Panel:
-    ticks = [(-float(row), short(plain(name), _NAME)) for row, name in enumerate(names)]
+    ticks = [(-float(row), short(plain(name), _NAME_LETTERS)) for row, name in enumerate(names)]
     return Panel(curves, "", yticks=ticks, ylim=(0.5 - len(names), 0.5), **how)
 
 

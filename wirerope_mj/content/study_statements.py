@@ -1,4 +1,4 @@
-"""Statements on the results of a study, as text."""
+"""Texts on the results of a study: exceedances, failures, early ends, and variance explained by the inputs."""
 
 import math
 import re
@@ -33,17 +33,17 @@ from wirerope_mj.studies.vary.sampling import OF_INDICES, specimen_messages
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers
-_CHOICES = 8  # choices that are named
-_INPUTS = 2  # inputs that are said of the largest value
-SLIGHT = 0.01  # Total index below which a factor is only named
+_CHOICES = 8  # choices that are listed
+_INPUTS = 2  # most inputs that are listed with the largest value
+SLIGHT = 0.01  # total index below which a factor is listed without it
 
 
 def statements(result: StudyResult) -> list[str]:
-    """State how every measure with a limit fares, and what must be known to read that."""
+    """Describe the exceedances of each limited measure, with cautions on early ends, stops, travel and sampling."""
     # A mount that keeps its static load is not mentioned.
     overloaded = np.nanmax(values_of(result.table, "static_load"), initial=0.0) > 1.0
     measures = map(measure_of, [*headlines(result.table), *(["static_load"] if overloaded else [])])
-    texts = [_of_limit(result, measure, measure.limit) for measure in measures if measure.limit is not None]
+    texts = [_limit_text(result, measure, measure.limit) for measure in measures if measure.limit is not None]
     if not texts:
         texts.append("The isolators state no rated travel and the model no limit: judged is only what --limit states.")
     texts = [*early_statements(result.table), *texts, *struck_statements(result.table)]
@@ -62,6 +62,7 @@ def percent(probability: float) -> str:
 
 
 def failures(failed: Mapping[int, str]) -> dict[str, list[int]]:
+    """Group failed variants by message, messages that differ only in numbers as one."""
     variants: dict[str, list[int]] = {}
     first: dict[str, str] = {}
     for number, message in failed.items():
@@ -113,14 +114,15 @@ def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> s
 
 
 def exceedance_text(exceedance: Exceedance, ratio: float | None) -> str:
-    """Write an exceedance for a cell: "88 of 325 (27 %), 17 failed"."""
+    """Write an exceedance for a cell, such as "88 of 325 (27 %), 17 failed"."""
     of = "" if ratio is None or math.isnan(ratio) else f" ({percent(ratio)})"
     failed = f", {exceedance.failed} failed" if exceedance.failed else ""
     failed += f", {exceedance.early} not judged" if exceedance.early else ""
     return f"{exceedance.count} of {exceedance.n}{of}{failed}"
 
 
-def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
+def _limit_text(result: StudyResult, measure: Measure, limit: float) -> str:
+    """Describe how often a measure exceeds its limit, and its largest value."""
     table, independent, inputs = result.table, result.independent, input_names(result.table)
     beyond, top = exceedance_of(independent, measure.name, limit), worst(independent, measure.name, 1)[0]
     values = values_of(independent, measure.name)
@@ -140,7 +142,7 @@ def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
 
 
 def not_counted(beyond: Exceedance) -> str:
-    """Write how many variants are not judged or not counted; "" without any."""
+    """Write how many variants are not judged or not counted; "" without such variants."""
     early = f"; {beyond.early} ended too early to be judged" if beyond.early else ""
     are = "is" if beyond.failed == 1 else "are"
     return early + (f"; {beyond.failed} more could not be simulated and {are} not counted" if beyond.failed else "")
@@ -159,7 +161,7 @@ def early_statements(table: pa.Table) -> list[str]:
 
 
 def of_indices(indices: SobolIndices) -> str:
-    """State what the factors explain of a measure."""
+    """Describe the variance of a measure that each factor explains, by Sobol's indices."""
     measure = measure_of(indices.measure)
     begin = capital(measure.text if measure.limit is None else measure.heading)
     dropped = f" {indices.dropped} of {indices.rows + indices.dropped} base rows were dropped: variants of them failed."
@@ -192,9 +194,9 @@ def capital(text: str) -> str:
 
 
 def exceeding_inputs(table: pa.Table, inputs: Sequence[str], values: Array, limit: float) -> str:
-    """Write for which values of the only input `values`, (n,), exceed a limit; "" if none do, or several inputs vary.
+    """Describe for which values of the only input `values`, (n,), exceed a limit; "" without such, or with several inputs.
 
-    Of a number the value at which the limit is first crossed, interpolated between two variants; of choices their names.
+    For a number, the value at which the limit is first crossed, interpolated between two variants; for choices, their names.
     """
     beyond = values > limit
     if len(inputs) != 1 or not beyond.any():
