@@ -1,4 +1,4 @@
-"""A whole rope loop between two bars, loops along the bars, and both in terms of a mount's laws: curves, coupling energy."""
+"""Rope loops between two bars: forces of one loop, loops along the bars, curves and coupling energy for a mount's laws."""
 
 import math
 from dataclasses import dataclass, replace
@@ -131,7 +131,7 @@ ROLL_TERMS, AXIAL_TERMS = 3, 6
 # Distance of a half loop's ends over its rope up to which the polynomial is fitted: nearer to the taut rope the force grows
 # without bound, which no polynomial follows and no inextensible model should be believed in.
 SLACK_REACH = 0.85
-# Of a half loop: their forces are within 1e-6 of those of four times as many, far below what the polynomial misses.
+# Elements of a half loop: their forces are within 1e-6 of those of four times as many, far below what the polynomial misses.
 ELEMENTS = 9
 _POINTS = 9
 
@@ -189,7 +189,7 @@ TENSION = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class AxisCurves:
-    """Shape of a loop's elastic force along one axis while the other one rests; the stiffness k is left open.
+    """Shape of a loop's elastic force along either axis while the other one rests; the stiffness k is left open.
 
         axial  F = k exp(asymmetry x) (x + axial_cubic x^3)
         roll   F = k (x + roll_cubic x^3)
@@ -234,14 +234,14 @@ def axis_curves(shape: LoopShape, *, bar: float, compression: float, roll: float
 
 
 def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:
-    """Fit asymmetry, cubic term and largest relative misfit of the secants."""
+    """Fit asymmetry [1/m] and cubic term [1/m^2] to the axial secants; return both and the largest relative misfit."""
     x = np.concatenate([np.linspace(-1.0, -0.1, 10), np.linspace(0.1, TENSION, 5)])  # over the rated compression
     secant = loop.state(0.0, x * compression).axial_force / (x * compression)
     secant /= loop.stiffness()[1, 1]
 
-    def misses(parameters: Array) -> Array:
+    def relative_errors(parameters: Array) -> Array:
         return np.exp(parameters[0] * x) * (1.0 + parameters[1] * x**2) / secant - 1.0
 
-    fit = scipy.optimize.least_squares(misses, [0.3, 0.1])
+    fit = scipy.optimize.least_squares(relative_errors, [0.3, 0.1])
     exponent, cubic = fit.x.tolist()
     return exponent / compression, cubic / compression**2, float(np.abs(fit.fun).max())

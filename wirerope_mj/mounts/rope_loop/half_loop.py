@@ -53,7 +53,7 @@ class LoopShape:
         return float(total[0]), float(total[1])
 
     def taut(self, roll: float = 0.0) -> float:
-        """Axial deflection [m] at which the inextensible rope of one half is a straight line; NaN if none is."""
+        """Axial deflection [m] at which the inextensible rope of one half is a straight line; NaN if it never is."""
         across, along = self.span
         rest = self.length**2 - (abs(across) + abs(roll)) ** 2
         return math.sqrt(rest) - along if rest >= 0.0 else math.nan
@@ -85,7 +85,7 @@ def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopS
     return LoopShape(segments=tuple(segment for segment in segments if segment[0] > 1e-9 * rise))
 
 
-# Of the polynomials. Energy and force then err by h^6, as tests/mounts/test_rope_loop.py measures by halving the elements.
+# Degree of the shape functions. Energy and force then err by h^6, as tests/mounts/test_rope_loop.py measures by halving h.
 DEGREE = 3
 
 
@@ -131,8 +131,8 @@ def mesh(shape: LoopShape, elements: int) -> Mesh:
 # Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only.
 _CONVERGED = 1e-10
 _ITERATIONS = 12
-# Of the path that is gone at once: the ends first move by a tenth of the rope's length; steps that had to become less than a
-# thousandth of that end it.
+# First step along the path of the end, in lengths of the rope, and the smallest step, as a fraction of the first one, below
+# which there is no equilibrium.
 _FIRST_STEP, _SMALLEST_STEP = 0.1, 1e-3
 _TURN = 0.5  # Largest change of a direction in one step [rad]: more may jump to another equilibrium
 
@@ -195,10 +195,10 @@ class HalfLoop:
                 )
         length = self.shape.length
         strain = direction @ self.mesh.slope.T - self.mesh.curvature
-        pulls = self._ends(direction, np.zeros((m, 2)))[2]
+        distance_gradient = self._ends(direction, np.zeros((m, 2)))[2]
         return HalfState(
             direction=direction, energy=0.5 * (strain**2 @ self.mesh.weight) / length, force=force / length**2,
-            moment=self._unbalanced(direction, force, pulls)[:, -1] / length,
+            moment=self._unbalanced(direction, force, distance_gradient)[:, -1] / length,
         )  # fmt: skip
 
     def equilibrium(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, Booleans]:
@@ -227,15 +227,15 @@ class HalfLoop:
 
     def _newton_step(self, direction: Array, force: Array, end: Array) -> Array:
         """Solve for the change of the inner directions and of the force, (m, n - 2 + 2)."""
-        cosine, sine, pulls, misses = self._ends(direction, end)
+        cosine, sine, distance_gradient, distance_error = self._ends(direction, end)
         inner = direction.shape[1] - 2
         bend = np.einsum("mq,qi,qj->mij", (force[:, :1] * cosine + force[:, 1:] * sine) * self.mesh.weight,
                          self.mesh.value[:, 1:-1], self.mesh.value[:, 1:-1], optimize=True)  # fmt: skip
         matrix = np.zeros((len(direction), inner + 2, inner + 2))
         matrix[:, :inner, :inner] = self._stiffness[1:-1, 1:-1] + bend
-        matrix[:, :inner, inner:] = -pulls[:, 1:-1]
-        matrix[:, inner:, :inner] = -np.swapaxes(pulls[:, 1:-1], 1, 2)
-        rest = np.concatenate([self._unbalanced(direction, force, pulls)[:, 1:-1], -misses], axis=1)
+        matrix[:, :inner, inner:] = -distance_gradient[:, 1:-1]
+        matrix[:, inner:, :inner] = -np.swapaxes(distance_gradient[:, 1:-1], 1, 2)
+        rest = np.concatenate([self._unbalanced(direction, force, distance_gradient)[:, 1:-1], -distance_error], axis=1)
         try:
             return np.linalg.solve(matrix, -rest[:, :, None])[:, :, 0]
         except np.linalg.LinAlgError:  # one singular matrix among many: none of this step is used, smaller ones follow
@@ -246,9 +246,9 @@ class HalfLoop:
         angle = direction @ self.mesh.value.T
         cosine, sine = np.cos(angle), np.sin(angle)
         weight = self.mesh.weight
-        pulls = np.stack([-(sine * weight) @ self.mesh.value, (cosine * weight) @ self.mesh.value], axis=2)
-        return cosine, sine, pulls, np.stack([cosine @ weight, sine @ weight], axis=1) - end
+        distance_gradient = np.stack([-(sine * weight) @ self.mesh.value, (cosine * weight) @ self.mesh.value], axis=2)
+        return cosine, sine, distance_gradient, np.stack([cosine @ weight, sine @ weight], axis=1) - end
 
-    def _unbalanced(self, direction: Array, force: Array, pulls: Array) -> Array:
-        """Gradient of energy minus force times distance, (m, n); at the last node it is the end's moment."""
-        return direction @ self._stiffness - self._bent - np.einsum("mnk,mk->mn", pulls, force)
+    def _unbalanced(self, direction: Array, force: Array, distance_gradient: Array) -> Array:
+        """Compute the gradient of energy minus force times distance, (m, n); at the last node it is the end's moment."""
+        return direction @ self._stiffness - self._bent - np.einsum("mnk,mk->mn", distance_gradient, force)

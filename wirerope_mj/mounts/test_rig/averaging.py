@@ -19,7 +19,7 @@ BINS = 3.0  # Bins on either side at least, so that three samples of it give a p
 
 
 def reach_of(bins: int) -> float:
-    """Fraction of a cycle beside a turning point that shows what happens there, for a number of bins in a cycle."""
+    """Return the fraction of a cycle on either side of a turning point that a parabola is fitted to, for a number of bins."""
     return max(REACH, BINS / bins)
 
 
@@ -29,13 +29,13 @@ def tip_of(distance: Array, deflection: Array, force: Array) -> tuple[float, flo
     The deflection takes the same parabola over the phase to both sides; the force one parabola over the deflection before the
     turning point and another behind it, which meet there.
     """
-    tip = _value([np.abs(distance), distance**2], deflection)
+    tip = _value_at_tip([np.abs(distance), distance**2], deflection)
     before, after = (np.where(side, deflection - tip, 0.0) for side in (distance < 0.0, distance > 0.0))
-    return tip, _value([before, before**2, after, after**2], force)
+    return tip, _value_at_tip([before, before**2, after, after**2], force)
 
 
-def _value(terms: list[Array], values: Array) -> float:
-    """Fit the constant beside terms that vanish at the turning point, by least squares."""
+def _value_at_tip(terms: list[Array], values: Array) -> float:
+    """Fit the value at the turning point by least squares, beside terms that vanish there."""
     mean = float(values.mean())
     matrix = np.stack([np.ones(values.size), *terms], axis=1)
     sizes = np.maximum(np.abs(matrix).max(axis=0), 1e-300)
@@ -50,7 +50,7 @@ _AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a cho
 
 @dataclass(frozen=True)
 class PhasedCycle:
-    """One cycle's samples."""
+    """Samples of one cycle and their phases."""
 
     samples: Integers  # their indices in the record, (n,)
     phase: Array  # of each, 0 to 1; in a run 0.5 is the turning point between, (n,)
@@ -94,7 +94,7 @@ def whole_record(trace: Trace) -> PhasedCycle:
 def mean_loop(
     cycles: list[PhasedCycle], x: Array, f: Array, count: int, gap: float, location: str, *, stop: bool = False
 ) -> RecordedLoop:
-    """Average cycles over bins of phase, whose first and last bin are one; `count` cycles were run.
+    """Average cycles over bins of phase, whose first and last bin are the same; `count` cycles were run.
 
     Deflections x [m] and forces f [N] without drift are those of the record, (n_t,); `gap` is that between the forces at the
     ends of the last cycle [N]. `location` says where the cycles stand; a bump stop need not have force or area.
@@ -126,7 +126,7 @@ def mean_loop(
     mean_f += np.mean(levels)
     loop = RecordedLoop.from_samples(np.append(mean_x, mean_x[0]), np.append(mean_f, mean_f[0]), cycles=count)
     assert isinstance(loop, RecordedLoop)
-    if len(cycles) > 1:  # the standard deviation of what cycles differ by, as it is left in their mean
+    if len(cycles) > 1:  # standard deviation from cycle to cycle, as it is left in their mean
         shown = [np.bincount(_bin(cycle.phase, bins), minlength=bins) > 0 for cycle in cycles]
         each = [_mean_over_bins([cycle], [values], bins) for cycle, values in zip(cycles, force, strict=True)]
         variance = np.stack(each)[:, np.all(shown, axis=0)].var(axis=0, ddof=1)

@@ -17,7 +17,7 @@ from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_like
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 
-Locate = Callable[[int, int], str]  # Text of where the samples from one index to another stand
+Locate = Callable[[int, int], str]  # Returns the text that says where the samples from one index to another stand
 # Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most.
 KEPT = 3
 _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
@@ -32,7 +32,7 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
     """Read the steady loops of a measured cyclic test of any length, in the order of the file.
 
     The file is that of `load_cyclic_test`, but its rows, or those with one value of `loop` or `amplitude`, may hold any
-    number of cycles, amplitudes and operating points one after the other. See `steady_loops` for what is made of them. Hum of
+    number of cycles, amplitudes and operating points one after the other. `steady_loops` says how they are cut. Hum of
     the mains that stands out of the force is taken out; `wirerope identify` says so.
 
     Args:
@@ -55,7 +55,7 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
             hum = None if time is None else hum_in(time, force)
             if time is not None and hum is not None:
                 force = without_hum(time, force, hum)
-            steady = _steady(np.array(samples.deflection), force, time, locate, stop)
+            steady = _loops_of_record(np.array(samples.deflection), force, time, locate, stop)
             for loop in steady:
                 require_nominal(samples, loop.amplitude, locate(0, len(samples.lines) - 1))
                 half = 0.5 * float(np.ptp(loop.force))
@@ -98,11 +98,11 @@ def steady_loops(deflection: ArrayLike, force: ArrayLike, *, time: ArrayLike | N
         )
     if t is not None and (t.shape != x.shape or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any()):
         raise ValueError("`time` must be finite, as long as `deflection`, and increase from sample to sample.")
-    return _steady(x, f, t, lambda first, last: f"samples {first} to {last}", stop)
+    return _loops_of_record(x, f, t, lambda first, last: f"samples {first} to {last}", stop)
 
 
-def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) -> list[Loop]:
-    """Cut the loops of a record; `locate` says where samples stand."""
+def _loops_of_record(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) -> list[Loop]:
+    """Cut a record into steady loops; `locate` words the place of samples for messages."""
     whole = locate(0, x.size - 1) if x.size else "the record"
     if x.size < _FEWEST:
         raise ValueError(f"{whole}: {x.size} samples; one cycle needs at least {_FEWEST}.")
@@ -151,7 +151,7 @@ def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) 
 
 
 def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Locate, stop: bool) -> RecordedLoop:
-    """Average the last cycles of a run, without drift."""
+    """Average the last cycles of a run to one loop, with the drift of the force's zero taken out."""
     cycles = [cycle_to(trace, end) for end in range(last, first + 1, -2)]
     fewest = min(cycle.samples.size for cycle in cycles[:KEPT])
     if fewest < _FEWEST:
@@ -185,8 +185,8 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Loca
 def _drift(trace: Trace, kept: list[PhasedCycle], force: Array, last: int) -> float:
     """Estimate how fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last.
 
-    These are of whole cycles, whose ends lie between samples, and surer than forces at turning points, which would close the
-    loop exactly and their noise with it.
+    Mean forces of whole cycles, whose ends lie between samples, are surer than forces at turning points, which would close
+    the loop exactly and their noise with it.
     """
     since = force - force[0]  # so that a force that stands still has no drift by rounding
     work = np.concatenate([[0.0], np.cumsum(0.5 * (since[1:] + since[:-1]) * np.diff(trace.time))])

@@ -13,27 +13,27 @@ from wirerope_mj.mounts.test_rig.lag import lag_in
 from wirerope_mj.mounts.test_rig.reading import read_rows
 from wirerope_mj.mounts.test_rig.turning import find_turning_points, rms_noise
 
-# forces over half of their range at which a stroke is cut; a load cell's zero may stand aside by a third of it
+# forces, over half of their range, at which a stroke's deflection is read; a load cell's zero may be off by a third of it
 _LEVELS = np.linspace(0.6, -0.6, 13)
-_MIDDLE = slice(2, 10)  # cuts among which the flat way is looked for; steep ones are left on either side
-_FLAT = 0.6  # of the stiffness on either side, up to which a way is flat; a hysteretic law has less behind than before
-_ALIKE = 0.2  # of half of the force range, within which both senses have their flat way at one force
+_MIDDLE = slice(2, 10)  # intervals of these among which the flat one is searched; steep ones remain on either side
+_FLAT = 0.6  # of the stiffness on either side, up to which an interval is flat; a hysteretic law has less behind than before
+_ALIKE = 0.2  # of half of the force range, within which both senses have their flat interval at one force
 _SHARPER = 4  # times that the force is smoothed over fewer samples than the deflection: play may be short
-_STROKE = 0.3  # of the longest, from which a stroke is looked at
-_FEWEST = 3  # strokes that show it
+_STROKE = 0.3  # of the longest, from which a stroke is checked
+_FEWEST = 3  # least number of strokes that show play
 _MOST_OF_THEM = 0.8
 
 
 @dataclass(frozen=True, kw_only=True)
 class Play:
-    """Way on which the force stands near zero behind a reversal [m], and how many strokes show it."""
+    """Play: deflection behind a reversal over which the force stays constant [m], and the number of strokes that show it."""
 
     width: float
     strokes: int
 
 
 def play_in(time: Array, deflection: Array, force: Array) -> Play | None:
-    """Find the play that deflection [m] and force [N] at instants [s], (n,) each, show, None if they show none."""
+    """Find the play that deflection [m] and force [N] at instants [s], (n,) each, show; None if they show no play."""
     if np.ptp(deflection) == 0.0 or np.ptp(force) == 0.0:
         return None
     trace = find_turning_points(deflection, time)
@@ -41,28 +41,28 @@ def play_in(time: Array, deflection: Array, force: Array) -> Play | None:
     smooth -= 0.5 * (smooth.max() + smooth.min())
     half = 0.5 * float(np.ptp(smooth))
     seen: dict[bool, list[tuple[float, float, float]]] = {True: [], False: []}
-    looked_at = 0
+    strokes_checked = 0
     for first, last in zip(trace.turns[:-1], trace.turns[1:], strict=True):
-        way = trace.smooth[first : last + 1]
-        if abs(way[-1] - way[0]) < _STROKE * trace.strokes.max():
+        path_of_stroke = trace.smooth[first : last + 1]
+        if abs(path_of_stroke[-1] - path_of_stroke[0]) < _STROKE * trace.strokes.max():
             continue
-        upwards = bool(way[-1] > way[0])
+        upwards = bool(path_of_stroke[-1] > path_of_stroke[0])
         falling = (-1.0 if upwards else 1.0) * smooth[first : last + 1] / half
         start = falling[: max(1, falling.size // 20)]
         if start.max() < _LEVELS[0] or falling.min() > _LEVELS[-1]:
             continue
-        looked_at += 1
+        strokes_checked += 1
         begin = int(np.argmax(start))  # from there on the deflections at which the force first falls below each level
-        at = np.array([way[begin + int(np.argmax(falling[begin:] < level))] for level in _LEVELS])
-        stiffness = -np.diff(_LEVELS) / np.maximum(np.abs(np.diff(at)), 1e-300)
+        at_levels = np.array([path_of_stroke[begin + int(np.argmax(falling[begin:] < level))] for level in _LEVELS])
+        stiffness = -np.diff(_LEVELS) / np.maximum(np.abs(np.diff(at_levels)), 1e-300)
         flat = _MIDDLE.start + int(np.argmin(stiffness[_MIDDLE]))
         beside = min(float(np.median(stiffness[:flat])), float(np.median(stiffness[flat + 1 :])))
         if stiffness[flat] < _FLAT * beside:
-            slack = np.maximum(np.abs(np.diff(at)) * (1.0 - stiffness / beside), 0.0)
+            slack = np.maximum(np.abs(np.diff(at_levels)) * (1.0 - stiffness / beside), 0.0)
             level = 0.5 * float(_LEVELS[flat] + _LEVELS[flat + 1]) * (-1.0 if upwards else 1.0)
-            seen[upwards].append((float(slack[_MIDDLE].sum()), 0.5 * float(at[flat] + at[flat + 1]), level))
+            seen[upwards].append((float(slack[_MIDDLE].sum()), 0.5 * float(at_levels[flat] + at_levels[flat + 1]), level))
     widths = np.array([width for each in seen.values() for width, _, _ in each])
-    if widths.size < max(_FEWEST, _MOST_OF_THEM * looked_at) or not (seen[True] and seen[False]):
+    if widths.size < max(_FEWEST, _MOST_OF_THEM * strokes_checked) or not (seen[True] and seen[False]):
         return None
     apart = np.abs(np.diff([np.median(seen[side], axis=0) for side in (True, False)], axis=0))[0]
     # A spring that hardens is flat at one deflection, and with friction at two forces.
@@ -93,7 +93,7 @@ class Hum:
 
 
 def hum_in(time: Array, force: Array) -> Hum | None:
-    """Find the largest line of the mains in a force [N], (n,), at even instants [s] that stands out, None if none does."""
+    """Find the largest line of the mains in a force [N], (n,), at even instants [s] that stands out; None if no line does."""
     if time.size < 3:
         return None
     step = float(time[-1] - time[0]) / (time.size - 1)
@@ -118,7 +118,7 @@ def hum_in(time: Array, force: Array) -> Hum | None:
 
 
 def _line(time: Array, force: Array, frequency: float) -> tuple[Array, float]:
-    """Fit the oscillation of a frequency in a force, beside what is slow, and its amplitude [N]."""
+    """Fit the oscillation at a frequency in a force without its slow part; return it, (n,), and its amplitude [N]."""
     angle = 2.0 * np.pi * frequency * (time - time[0])
     window = np.hanning(force.size)
     period = max(1, round(1.0 / (frequency * (time[1] - time[0]))))
@@ -131,7 +131,7 @@ def _line(time: Array, force: Array, frequency: float) -> tuple[Array, float]:
 
 
 def without_hum(time: Array, force: Array, hum: Hum) -> Array:
-    """Take a line of the mains out of a force: a notch at its frequency alone, which bends nothing else."""
+    """Take a line of the mains out of a force: a notch at its frequency alone, which changes nothing else."""
     return force - _line(time, force, hum.frequency)[0]
 
 
@@ -144,7 +144,7 @@ class Checked:
 
 
 def checked_record(time: Array, deflection: Array, force: Array) -> Checked:
-    """Look for faults in a record: instants [s], deflection [m], force [N], (n,) each; a clean one has none."""
+    """Look for faults in a record: instants [s], deflection [m], force [N], (n,) each; a clean record has no fault."""
     faults: list[str] = []
     half = 0.5 * float(np.ptp(force))
     hum = hum_in(time, force)
@@ -188,7 +188,7 @@ def checked_record(time: Array, deflection: Array, force: Array) -> Checked:
 
 
 def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
-    """Estimate how far the zero of the force goes over the whole record, and its standard error [N].
+    """Estimate the drift of the force's zero over the whole record, and its standard error [N].
 
     Cycles are whole, from turning point to turning point between the samples. Their mean force fades, too, where a device
     forgets how it was loaded before, fastest in large cycles: so the largest ones count, others as far as they agree with them,
@@ -207,11 +207,11 @@ def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
             runs.append((index, index + 1))
 
     def line_through(times: Array, values: Array) -> tuple[float, float]:
-        """Fit the slope of a straight line through values, and what they scatter about it by."""
+        """Fit a straight line through values; return its slope and the standard deviation of the values about it."""
         since = times - times.mean()
         slope = float(since @ values / (since @ since))
-        left = values - values.mean() - slope * since
-        return slope, float(np.sqrt(left @ left / max(values.size - 2, 1)))
+        residual = values - values.mean() - slope * since
+        return slope, float(np.sqrt(residual @ residual / max(values.size - 2, 1)))
 
     slopes = []
     for first, last in runs:
@@ -239,7 +239,7 @@ def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
 
 
 def checked_file(path: Path) -> Checked:
-    """Look for faults in every record of a file, each named with it; none are told where it says no time."""
+    """Look for faults in every record of a file, each text beginning with its path; records without a time are not checked."""
     records = [rows for rows in read_rows(path) if rows.time]
     checks = [checked_record(np.array(rows.time), np.array(rows.deflection), np.array(rows.force)) for rows in records]
     lags = [check.least_lag for check in checks if not math.isnan(check.least_lag)]

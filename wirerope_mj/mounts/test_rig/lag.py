@@ -30,7 +30,7 @@ _MOVES = 8  # times that a window is moved to where the force turns round
 
 @dataclass(frozen=True, kw_only=True)
 class Lag:
-    """How much later than the deflection the force turns round, its standard error, and the period of the cycles [s]."""
+    """Delay of the force behind the deflection at reversals, its standard error, and the period of the cycles [s]."""
 
     delay: float
     error: float
@@ -68,25 +68,25 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
         else:
             runs[-1].append(index)
     lags = []
-    for alike in (_alike(trace, run) for run in runs if len(run) >= _TURNS):
-        samples = alike.period * (time.size - 1) / float(np.ptp(time))
+    for reversals in (_located(trace, run) for run in runs if len(run) >= _TURNS):
+        samples = reversals.period * (time.size - 1) / float(np.ptp(time))
         widths = [width for width in _WIDTHS if width * samples >= _FEWEST] or [_FEWEST / samples]
         fits: list[tuple[float, int, float, float]] = []
         begin = 0.0
         for width in reversed(widths):  # a narrow window has to begin near the turn that it looks for
             for degrees in reversed(_DEGREES):
-                if (fit := _fitted(alike, time, force, width * alike.period, degrees, begin)) is not None:
+                if (fit := _fitted(reversals, time, force, width * reversals.period, degrees, begin)) is not None:
                     fits.append((width, sum(degrees), *fit))
                     begin = fit[0]
         best: Lag | None = None  # by the window and the degrees that noise and bend together disturb least
         for width, degree, delay, error in fits:
             # What fits that bend more freely differ by, over a window no wider, may be this one's bias, beyond what noise
             # makes: the variance of such a fit less that of this one, which is efficient if it has no bias (Hausman 1978).
-            freer = [(delay_of, its) for w, n, delay_of, its in fits if w <= width and n >= degree]
-            bias = max(abs(delay - delay_of) - np.sqrt(max(its**2 - error**2, 0.0)) for delay_of, its in freer)
+            freer = [(delay_of, error_of) for w, n, delay_of, error_of in fits if w <= width and n >= degree]
+            bias = max(abs(delay - delay_of) - np.sqrt(max(error_of**2 - error**2, 0.0)) for delay_of, error_of in freer)
             total = float(np.hypot(error, bias))
             if best is None or total < best.error:
-                best = Lag(delay=delay, error=total, period=alike.period)
+                best = Lag(delay=delay, error=total, period=reversals.period)
         lags += [best] if best is not None else []
     if not lags:
         return None
@@ -97,7 +97,7 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
     return Lag(delay=mean, error=error, period=lags[int(np.argmax(weights))].period)
 
 
-def _alike(trace: Trace, run: Sequence[int]) -> _Reversals:
+def _located(trace: Trace, run: Sequence[int]) -> _Reversals:
     """Locate the reversals of a run: where the deflection is least or largest, and how it rises on both sides alike."""
     period = 2.0 * float(np.median(np.diff(trace.times[run[0] - 1 : run[-1] + 2])))
     width = _SHAPE * period
@@ -113,7 +113,7 @@ def _alike(trace: Trace, run: Sequence[int]) -> _Reversals:
         since, values = (trace.time[near] - about) / width, -sense * trace.deflection[near]
 
         def corner(at: float, since: Array = since, values: Array = values) -> tuple[float, Array]:
-            """Fit the factors of s, s^2 and s^4, and the sum of squares that is left."""
+            """Fit the factors of s, s^2 and s^4; return the residual sum of squares and the factors."""
             s = np.abs(since - at)
             matrix = np.stack([np.ones(s.size), s, s**2, s**4], axis=1)
             shape = np.linalg.lstsq(matrix, values, rcond=None)[0]
@@ -135,23 +135,23 @@ def _alike(trace: Trace, run: Sequence[int]) -> _Reversals:
 
 
 def _fitted(
-    alike: _Reversals, time: Array, force: Array, width: float, degrees: tuple[int, int], begin: float
+    reversals: _Reversals, time: Array, force: Array, width: float, degrees: tuple[int, int], begin: float
 ) -> tuple[float, float] | None:
-    """Fit the lag of one window and its standard error, looked for from `begin` on; None where none fits better."""
+    """Fit the lag of one window and its standard error, searched from `begin` on; None where no lag fits best."""
     delay = begin
     for _ in range(_MOVES):
-        window = _Window(alike, time, force, width, delay, degrees)
+        window = _Window(reversals, time, force, width, delay, degrees)
         grid = delay + _GRID * width
         costs = np.array([window.misfit(at) for at in grid])
         best = int(np.clip(costs.argmin(), 1, grid.size - 2))
         least = scipy.optimize.minimize_scalar(
             lambda at, window=window: window.misfit(at), bounds=(grid[best - 1], grid[best + 1]), method="bounded",
-            options={"xatol": 1e-6 * alike.period},
+            options={"xatol": 1e-6 * reversals.period},
         )  # fmt: skip
         moved, delay = abs(least.x - delay), float(least.x)
         if moved < 0.05 * width:
             break
-        if abs(delay) > 0.25 * alike.period:
+        if abs(delay) > 0.25 * reversals.period:
             return None
     freedom = window.freedom
     if freedom < 1:
@@ -165,22 +165,22 @@ def _fitted(
 
 
 class _Window:
-    """The forces within a time of every reversal, as polynomials in the distance to it."""
+    """Forces in a window about every reversal, fitted by polynomials in the distance to it."""
 
     def __init__(
-        self, alike: _Reversals, time: Array, force: Array, width: float, centre: float, degrees: tuple[int, int]
+        self, reversals: _Reversals, time: Array, force: Array, width: float, centre: float, degrees: tuple[int, int]
     ) -> None:
-        first, last = (np.searchsorted(time, alike.instants + centre + side * width) for side in (-1.0, 1.0))
+        first, last = (np.searchsorted(time, reversals.instants + centre + side * width) for side in (-1.0, 1.0))
         kept = last - first > 2
         windows = [np.arange(*ends) for ends in zip(first[kept], last[kept], strict=True)]
         rows = np.concatenate(windows or [np.zeros(0, int)])
         self._counts = (last - first)[kept]
         self._starts = np.concatenate([[0], np.cumsum(self._counts)[:-1]])
-        self._since = time[rows] - np.repeat(alike.instants[kept], self._counts)
-        self._top = np.repeat(alike.senses[kept], self._counts) > 0.0
-        self._period, self._degrees = alike.period, degrees
-        self._scale = _SHAPE * alike.period
-        self._shape = np.where(self._top[:, np.newaxis], alike.shapes[1.0], alike.shapes[-1.0])
+        self._since = time[rows] - np.repeat(reversals.instants[kept], self._counts)
+        self._top = np.repeat(reversals.senses[kept], self._counts) > 0.0
+        self._period, self._degrees = reversals.period, degrees
+        self._scale = _SHAPE * reversals.period
+        self._shape = np.where(self._top[:, np.newaxis], reversals.shapes[1.0], reversals.shapes[-1.0])
         farthest = width / self._scale  # u there is one, so that powers of it are alike
         self._shape /= np.maximum(self._shape @ np.array([farthest, farthest**2, farthest**4]), 1e-300)[:, np.newaxis]
         self._measured = self._centred(force[rows])
@@ -205,21 +205,21 @@ class _Window:
         return self._centred(np.stack(powers, axis=1))
 
     def misfit(self, delay: float) -> float:
-        left = self._fit(delay)[1]
-        return float(left @ left)
+        residual = self._fit(delay)[1]
+        return float(residual @ residual)
 
     def _fit(self, delay: float) -> tuple[Array, Array, Array]:
-        """Fit the factors: the matrix, what is left, and they."""
+        """Fit the factors of the polynomials; return their matrix, the residual, and the factors."""
         matrix = self._matrix(delay)
         factors = np.linalg.lstsq(matrix.T @ matrix, matrix.T @ self._measured, rcond=None)[0].astype(np.float64, copy=False)
         return matrix, matrix @ factors - self._measured, factors
 
     def error(self, delay: float) -> float:
-        """Standard error of a lag [s]: from what is left, or from turn to turn, where noise is not white."""
-        matrix, left, factors = self._fit(delay)
+        """Standard error of a lag [s]: from the residual, or from reversal to reversal where noise is not white."""
+        matrix, residual, factors = self._fit(delay)
         step = 1e-4 * self._period
         slope = (self._matrix(delay + step) - self._matrix(delay - step)) @ factors / (2.0 * step)
         slope = slope - matrix @ np.linalg.lstsq(matrix, slope, rcond=None)[0]
-        white = np.sqrt(float(left @ left) / self.freedom / float(slope @ slope))
-        each, weights = (np.add.reduceat(slope * values, self._starts) for values in (left, slope))
+        white = np.sqrt(float(residual @ residual) / self.freedom / float(slope @ slope))
+        each, weights = (np.add.reduceat(slope * values, self._starts) for values in (residual, slope))
         return float(max(white, np.std(each / weights, ddof=1) / np.sqrt(each.size)))

@@ -1,4 +1,4 @@
-"""Loops that no isolator has: noise alone, a force that falls or was cut off, energy given away."""
+"""Checks for loops that no isolator has: noise alone, a force that falls or was clipped, energy given away."""
 
 import numpy as np
 
@@ -78,7 +78,7 @@ _ELASTIC, _ERRORS = 0.5, 3.0
 def require_unclipped(deflection: Array, force: Array, location: str, *, stop: bool = False) -> None:
     """Raise ValueError if samples stand at exactly the extreme force while the deflection moves on.
 
-    Over a twentieth of the stroke nothing but saturation does that. Over less, steps of a converter do, but then every value
+    Over a twentieth of the stroke only saturation holds a force so. Over less, steps of a converter do, but then every value
     comes back as often as the extreme. A bump stop's force stands still within its gap. Deflections [m] and forces [N], (n_t,),
     are those of cycles like each other.
     """
@@ -122,20 +122,20 @@ def is_level(loop: Loop) -> bool:
 
 
 def _is_open(deflection: Array, force: Array, level: float) -> bool:
-    """Tell whether a force is the one of the unloaded device, that at the deflection nearest to zero."""
+    """Return whether a force is that of the unloaded device, found at the deflections nearest to zero."""
     distance = np.abs(deflection)
     near = distance <= distance.min() + _END * float(np.ptp(deflection))
     return bool(abs(level - np.median(force[near])) <= _END * float(np.ptp(force)))
 
 
 def _level(loop: Loop, x: Array, f: Array) -> bool:
-    """Tell whether a branch is level beside the turning point that it begins at, for sure beside its noise."""
+    """Return whether a branch is level beside the turning point that it begins at, beyond what its noise can hide."""
     near = np.abs(x - x[0]) <= _END * float(np.ptp(loop.deflection))
     if near.sum() < 3 or np.ptp(x[near]) == 0.0:
         return False
     slope, force = np.polyfit(x[near], f[near], 1)
-    count, left = int(near.sum()), f[near] - force - slope * x[near]
-    spread = max(float(np.linalg.norm(left)) / np.sqrt(count - 2), rms_noise(loop.force))
+    count, residual = int(near.sum()), f[near] - force - slope * x[near]
+    spread = max(float(np.linalg.norm(residual)) / np.sqrt(count - 2), rms_noise(loop.force))
     error = spread / (np.sqrt(count) * float(x[near].std()))
     least = _ELASTIC * loop.secant_stiffness
     return bool(slope < _LEVEL * loop.secant_stiffness and slope + _ERRORS * error < least)

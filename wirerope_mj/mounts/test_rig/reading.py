@@ -1,4 +1,4 @@
-"""The CSV file of a cyclic test: written, and read with whatever is wrong with it named by its line."""
+"""CSV files of cyclic tests: writing, and reading, with errors that name the line."""
 
 import re
 from collections.abc import Sequence

@@ -29,8 +29,8 @@ class RecordedLoop(Loop):
 def mean_of_cycles(forces: Array, elapsed: Array) -> Array:
     """Average successive cycles' forces [N], (n_t,), from (n_cycles, n_t), without a zero that drifts linearly.
 
-    The drift is that of the cycles' mean forces, or of a single one's ends, and is none at the end of the last cycle. The
-    ends of what comes back are one sample; `elapsed` is the time since a cycle's begin over its period, from 0 to 1, (n_t,).
+    The drift is that of the cycles' mean forces, or of a single one's ends, and is zero at the end of the last cycle. The
+    first and last values returned are equal; `elapsed` is the time since a cycle's begin over its period, from 0 to 1, (n_t,).
     """
     if forces.shape[0] == 1:
         return forces[0] - (forces[0, -1] - forces[0, 0]) * (elapsed - 1.0)

@@ -1,4 +1,4 @@
-"""The rig: steady loops of one law under a sine about an operating point, and what an acquisition would see of them."""
+"""The rig: steady loops of one law under a sine about an operating point, and their samples as an acquisition records them."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -54,18 +54,18 @@ def cyclic_test(
         integer("cycles", cycles, least=1)
     if integer("points_per_cycle", points_per_cycle, least=4) % 4:
         raise ValueError(f"`points_per_cycle` must be a multiple of 4 and >= 4, got {points_per_cycle}.")
-    room, remedy = (
+    memory, remedy = (
         OF_A_POINT * float(points_per_cycle) * (len(sizes) + 1),
         "Use fewer `points_per_cycle`, or fewer `amplitudes`.",
     )
-    require_memory(f"{len(sizes)} loops of {points_per_cycle} points", room, remedy)
+    require_memory(f"{len(sizes)} loops of {points_per_cycle} points", memory, remedy)
     steps = len(sizes) * float(cycles or 1) * points_per_cycle
     require_time(f"{len(sizes)} loops of {cycles or 1} cycles", steps, "Run fewer `cycles`.")
     return [_loop(law, float(size), operating_point, frequency, cycles, points_per_cycle) for size in sizes]
 
 
 def _loop(law: Law, amplitude: float, operating_point: float, frequency: float, cycles: int | None, points: int) -> Loop:
-    """Test one amplitude."""
+    """Run the sine of one amplitude until its loop closes, or for `cycles`; return the last cycle."""
     quarter = points // 4  # each a mirror of the first, so that closure is the law's
     first = np.sin(2.0 * np.pi * np.arange(quarter + 1) / points)
     half = np.concatenate([first, first[-2::-1]])
@@ -84,13 +84,13 @@ def _loop(law: Law, amplitude: float, operating_point: float, frequency: float, 
             return replace(loop, cycles=count, closure=closure)
         if count == _FOLLOWED and cycles is None:
             # States of rate-independent laws that have one each are led to where their cycle closes.
-            turning, led, index = path[[0, quarter, 3 * quarter, -1]], states.copy(), 0
+            turning, settled, index = path[[0, quarter, 3 * quarter, -1]], states.copy(), 0
             for part in law.components:
                 if part.n_states == 1 and part.rate_independent:
                     tolerance = CLOSURE * 0.01 * float(np.ptp(loop.force))
-                    led[index] = settle(part.kernel, part.kernel_parameters(), turning, 1, tolerance)[0]
+                    settled[index] = settle(part.kernel, part.kernel_parameters(), turning, 1, tolerance)[0]
                 index += part.n_states
-            states = led if np.isfinite(led).all() else states
+            states = settled if np.isfinite(settled).all() else states
     raise ConvergenceError(
         f"the loop of {law.name} at an amplitude of {amplitude:.6g} m about {operating_point:.6g} m has not "
         f"closed after {_MOST_CYCLES} cycles: its ends still differ by {closure:.2g} of its force range, "

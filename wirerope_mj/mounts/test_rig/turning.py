@@ -7,14 +7,14 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array, Integers
 
 _SURE = 8.0  # standard deviations of noise: samples of one stroke differ by more once in 1e8 pairs
-_SMALLEST = 0.01  # of the range: what moves less is the rig's, not the test's
+_SMALLEST = 0.01  # of the range: smaller movements are the rig's, not the test's
 _SMOOTHED = 8  # samples of the shortest stroke for one of the window: a sine loses less than 1 % of its amplitude
 _DEPTH = 0.15  # of a stroke below its end, where a sine is steep enough for its crossings to be sharp
 
 
 @dataclass(frozen=True, kw_only=True)
 class Trace:
-    """A deflection and where it turns round."""
+    """Recorded deflection, smoothed, with its turning points."""
 
     time: Array  # of the samples, (n_t,)
     deflection: Array  # as recorded [m], (n_t,)
