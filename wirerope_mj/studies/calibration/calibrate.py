@@ -1,4 +1,4 @@
-"""A calibration: values with their covariance and draws, what the tests do not tell, and how far the model follows them."""
+"""Calibration: values with covariance and draws, unknowns that the tests do not identify, and the model's own error."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,22 +20,22 @@ from wirerope_mj.studies.vary.distributions import Distribution
 from wirerope_mj.studies.vary.vary_option import read_vary
 
 LEVEL = 0.9  # Probability of the intervals that are stated
-LITTLE = 0.7  # Standard deviation after the tests over that before from which on they say little of an unknown
+LITTLE = 0.7  # Standard deviation after the tests over that before from which on an unknown counts as not identified
 TOGETHER = 0.95  # Correlation from which on two unknowns are known together only
 # Standard deviation after the tests over that before from which on such a pair is named: less is known well enough apart
 OPEN = 0.2
 DISCREPANT = 0.1  # Discrepancy over the response from which on the model does not follow a channel
-LOGARITHMS = "logarithm of frequency"  # What series of logarithms are across: their differences are errors as they stand
+LOGARITHMS = "logarithm of frequency"  # `Series.across` of spectra in logarithms: their differences are relative errors
 FAR = 2.5  # Standard deviations of the prior from which on a median stands at its end: one of a hundred is so far out
 TINY = 1e-8  # Square of a slope over the response below which an unknown does not move it
-# Octaves to each side of a history's frequency, and Q, of the oscillators that say how far peaks are off: those of what stands
-# on wire rope, whose damping is a sixth of critical
+# Octaves to each side of a history's frequency, and Q, of the oscillators that measure the error of peaks: as of equipment on
+# wire rope, whose damping is a sixth of critical
 OCTAVES, ISOLATED = 2, 3.0
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Calibrated(Summarised):
-    """Any forward model brought to measured series."""
+    """Result of the calibration of any forward model to measured series."""
 
     problem: Problem  #: model, prior and series
     fit: Fit  #: the most likely point, and the noise of every series
@@ -60,7 +60,7 @@ class Calibrated(Summarised):
 
     @cached_property
     def normals(self) -> Array:
-        """Draws of the unknowns as standard normals before, (n, d), where what tests say is off by the model's own error.
+        """Draws of the unknowns in standard normals of the prior, (n, d), widened by the model's own error.
 
         That error does not average out over a test as noise does. So the likelihood counts the less, as a power of itself
         (Miller and Dunson 2019), that unknowns move the response by the model's error in each direction, as one observation of
@@ -70,22 +70,22 @@ class Calibrated(Summarised):
         told from each other, and a model that is off by a part x of the response looks x / (2 pi f) late.
         """
         size, error = len(self.names), 0.0
-        whole, moved = np.eye(size), np.zeros((size, size))
+        identity, sensitivity = np.eye(size), np.zeros((size, size))
         slopes = np.split(self.fit.jacobian, self.problem.ends[:-1])
-        for one, noise, slope in zip(self.problem.series, self.fit.noises, slopes, strict=True):
-            error += float(np.mean((noise.deviation(one) / one.rms) ** 2))
-            moved += slope.T @ slope / (len(slope) * one.rms**2)
+        for series, noise, slope in zip(self.problem.series, self.fit.noises, slopes, strict=True):
+            error += float(np.mean((noise.deviation(series) / series.rms) ** 2))
+            sensitivity += slope.T @ slope / (len(slope) * series.rms**2)
         chain = [name.startswith("channel/") for name in self.names]
-        embedded = np.diag(np.where(chain, error / np.maximum(np.diag(moved), TINY), 0.0))
-        told = np.linalg.inv(self.fit.covariance) - whole
-        directions, alike = (np.trace(np.linalg.solve(told + TINY * whole, one)) for one in (told, moved))
-        fewer = max(error * directions / max(alike, TINY), 1.0)
+        embedded = np.diag(np.where(chain, error / np.maximum(np.diag(sensitivity), TINY), 0.0))
+        information = np.linalg.inv(self.fit.covariance) - identity
+        directions, alike = (np.trace(np.linalg.solve(information + TINY * identity, m)) for m in (information, sensitivity))
+        tempering = max(error * directions / max(alike, TINY), 1.0)
         draws = self.posterior.normals
         middle, sizes, axes = draws.mean(axis=0), *np.linalg.eigh(np.atleast_2d(np.cov(draws.T)))
-        covariance = axes * np.minimum(sizes, 1.0 - 1e-6) @ axes.T  # tests do not make less known
-        told = np.linalg.inv(covariance) - whole
-        left = np.linalg.inv(fewer * whole + told @ embedded)
-        after = np.linalg.inv(whole + left @ told)
+        covariance = axes * np.minimum(sizes, 1.0 - 1e-6) @ axes.T  # tests do not widen a prior
+        information = np.linalg.inv(covariance) - identity
+        left = np.linalg.inv(tempering * identity + information @ embedded)
+        after = np.linalg.inv(identity + left @ information)
         widened = np.linalg.cholesky(after) @ np.linalg.inv(np.linalg.cholesky(covariance))
         return after @ left @ np.linalg.solve(covariance, middle) + (draws - middle) @ widened.T
 
@@ -122,7 +122,7 @@ class Calibrated(Summarised):
 
     @cached_property
     def at_an_end(self) -> dict[str, str]:
-        """Upper or lower, by names of the unknowns whose median lies at that end of what was stated before."""
+        """The end of the prior, "upper" or "lower", by names of the unknowns whose median lies there."""
         middle = dict(zip(self.names, np.median(self.normals, axis=0).tolist(), strict=True))
         return {name: "upper" if u > 0.0 else "lower" for name, u in middle.items() if abs(u) > FAR}
 
@@ -138,7 +138,7 @@ class Calibrated(Summarised):
 
     @property
     def not_identified(self) -> tuple[str, ...]:
-        """A message for each unknown of which the tests say little, and for those that are known together only."""
+        """A message for each unknown that the tests hardly narrow, and for each pair that is known together only."""
         texts = [
             f"the tests say little of {name}: its standard deviation is {100.0 * left:.0f} % of that stated before"
             for name, left in zip(self.names, self.learned, strict=True)
@@ -166,14 +166,14 @@ class Calibrated(Summarised):
         logarithms the difference at the largest value.
         """
         squares: list[float] = []
-        for one, own, noise in zip(self.problem.series, self.problem.split(self.fit.model), self.fit.noises, strict=True):
-            noisy = noise.white / (1.0 if one.across == LOGARITHMS else one.largest)
-            squares += ((_peaks(one, own) - _peaks(one, one.values)) ** 2 - noisy**2).tolist()
+        for series, model, noise in zip(self.problem.series, self.problem.split(self.fit.model), self.fit.noises, strict=True):
+            noisy = noise.white / (1.0 if series.across == LOGARITHMS else series.largest)
+            squares += ((_peaks(series, model) - _peaks(series, series.values)) ** 2 - noisy**2).tolist()
         return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
 
     @property
     def message(self) -> str:
-        """How the calibration ended."""
+        """Summary of how the calibration ended."""
         ended = "converged" if self.fit.converged else "NOT CONVERGED"
         emulator = self.posterior.emulator_error
         error = 100.0 * self.discrepancies.max()
@@ -182,7 +182,7 @@ class Calibrated(Summarised):
 
 
 def _peaks(series: Series, values: Array) -> Array:
-    """Return what the peaks of a series are, as numbers whose differences are errors over them, (n,)."""
+    """Return the peaks of a series as numbers whose differences are relative errors, (n,)."""
     if series.across == LOGARITHMS:
         return values.max(keepdims=True)
     if series.across != "time":
@@ -197,7 +197,7 @@ def _peaks(series: Series, values: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Calibration(Calibrated):
-    """A system brought to its tests."""
+    """Result of the calibration of a system to its tests."""
 
     forward: SystemForward  #: the system, its tests, and what varies
 
@@ -208,7 +208,7 @@ class Calibration(Calibrated):
 
     @cached_property
     def tested_travel(self) -> dict[tuple[str, str], float]:
-        """How far the tests deflected mounts, as the most likely values have it, by mount and axis [m]."""
+        """Largest deflections of mounts in the tests, at the most likely values, by mount and axis [m]."""
         return self.forward.tested_travel(self.problem.prior.values(self.fit.normals[np.newaxis])[0])
 
     @cached_property
@@ -226,26 +226,26 @@ class Calibration(Calibrated):
         return Calibration(problem=problem, fit=found, posterior=draws, forward=wider)
 
     def lag(self, number: int) -> float:
-        """Return by how much a measured history is later than the model [s]; 0 unless that explains half of what is left.
+        """Return the delay of a measured history behind the model [s]; 0 unless it halves the rms residual.
 
         The model at the most likely values is moved by up to half of the measured history's length to either side.
         """
-        one = self.problem.series[number]
-        if one.across != "time":
+        series = self.problem.series[number]
+        if series.across != "time":
             return 0.0
-        steps = 0.5 * (one.at - one.at[0])
+        steps = 0.5 * (series.at - series.at[0])
         lags = np.concatenate([-steps[:0:-1], steps])
         values = self.problem.prior.values(self.fit.normals[np.newaxis])[0]
-        left = np.sum((self.forward.delayed(values, number, lags) - one.values) ** 2, axis=1)
-        best = int(np.argmin(left))
-        return float(lags[best]) if left[best] < 0.25 * left[steps.size - 1] else 0.0
+        squares = np.sum((self.forward.delayed(values, number, lags) - series.values) ** 2, axis=1)
+        best = int(np.argmin(squares))
+        return float(lags[best]) if squares[best] < 0.25 * squares[steps.size - 1] else 0.0
 
 
 def calibrate(
     system: System, tests: Sequence[Test], *, vary: Mapping[str, Distribution] | Sequence[str], residuals: Domain = "time",
     draws: int = 1000, seed: int = 1,
 ) -> Calibration:  # fmt: skip
-    """Return what varies of a system as its tests tell it: values, covariance, draws, and the system with them.
+    """Calibrate the unknowns of a system to its tests: values, covariance, draws, and the system with the medians.
 
     A coarse design of the prior, computed in lanes, gives the best points from which least squares begin. Noise and the model's
     own error are estimated for every channel with the unknowns integrated out; draws are emcee's on a quadratic emulator that
@@ -272,14 +272,14 @@ def calibrate(
     one_of("residuals", residuals, DOMAINS)
     distributions = dict(vary) if isinstance(vary, Mapping) else read_vary(vary)
     forward = SystemForward(system, tests, distributions, residuals)
-    own = calibrate_model(forward, forward.series, forward.prior, draws=draws, seed=seed)
-    return Calibration(problem=own.problem, fit=own.fit, posterior=own.posterior, forward=forward)
+    result = calibrate_model(forward, forward.series, forward.prior, draws=draws, seed=seed)
+    return Calibration(problem=result.problem, fit=result.fit, posterior=result.posterior, forward=forward)
 
 
 def calibrate_model(
     forward: Forward, series: Sequence[Series], prior: Prior, *, draws: int = 1000, seed: int = 1
 ) -> Calibrated:
-    """Return the unknowns of any forward model as measured series tell them; arguments as those of `calibrate`."""
+    """Calibrate the unknowns of any forward model to measured series; arguments as those of `calibrate`."""
     problem = Problem(forward, series, prior)
     found = fit(problem, seed=seed)
     return Calibrated(problem=problem, fit=found, posterior=sample(problem, found, draws=draws, seed=seed))

@@ -1,6 +1,6 @@
 """Fit of any forward model to measured series, and the posterior about it.
 
-The fit: a coarse design, least squares, and the noise that is left. The posterior: the affine-invariant sampler of emcee on a
+The fit: a coarse design, least squares, and the residual's noise. The posterior: the affine-invariant sampler of emcee on a
 quadratic emulator, checked against runs of the model.
 """
 
@@ -29,11 +29,11 @@ class Prior:
     @classmethod
     def of(cls, distributions: Mapping[str, Normal | Uniform]) -> Self:
         """Make the prior of independent unknowns without units."""
-        own = tuple(distributions.values())
+        members = tuple(distributions.values())
         return cls(
             names=tuple(distributions),
-            units=("",) * len(own),
-            quantiles=lambda p: np.stack([one.values(p[:, k]) for k, one in enumerate(own)], axis=1),
+            units=("",) * len(members),
+            quantiles=lambda p: np.stack([member.values(p[:, k]) for k, member in enumerate(members)], axis=1),
         )
 
     @property
@@ -56,9 +56,9 @@ REFUSED = 1e3  # Whitened residual where the model cannot be computed
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """The most likely point and what surrounds it."""
+    """Most likely point of the unknowns, with the covariance, noise and derivatives there."""
 
-    normals: Array  # u there, (d,)
+    normals: Array  # u at the point, (d,)
     covariance: Array  # of u about it, prior included, (d, d)
     noises: tuple[Noise, ...]  # of each series
     model: Array  # the model's series there, (n_samples,)
@@ -140,7 +140,7 @@ def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]]
         starts = normals[good][np.argsort(costs)[:STARTS]]
     else:
         starts, noises = begin[0][np.newaxis], begin[1]
-    found = min((_searched(problem, noises, start, ROUGH) for start in starts), key=lambda ended: float(ended.cost))
+    found = min((_search(problem, noises, start, ROUGH) for start in starts), key=lambda ended: float(ended.cost))
     rounds, tolerance = (ROUNDS, FINE) if begin is None else (SHORT, ROUGH)
     for _ in range(rounds):
         jacobian = problem.jacobian(found.x)
@@ -148,7 +148,7 @@ def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]]
         linear = problem.measured - model + jacobian @ found.x
         noises = estimate_noise(problem.series, noises, np.split(jacobian, problem.ends[:-1]), problem.split(linear))
         before = found.x
-        found = _searched(problem, noises, before, tolerance)
+        found = _search(problem, noises, before, tolerance)
         if np.abs(found.x - before).max() < 1e-3:
             break
     model, roots = problem.model(found.x[np.newaxis])[0], problem.roots(noises)
@@ -161,8 +161,8 @@ def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]]
     )  # fmt: skip
 
 
-def _searched(problem: Problem, noises: Sequence[Noise], start: Array, tolerance: float) -> scipy.optimize.OptimizeResult:
-    """Return the end of a search by least squares over the whitened residual and the prior."""
+def _search(problem: Problem, noises: Sequence[Noise], start: Array, tolerance: float) -> scipy.optimize.OptimizeResult:
+    """Search for the least squares of whitened residual and prior, from `start` on; return SciPy's result."""
     roots = problem.roots(noises)
 
     def residual(u: Array) -> Array:
@@ -188,7 +188,7 @@ GOOD = 0.3
 JOINED = 4  # times that runs at draws may join the emulator
 _FAR, _SMALL = 4.0, 1e-4  # standard normals at which a prior is held to be positive, and the step of its slopes
 
-WALKERS, STEPS, BURNED, THIN = 48, 1200, 300, 20
+WALKERS, STEPS, BURNED, THIN = 48, 1200, 300, 20  # of the sampler: walkers, steps, steps discarded, steps to a draw
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,7 +205,7 @@ class Posterior:
 
 
 class Coordinates:
-    """Coordinates in which a model bends least: logarithms of values that are positive, over the fit's covariance.
+    """Coordinates in which a model is closest to linear: logarithms of positive values, over the fit's covariance.
 
     A response depends on stiffness over mass; in logarithms that is straight, however long the ridge.
     """
@@ -214,9 +214,9 @@ class Coordinates:
         self._prior, self._middle = prior, found.normals
         self.root = np.asarray(np.linalg.cholesky(found.covariance), dtype=np.float64)
         self._positive = (prior.values(np.outer([-_FAR, _FAR], np.ones(prior.size))) > 0.0).all(axis=0)
-        self._at = self._plain(found.normals[np.newaxis])[0]
+        self._origin = self._logarithms(found.normals[np.newaxis])[0]
         steps = _SMALL * np.eye(prior.size)
-        slopes = (self._plain(found.normals + steps) - self._plain(found.normals - steps)).T / (2.0 * _SMALL)
+        slopes = (self._logarithms(found.normals + steps) - self._logarithms(found.normals - steps)).T / (2.0 * _SMALL)
         # Values may scatter along fewer directions than there are: parameters of one [spread] that go together.
         self._inverse = np.linalg.pinv(slopes @ self.root)
 
@@ -226,9 +226,10 @@ class Coordinates:
 
     def bent(self, normals: Array) -> Array:
         """Return the coordinates of u, (n, d): s where the priors are straight."""
-        return np.asarray((self._plain(normals) - self._at) @ self._inverse.T)
+        return np.asarray((self._logarithms(normals) - self._origin) @ self._inverse.T)
 
-    def _plain(self, normals: Array) -> Array:
+    def _logarithms(self, normals: Array) -> Array:
+        """Return the values at u (n, d), in logarithms where a prior is positive."""
         values = self._prior.values(normals)
         return np.where(self._positive, np.log(np.where(self._positive, values, 1.0)), values)
 
@@ -253,11 +254,11 @@ def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) ->
         terms = _terms(coordinates.bent(normals[good]))
         coefficients = np.linalg.lstsq(terms, residuals[good], rcond=None)[0]
         gram = coefficients @ coefficients.T
-        chain, acceptance = _walked(coordinates, gram, draws, seed + number)
+        chain, acceptance = _sampled(coordinates, gram, draws, seed + number)
         rows = generator.choice(len(chain), CHECKED, replace=False)
         series = problem.model(chain[rows])
         true = problem.whitened((series - problem.measured).T, roots).T
-        emulated = _logarithm(coordinates, gram, chain[rows])
+        emulated = _log_likelihood(coordinates, gram, chain[rows])
         difference = emulated + 0.5 * np.sum(true**2, axis=1)
         error = float(np.sqrt(np.mean((difference - np.mean(difference)) ** 2)))
         if error < GOOD:
@@ -270,27 +271,27 @@ def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) ->
 
 
 def _terms(s: Array) -> Array:
-    """Return 1, s and all products of two of them, (n, 1 + d + d (d + 1) / 2)."""
+    """Return the terms of a quadratic: 1, s and all products of two of them, (n, 1 + d + d (d + 1) / 2)."""
     rows, columns = np.triu_indices(s.shape[1])
     return np.concatenate([np.ones((len(s), 1)), s, s[:, rows] * s[:, columns]], axis=1)
 
 
-def _logarithm(coordinates: Coordinates, gram: Array, normals: Array) -> Array:
+def _log_likelihood(coordinates: Coordinates, gram: Array, normals: Array) -> Array:
     """Return the emulator's log likelihood at u, (n,)."""
     terms = _terms(coordinates.bent(normals))
     return np.asarray(-0.5 * np.einsum("ni,ij,nj->n", terms, gram, terms))
 
 
-def _walked(coordinates: Coordinates, gram: Array, draws: int, seed: int) -> tuple[Array, float]:
+def _sampled(coordinates: Coordinates, gram: Array, draws: int, seed: int) -> tuple[Array, float]:
     """Return draws of u by the sampler, (draws, d), and its acceptance."""
     size = coordinates.root.shape[0]
 
-    def logarithm(s: Array) -> Array:
+    def log_posterior(s: Array) -> Array:
         u = coordinates.normals(s)
-        return _logarithm(coordinates, gram, u) - 0.5 * np.sum(u**2, axis=1)
+        return _log_likelihood(coordinates, gram, u) - 0.5 * np.sum(u**2, axis=1)
 
     walkers = max(WALKERS, 4 * size)
-    sampler = emcee.EnsembleSampler(walkers, size, logarithm, vectorize=True)
+    sampler = emcee.EnsembleSampler(walkers, size, log_posterior, vectorize=True)
     begin = np.random.RandomState(seed)  # the sampler's own kind
     sampler.random_state = begin.get_state()
     sampler.run_mcmc(0.5 * begin.standard_normal((walkers, size)), STEPS)

@@ -24,7 +24,7 @@ from wirerope_mj.studies.vary.variants import Maker, Work
 
 Test = MeasuredTest | FrequencyTest | LoopTest
 AnyRuns = TransientRuns | FrequencyRuns | LoopRuns
-# Names of such quantities; NAME may hold * and ? and matches channels with or without their test's name
+# Names of the quantities of measuring channels; NAME may hold * and ? and matches channels with or without their test's name
 FORM = "channel/NAME/gain, channel/NAME/delay, channel/NAME/offset"
 UNITS = {"gain": "", "delay": "s", "offset": "SI"}
 NEUTRAL = {"gain": 1.0, "delay": 0.0, "offset": 0.0}
@@ -32,17 +32,17 @@ _NAME = re.compile(r"channel/(.*)/(gain|delay|offset)")
 
 
 class SystemForward:
-    """Series of all tests of a system as a function of what varies: first of the system, then of the measuring channels."""
+    """Series of all tests of a system as a function of the unknowns: first those of the system, then of the channels."""
 
     def __init__(
         self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"
     ) -> None:
         self.system, self.tests, self.vary, self.domain = system, tuple(tests), dict(vary), domain
-        own = {name: one for name, one in vary.items() if not name.startswith("channel/")}
+        of_system = {name: one for name, one in vary.items() if not name.startswith("channel/")}
         for name, one in vary.items():
             if isinstance(one, Choice | Isotropic):
                 raise ValueError(f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {one!r}.")
-        resolved = quantities(own, system, [test.motion for test in tests if isinstance(test, MeasuredTest)])
+        resolved = quantities(of_system, system, [test.motion for test in tests if isinstance(test, MeasuredTest)])
         self.columns = tuple(column for quantity in resolved for column in quantity.columns)
         self._runs: list[AnyRuns] = []
         for test in tests:
@@ -57,7 +57,7 @@ class SystemForward:
 
         def quantiles(p: Array) -> Array:
             parts = zip(resolved, np.split(p[:, : counts[-1]], counts[:-1], axis=1), strict=True)
-            system_values = [values for quantity, own in parts for values in values_at(quantity, own)]
+            system_values = [values for quantity, part in parts for values in values_at(quantity, part)]
             chain = [one.distribution.values(p[:, counts[-1] + k]) for k, one in enumerate(self._nuisances)]
             return np.stack([*system_values, *chain], axis=1)
 
@@ -88,7 +88,7 @@ class SystemForward:
         return np.concatenate(parts, axis=1)
 
     def delayed(self, values: Array, number: int, delays: Array) -> Array:
-        """Return the series of one channel at values (d,), later by `delays` (n,) [s] than they say, (n, n_samples)."""
+        """Return the series of one channel at values (d,), with `delays` (n,) [s] added to its own, (n, n_samples)."""
         chain, first = chains(self._nuisances, values[np.newaxis, len(self.columns) :], len(self.series)), 0
         for runs in self._runs:
             if number < first + len(runs.series):
@@ -114,7 +114,7 @@ class SystemForward:
         return np.where(done[:, np.newaxis], found, np.nan)
 
     def tested_travel(self, values: Array) -> dict[tuple[str, str], float]:
-        """Return how far the tests deflected mounts, as the model at values (d,) has it, by mount and axis [m]."""
+        """Return the largest deflections of mounts in the tests, at values (d,), by mount and axis [m]."""
         names = measure_names(self.system)
         found = dict.fromkeys(((one, axis) for one in self.system.mounts for axis in AXES), 0.0)
         for runs in self._runs:
@@ -136,6 +136,7 @@ class SystemForward:
         return self._maker.changes(self._row(values)).isolators
 
     def moves_at(self, values: Array) -> Changes:
+        """Return the changes of masses, centres and positions at values (d,), without those of isolators."""
         return self._maker.moves(self._maker.draft(self._row(values)), {})
 
     def _row(self, values: Array) -> Entries:
@@ -155,7 +156,7 @@ def travel_of(names: Sequence[str], measures: Array) -> dict[tuple[str, str], fl
 
 @dataclass(frozen=True, kw_only=True)
 class Nuisance:
-    """One number of measuring chains."""
+    """Gain, delay or offset of one measuring channel or of several, as an unknown."""
 
     name: str  # as in `vary`, each channel's own where each has one
     kind: str  # "gain", "delay" or "offset"
@@ -164,7 +165,7 @@ class Nuisance:
 
 
 def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list[Nuisance]:
-    """Return the numbers of measuring chains among the quantities that vary.
+    """Return the gains, delays and offsets of measuring channels among the quantities that vary.
 
     Raises:
         ModelError: a name matches no channel.

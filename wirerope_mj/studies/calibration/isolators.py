@@ -12,7 +12,7 @@ from wirerope_mj.mounts.isolator import Isolator, Provenance, Spread
 from wirerope_mj.studies.calibration.calibrate import Calibration
 
 _DRAWS = 400  # draws from which a spread is taken: its standard deviations are then known to 4 %
-_MOVED = 1e-9  # relative standard deviation below which a parameter did not vary
+_MOVED = 1e-9  # relative standard deviation below which a parameter is constant
 
 
 def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict[str, Isolator]:
@@ -24,7 +24,7 @@ def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict
     forward = calibration.forward
     middle = forward.isolators_at(calibration.values)
     draws = [forward.isolators_at(row) for row in calibration.samples[:_DRAWS]]
-    what = [name for name in calibration.names if name.startswith("mount/")]
+    varied = [name for name in calibration.names if name.startswith("mount/")]
     found: dict[str, Isolator] = {}
     same: dict[tuple[int, ...], Isolator] = {}
     for mount, isolator in middle.items():
@@ -35,7 +35,7 @@ def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict
             provenance = Provenance(
                 kind="identified",
                 source=f"calibrated from {', '.join(tests)}" + (f"; before: {before.source}" if before.source else ""),
-                fitted_to=f"{', '.join(what)}; {calibration.message}",
+                fitted_to=f"{', '.join(varied)}; {calibration.message}",
                 assumed=(*before.assumed, *calibration.not_identified),
             )
             values: Array = np.array([[value for _, value in _parameters(one[mount])] for one in draws])
@@ -51,14 +51,14 @@ def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict
 
 
 def calibrated_system(calibration: Calibration, isolators: dict[str, Isolator]) -> System:
-    """Return the system with the medians of what varies, loaded anew, so that its isolator files say it where they can.
+    """Load the system with the medians of the unknowns, in its isolator files where files can hold them.
 
     Mounts that share an isolator file get one calibrated file; where they differ now, and of masses, centres and positions,
     `changes` say it.
     """
     system = calibration.forward.system
     files: dict[str, Isolator] = dict(system.isolators)
-    own: dict[str, Isolator] = {}
+    of_mounts: dict[str, Isolator] = {}
     for name in files:
         mounts = [mount for mount, one in system.mounts.items() if one.isolator_name == name]
         changed = {id(isolators.get(mount)): isolators.get(mount) for mount in mounts}
@@ -66,10 +66,10 @@ def calibrated_system(calibration: Calibration, isolators: dict[str, Isolator]) 
         if first is not None and not others:
             files[name] = first
         else:
-            own |= {mount: isolators[mount] for mount in mounts if mount in isolators}
+            of_mounts |= {mount: isolators[mount] for mount in mounts if mount in isolators}
     loaded = load_system(system.path or system.mjcf, isolators=files)
     moves = calibration.forward.moves_at(calibration.values)
-    changes = [*system.changes, replace(moves, isolators=own)]
+    changes = [*system.changes, replace(moves, isolators=of_mounts)]
     return with_changes(loaded, [one for one in changes if one != Changes()])
 
 

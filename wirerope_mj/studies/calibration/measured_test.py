@@ -1,4 +1,4 @@
-"""A measured test: what moved the base, what was measured, and the same series of a response."""
+"""Measured tests: motion of the base, channels as series for comparison, and the same series of simulated responses."""
 
 import math
 from collections.abc import Sequence
@@ -26,14 +26,14 @@ QUIET = 0.01  # Part of a channel's largest value below which what comes before 
 FEWEST = 30  # Samples of a channel that a test must have
 ACCURACY = 1e-3  # Error of the peaks for which steps are chosen: a tenth of what a good channel measures
 SAMPLED = 3.0  # Samples of a simulation in one width of the smoothing of the samples that are compared
-# Instants at which a base is looked at, and parts of the largest motion at which it and a channel count as moving
-_LOOKS, _STILL, _MOVES = 4000, 0.02, 0.2
+# Instants at which a base is sampled, and fractions of the largest motion from which it and a channel count as moving
+_INSTANTS, _STILL, _MOVES = 4000, 0.02, 0.2
 _XYZ = ("x", "y", "z")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredTest:
-    """One test of the system."""
+    """Measured test of a system: motion of its base, and channels."""
 
     name: str  #: in tables and in names of quantities
     motion: BaseMotion  #: of the base
@@ -58,7 +58,7 @@ class MeasuredTest:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Comparable:
-    """A channel brought to few samples, and the same of a response."""
+    """Channel smoothed and thinned for comparison, and the same treatment of a simulated response."""
 
     channel: MeasuredChannel  # as measured
     name: str  # "TEST/body/rack/acceleration/z"
@@ -67,7 +67,7 @@ class Comparable:
 
     @classmethod
     def of(cls, test: str, channel: MeasuredChannel) -> "Comparable":
-        """Bring a measured channel to few samples, without what was clipped and before and after it moves.
+        """Smooth and thin a measured channel, without saturated samples and without its ends at rest.
 
         Raises:
             RecordError: it is too short, or does not move.
@@ -104,7 +104,7 @@ class Comparable:
         return cls(channel=channel, name=name, series=series, width=SMOOTH * step)
 
     def of_response(self, time: Array, values: Array, delay: float) -> Array:
-        """Return what the channel would have shown of a simulated history (n_t,), later by `delay` [s]."""
+        """Smooth and thin a simulated history (n_t,), delayed by `delay` [s], as the measured channel was."""
         key = (time[0], time[-1], time.size)
         if key not in self._weights:
             # beyond the response's ends the smoothing sees its last value
@@ -125,7 +125,7 @@ class Comparable:
         return f"{groups[kind]}/{name}/{part}/{axes[_XYZ.index(self.channel.axis)]}"
 
     def of_column(self, values: Array, base: Array) -> Array:
-        """Return what the channel measures of its column (n_t,); `base`: displacement of the base [m], (n_t, 3)."""
+        """Convert its column of a response (n_t,) to the channel's quantity; `base`: displacement of the base [m], (n_t, 3)."""
         moved = values - values[0] if self.channel.counts_from_start or self.channel.quantity == "displacement" else values
         if self.channel.quantity != "displacement" or self.channel.absolute:
             return moved
@@ -135,7 +135,7 @@ class Comparable:
 def work_of(
     system: System, columns: tuple[InputColumn, ...], motion: BaseMotion, *, duration: float, sample_rate: float, initial: str
 ) -> Work:  # fmt: skip
-    """Return what all runs under one motion share, with a step for `ACCURACY`."""
+    """Return the work shared by all runs under one motion, with a time step for `ACCURACY`."""
     start = initial_state(system, motion, initial)
     chosen = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=ACCURACY)
     return Work(
@@ -145,7 +145,7 @@ def work_of(
 
 
 class TransientRuns:
-    """Responses of systems to the motion of a test, brought to what its channels compare."""
+    """Simulated responses of variants to the motion of a test, as the series of its channels."""
 
     def __init__(self, system: System, test: MeasuredTest, columns: tuple[InputColumn, ...], domain: Domain) -> None:
         for channel in test.channels:
@@ -179,12 +179,12 @@ class TransientRuns:
 
 
 def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
-    """Raise RecordError unless a system has what a channel measures."""
+    """Raise RecordError unless a system has the body, point or mount that a channel measures."""
     kind, _, subject = channel.subject.partition("/")
     subjects = system.assembly.subjects
-    there = {"body": subjects.body_names, "point": subjects.point_names, "mount": list(system.mounts)}
-    if kind not in there or subject not in there[kind]:
-        names = ", ".join(f"{kind}/{one}" for kind, names in there.items() for one in names)
+    known = {"body": subjects.body_names, "point": subjects.point_names, "mount": list(system.mounts)}
+    if kind not in known or subject not in known[kind]:
+        names = ", ".join(f"{kind}/{one}" for kind, names in known.items() for one in names)
         raise RecordError(
             f"{name}: this model has no {channel.subject!r}, so that the channel is another model's or misnamed. It "
             f"has: {names}."
@@ -192,12 +192,12 @@ def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
 
 
 def _from_start(test: MeasuredTest, channel: MeasuredChannel) -> MeasuredChannel:
-    """Return a channel whose displacements, deflections or forces count from what they are before the base moves.
+    """Take the level before the base moves off a channel of displacements, deflections or forces.
 
     Raises:
         RecordError: it moves before the base does: it is on another clock.
     """
-    instants = np.linspace(0.0, channel.time[-1], _LOOKS)
+    instants = np.linspace(0.0, channel.time[-1], _INSTANTS)
     base = np.linalg.norm(test.motion.acceleration(instants), axis=1)
     moved = np.abs(channel.values - channel.values[0])
     if test.initial == "unloaded" or not base.any() or not moved.any():

@@ -1,4 +1,4 @@
-"""Measured series that are compared, in time or as spectra, with their noise and the model's own error, from what a fit leaves.
+"""Measured series, in time or as spectra, with their noise and the model's own error, estimated from a fit's residual.
 
 A residual is noise, white before its samples were smoothed, and, where the model does not follow, a smooth error of its own: a
 Gaussian process that grows with the response there, oscillates with it, and forgets itself over a correlation length (Kennedy
@@ -26,7 +26,7 @@ POWERS = (0.0, 1.5)  # of the local size, with which a discrepancy may grow
 
 @dataclass(frozen=True, kw_only=True)
 class Series:
-    """A measured series."""
+    """Measured series that a model is compared with."""
 
     name: str  # in tables and messages
     at: Array  # instants [s], or logarithms of frequencies, rising, (n,)
@@ -45,7 +45,7 @@ class Series:
 
     @cached_property
     def lags(self) -> tuple[Array, Array]:
-        """Distances between samples, and how the discrepancy swings over them, (n, n) each."""
+        """Distances between samples, and the cosine with which the discrepancy oscillates over them, (n, n) each."""
         lag = np.abs(self.at[:, np.newaxis] - self.at)
         return lag, np.cos(2.0 * np.pi * self.frequency * lag)
 
@@ -62,7 +62,7 @@ class Series:
 
     @cached_property
     def lengths(self) -> tuple[float, float]:
-        """Shortest and longest correlation length that is looked for."""
+        """Shortest and longest correlation length of the search [unit of `at`]."""
         step, whole = float(np.median(np.diff(self.at))), float(np.ptp(self.at))
         shortest = max(2.0 * step, 0.25 / self.frequency if self.frequency else 0.0)
         return shortest, max(whole, 2.0 * shortest)
@@ -70,7 +70,7 @@ class Series:
 
 @dataclass(frozen=True, kw_only=True)
 class Noise:
-    """Noise of a series."""
+    """Noise of a series, and the model's own error there, its discrepancy."""
 
     white: float  # standard deviation of the samples' noise [unit of the series]
     # standard deviation of the model's own error where the response is largest, over its size there [-]
@@ -98,14 +98,14 @@ def first_noise(series: Series) -> Noise:
 
 @dataclass(frozen=True, kw_only=True)
 class Information:
-    """What series say of the unknowns u, standard normal before: precision J^T K^-1 J (d, d) and J^T K^-1 r (d,)."""
+    """Information of series on the unknowns u: precision J^T K^-1 J (d, d), and projection of the residual J^T K^-1 r (d,)."""
 
     precision: Array
-    pull: Array
+    projection: Array
 
 
 def information(series: Series, noise: Noise, jacobian: Array, linear: Array) -> tuple[Information, float, float]:
-    """Return what a series says, half the log determinant of its covariance, and r^T K^-1 r.
+    """Return the information of a series, half the log determinant of its covariance K, and r^T K^-1 r.
 
     The jacobian is that of the model's series by u, (n, d), `linear` measured minus model at u = 0 on the tangent, (n,).
     """
@@ -114,7 +114,7 @@ def information(series: Series, noise: Noise, jacobian: Array, linear: Array) ->
         root, np.column_stack([jacobian, linear]), lower=True, check_finite=False, overwrite_b=True
     )
     j, r = white[:, :-1], white[:, -1]
-    return Information(precision=j.T @ j, pull=j.T @ r), float(np.log(np.diag(root)).sum()), float(r @ r)
+    return Information(precision=j.T @ j, projection=j.T @ r), float(np.log(np.diag(root)).sum()), float(r @ r)
 
 
 def estimate_noise(
@@ -132,14 +132,14 @@ def estimate_noise(
         others = [info for i, info in enumerate(known) if i != k]
         size = jacobians[k].shape[1]
         precision = np.eye(size) + sum((info.precision for info in others), np.zeros((size, size)))
-        pull = sum((info.pull for info in others), np.zeros(size))
-        found[k] = _most_likely(one, found[k], jacobians[k], linear[k], Information(precision=precision, pull=pull))
+        projection = sum((info.projection for info in others), np.zeros(size))
+        found[k] = _most_likely(one, found[k], jacobians[k], linear[k], Information(precision=precision, projection=projection))
         known[k] = information(one, found[k], jacobians[k], linear[k])[0]
     return found
 
 
 def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, others: Information) -> Noise:
-    """Return the noise of one series that is most likely beside the others."""
+    """Return the most likely noise of one series, given the information of the others."""
     low, high = series.lengths
     ends = np.log([(LEAST * series.rms, 10.0 * series.rms), (LEAST, MOST), (low, high)])
     bounds = np.vstack([ends, POWERS])
@@ -148,22 +148,22 @@ def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, o
         white, discrepancy, length = np.exp(x[:3]).tolist()
         return Noise(white=white, discrepancy=discrepancy, length=length, power=float(x[3]))
 
-    def unlikely(x: Array) -> float:
-        own, determinant, square = information(series, noise_of(x), jacobian, linear)
-        precision, pull = others.precision + own.precision, others.pull + own.pull
+    def negative_log_likelihood(x: Array) -> float:
+        known, determinant, square = information(series, noise_of(x), jacobian, linear)
+        precision, projection = others.precision + known.precision, others.projection + known.projection
         root = scipy.linalg.cho_factor(precision, lower=True)
-        explained = float(pull @ scipy.linalg.cho_solve(root, pull))
+        explained = float(projection @ scipy.linalg.cho_solve(root, projection))
         return determinant + float(np.log(np.diag(root[0])).sum()) + 0.5 * (square - explained)
 
     begin = np.array([*np.log([start.white, start.discrepancy, start.length]), start.power])
     best = scipy.optimize.minimize(
-        unlikely, np.clip(begin, bounds[:, 0], bounds[:, 1]), method="L-BFGS-B", bounds=bounds,
+        negative_log_likelihood, np.clip(begin, bounds[:, 0], bounds[:, 1]), method="L-BFGS-B", bounds=bounds,
         options={"maxiter": 25, "ftol": 1e-6},
     )  # fmt: skip
     return noise_of(best.x)
 
 
-# What of a channel is compared: its history, the logarithm of its shock response spectrum (Q = 10) or of its amplitudes
+# Form in which a channel is compared: its history, the logarithm of its shock response spectrum (Q = 10) or of its amplitudes
 Domain = Literal["time", "srs", "spectrum"]
 
 DOMAINS: tuple[Domain, ...] = ("time", "srs", "spectrum")
@@ -174,7 +174,7 @@ _LEAST = 1e-3  # amplitude over the largest below which a logarithm of an amplit
 
 @dataclass(frozen=True, kw_only=True)
 class Spectral:
-    """A spectrum of a channel's smoothed samples."""
+    """Spectrum of a channel's smoothed samples, as a series in logarithms."""
 
     domain: Domain  # "srs" or "spectrum"
     # instants of the samples [s], (n,); where some are left out they are bridged straight, measured and calculated

@@ -1,4 +1,4 @@
-"""What tests leave open in the form of a law: how it hardens, and how unlike its sides are, free within what they exclude."""
+"""Laws opened by terms that tests leave free: hardening and asymmetry, as unknowns beside the calibrated law."""
 
 import math
 import re
@@ -58,9 +58,9 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
             stiffness, place = secant_stiffness(law, reached), f"mount/{','.join(mounts)}/{axis}"
             sizes = {"k2": stiffness / reached, "k3": stiffness / reached**2}
             if AXES.index(axis) in isolator.coupled_axes:  # stands beside no other law; some have such terms of their own
-                own = {key: getattr(law, key, None) for key in sizes if f"{place}/{key}" not in vary}
+                given = {key: getattr(law, key, None) for key in sizes if f"{place}/{key}" not in vary}
                 terms |= {
-                    f"{place}/{key}": Normal(value, HARDENING * sizes[key]) for key, value in own.items() if value is not None
+                    f"{place}/{key}": Normal(value, HARDENING * sizes[key]) for key, value in given.items() if value is not None
                 }
                 continue
             faint = {"alpha": FAINT * stiffness, "beta": 1.0 / reached, "gamma": 0.0, "n": 1.0, "k2": 0.0, "k3": 0.0}
@@ -98,7 +98,7 @@ def rises(law: Law, reached: float) -> bool:
 
 
 def _loaded(law: Law, reached: float) -> tuple[Array, Array]:
-    """Return a slow path to a deflection, on to its mirror image [m], and the force along it [N]."""
+    """Return a slow path to a deflection (row 49) and on to its mirror image [m], and the force along it [N], (n,) each."""
     path = reached * np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, -1.0, 100)[1:]])
     return path, law.trace(path, time=np.linspace(0.0, 1.0, path.size)).force
 

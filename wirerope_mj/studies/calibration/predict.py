@@ -23,7 +23,7 @@ from wirerope_mj.studies.calibration.rig_tests import FrequencyTest
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.vary.variants import Work
 
-FARTHER = 1.05  # Predicted over tested deflection from which on the law there is not what was tested: 5 % is a peak's error
+FARTHER = 1.05  # Predicted over tested deflection from which on the law there counts as untested: 5 % is a peak's error
 DRAWS = 64  # Draws of the posterior that are run: a band's ends are then known to a sixth of its half width
 FEWEST = 0.5  # Part of the draws whose laws rise with deflection from which on draws are of opened laws
 ERRORS = 16  # Errors of the model with which each draw is multiplied: they cost nothing
@@ -39,7 +39,7 @@ UNSCALED = ("mounts", "struck", "static_load")
 class Travel:
     """A deflection of a mount, predicted and tested."""
 
-    mount: str  #: whose; "" where nothing deflects
+    mount: str  #: name of the mount; "" where nothing deflects
     axis: str  #: "roll", "shear" or "axial"
     reached: float  #: median of the prediction [m]
     tested: float  #: largest in the tests, as the calibrated model has it [m]
@@ -51,12 +51,12 @@ class Travel:
 
     @property
     def beyond(self) -> bool:
-        """Whether it is farther than tests of this accuracy say anything of."""
+        """Whether the predicted deflection exceeds the tested one by more than a peak's error."""
         return self.ratio > FARTHER
 
     @property
     def text(self) -> str:
-        """What is said of it."""
+        """Sentence on a deflection beyond the tested one."""
         return (
             f"beyond the tested {1e3 * self.tested:.3g} mm: mount {self.mount!r} deflects {1e3 * self.reached:.3g} mm "
             f"{'axially' if self.axis == 'axial' else f'along its {self.axis} axis'}, and no test says what its law does there"
@@ -65,7 +65,7 @@ class Travel:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Prediction(Summarised):
-    """Measures of a study, `ERRORS` rows a draw of the posterior."""
+    """Predicted measures of a study, `ERRORS` rows for each draw of the posterior."""
 
     names: tuple[str, ...]  #: of the measures, as `Study` has them
     samples: Array  #: with the model's own error, (n, n_measures), SI
@@ -106,7 +106,7 @@ def predict(
     calibration: Calibration, motion: BaseMotion, *, duration: float, initial: str = "settled", draws: int = DRAWS,
     seed: int = 1,
 ) -> Prediction:  # fmt: skip
-    """Return the measures of draws of the posterior under a motion of the base.
+    """Predict the measures of a study under a motion of the base, for draws of the posterior.
 
     Draws are those of `Calibration.opened`, whose laws harden, and are unlike on their two sides, as far as the tests leave
     that open: within the tested travel little, beyond it what such laws may do there. A rope's force rises with deflection:
@@ -148,9 +148,9 @@ def predict(
     chosen, samples, count = chosen[kept], samples[kept], int(kept.sum())
     reached, tested = travel_of(measures, np.median(np.nan_to_num(samples), axis=0)), calibration.tested_travel
     # of those that are not small beside the largest
-    counts = [key for key, value in reached.items() if value >= LOOKED_AT * max(reached.values()) > 0.0]
-    every = [Travel(mount=mount, axis=axis, reached=reached[mount, axis], tested=tested[mount, axis]) for mount, axis in counts]
-    farthest = max(every, key=lambda one: one.ratio, default=Travel(mount="", axis="", reached=0.0, tested=0.0))
+    large = [key for key, value in reached.items() if value >= LOOKED_AT * max(reached.values()) > 0.0]
+    travels = [Travel(mount=key[0], axis=key[1], reached=reached[key], tested=tested[key]) for key in large]
+    farthest = max(travels, key=lambda one: one.ratio, default=Travel(mount="", axis="", reached=0.0, tested=0.0))
     most, before = max(reached.values(), default=0.0), max(tested.values(), default=0.0)
     farther, (peak_error, peaks) = max(most / before, 1.0) if before > 0.0 else 1.0, used.peak_error
     channels = {
@@ -164,11 +164,11 @@ def predict(
     size, error = float(sizes.max()), generator.standard_t(peaks, count * ERRORS)
     scaled = [k for k, name in enumerate(measures) if name not in UNSCALED]
     higher = _at_level(forward, work, np.median(chosen, axis=0)[np.newaxis], 1.0 + size * STEPS[-1])
-    own, stopped = samples, (np.concatenate([samples, higher])[:, measures.index("struck")] > 0.0).any()
+    nominal, stopped = samples, (np.concatenate([samples, higher])[:, measures.index("struck")] > 0.0).any()
     samples = np.repeat(samples, ERRORS, axis=0)
     samples[:, scaled] *= np.maximum(1.0 + sizes[scaled] * error[:, np.newaxis], 0.0)
     if stopped:  # a mount's force is off by the error of its law at any deflection
-        levels = [own if step == 0.0 else _at_level(forward, work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS]
+        levels = [nominal if step == 0.0 else _at_level(forward, work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS]
         # straight between `STEPS`, and beyond
         errors = error.reshape(count, ERRORS)
         left, rows = np.clip(np.searchsorted(STEPS, errors) - 1, 0, STEPS.size - 2), np.arange(count)[:, np.newaxis]
@@ -189,7 +189,7 @@ def predict(
 
 
 def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tuple[str, str], float]) -> bool:
-    """Return whether forces of isolators by mount rise as far as their travel [m]; one of the system's that falls there may."""
+    """Return whether the forces of isolators rise over their travel [m], except where the system's own isolator falls, too."""
     judged: set[tuple[int, str, float]] = set()  # mounts that vary together share their isolators
     for (mount, axis), reached in travel.items():
         law, before = (one.axes[axis] if one else None for one in (isolators.get(mount), system.mounts[mount].written))
@@ -202,7 +202,7 @@ def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tup
 
 
 def _at_level(forward: SystemForward, work: Work, values: Array, factor: float) -> Array:
-    """Return measures as `_measures` does, of the motion times a factor; NaN if no draw can be simulated."""
+    """Return the measures at values (n, d) under the motion times a factor, (n, n_measures); NaN if none can be simulated."""
     try:
         return forward.measures(replace(work, motions=(Scaled(work.motions[0], factor),)), values)
     except ConvergenceError:

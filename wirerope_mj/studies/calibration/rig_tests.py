@@ -22,7 +22,7 @@ from wirerope_mj.studies.engines.together import histories
 from wirerope_mj.studies.vary.quantity import InputColumn
 from wirerope_mj.studies.vary.variants import Maker
 
-# Cycles before the amplitude is taken, and in which it is, behind a Hann window: it hides what still swings beside
+# Cycles to settle, and cycles over which the amplitude is measured, with a Hann window against residual free vibration
 SETTLED, MEASURED = 20, 12
 FEWEST = 5  # frequencies that a response must have
 _STEPS = 16.0  # samples of a cycle at which steps end
@@ -96,7 +96,7 @@ class FrequencyRuns:
 
 
 def read_frequency_tests(path: Path, phrase: str) -> list[FrequencyTest]:
-    """Return a test for each level of a file with the columns frequency [Hz], level (with its unit) and transmissibility.
+    """Read a test for each level of a file with the columns frequency [Hz], level (with its unit) and transmissibility.
 
     The phrase says what was measured: "body/rack z".
 
@@ -104,8 +104,8 @@ def read_frequency_tests(path: Path, phrase: str) -> list[FrequencyTest]:
         RecordError: the file has other columns, or too few rows of a level.
         ValueError: the phrase names no body with an axis.
     """
-    said = parse_channel("transmissibility", phrase)
-    kind, _, payload = said.subject.partition("/")
+    channel = parse_channel("transmissibility", phrase)
+    kind, _, payload = channel.subject.partition("/")
     if kind != "body":
         raise ValueError(f"a frequency response is of a body, such as 'body/rack z', got {phrase!r}.")
     header = read_header(path, kind=_KIND, example=_EXAMPLE)
@@ -124,12 +124,12 @@ def read_frequency_tests(path: Path, phrase: str) -> list[FrequencyTest]:
     ).reshape(-1, 3)
     tests = []
     for level in np.unique(rows[:, 1]).tolist():
-        own = rows[rows[:, 1] == level]
-        own = own[np.argsort(own[:, 0])]
+        of_level = rows[rows[:, 1] == level]
+        of_level = of_level[np.argsort(of_level[:, 0])]
         tests.append(
             FrequencyTest(
-                name=f"{path.stem} {level:.3g} m s-2", payload=payload, acceleration=level, frequency=own[:, 0],
-                transmissibility=own[:, 2], direction=said.axis,
+                name=f"{path.stem} {level:.3g} m s-2", payload=payload, acceleration=level, frequency=of_level[:, 0],
+                transmissibility=of_level[:, 2], direction=channel.axis,
             )
         )  # fmt: skip
     if not tests:

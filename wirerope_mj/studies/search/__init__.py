@@ -1,1 +1,1 @@
-"""Searches: designs made better generation by generation, within limits."""
+"""Searches for designs: evolution over generations, within limits."""

@@ -1,4 +1,4 @@
-"""Evolution towards the front of designs, and the result of a search: the table of all designs and those nothing beats."""
+"""Evolution of designs towards the Pareto front, and the result of a search: the table of all designs, and the front."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -64,11 +64,11 @@ class Evolution:
         from pymoo.operators.mutation.rm import ChoiceRandomMutation
         from pymoo.operators.selection.tournament import TournamentSelection
 
-        other = MixedVariableDuplicateElimination()
+        duplicates = MixedVariableDuplicateElimination()
         kinds = [type(_variable(one)) for one in variables.values()]
         # One variable of each kind in a child on average: pymoo's own rule, which it breaks for choices alone.
-        often = {"prob_var": min(0.5, 1.0 / max(kinds.count(Choice), 1))}
-        mutation = {Binary: BFM(), Real: PM(), Choice: ChoiceRandomMutation(**often)}
+        probability = {"prob_var": min(0.5, 1.0 / max(kinds.count(Choice), 1))}
+        mutation = {Binary: BFM(), Real: PM(), Choice: ChoiceRandomMutation(**probability)}
         # One constraint more: that the design could be simulated at all.
         self._problem = Problem(
             vars={name: _variable(one) for name, one in variables.items()}, n_obj=n_objectives, n_ieq_constr=n_limits + 1,
@@ -76,24 +76,24 @@ class Evolution:
         self._algorithm = NSGA2(
             pop_size=len(first), sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
             mating=MixedVariableMating(
-                selection=TournamentSelection(func_comp=binary_tournament), mutation=mutation, eliminate_duplicates=other,
+                selection=TournamentSelection(func_comp=binary_tournament), mutation=mutation, eliminate_duplicates=duplicates,
             ),
-            eliminate_duplicates=other,
+            eliminate_duplicates=duplicates,
         )  # fmt: skip
         self._algorithm.setup(self._problem, seed=seed, termination=NoTermination(), verbose=False)
         self._asked: Any = None
 
     def ask(self) -> list[Design]:
-        """Return the designs of the next generation; none if there are no other ones."""
+        """Return the designs of the next generation; an empty list if there are no new designs."""
         self._asked = self._algorithm.ask()
         designs = [] if self._asked is None else self._asked.get("X")
         # Numbers of NumPy's own types as Python's.
         return [{k: one.item() if isinstance(one, np.generic) else one for k, one in row.items()} for row in designs]
 
     def tell(self, objectives: Array, violations: Array) -> None:
-        """Take what is minimised of the designs asked for last, (n, n_objectives), and by how much each limit is exceeded.
+        """Give the optimiser the objectives of the designs asked for last, (n, n_objectives), and their excess over each limit.
 
-        Violations, (n, n_limits), are <= 0 where limits are kept; what is not known is infinite.
+        Violations, (n, n_limits), are <= 0 where limits are kept; unknown values are infinite.
         """
         from pymoo.core.evaluator import Evaluator
         from pymoo.problems.static import StaticProblem
@@ -116,9 +116,9 @@ def _variable(distribution: distributions.Uniform | distributions.Choice) -> obj
 
 
 def objectives(table: pa.Table, names: Sequence[str]) -> Array:
-    """Return what is minimised of every design, (n, n_names); infinite where a design failed or nothing is judged.
+    """Return the minimised measures of every design, (n, n_names); infinite where a design failed or has no value.
 
-    Neither is a design whose run ends before its peaks are over: softer ones would win for having been stopped.
+    A design whose run ends before its peaks are over counts as without a value: softer ones would win for having been stopped.
     """
     values = np.full((table.num_rows, len(names)), np.inf)
     done = np.asarray(table["status"]) == DONE
@@ -129,7 +129,7 @@ def objectives(table: pa.Table, names: Sequence[str]) -> Array:
 
 
 def violations(table: pa.Table, limits: Mapping[str, float]) -> Array:
-    """Return by how much every design exceeds each limit, relative to it, (n, n_limits): <= 0 where it is kept.
+    """Return the relative excess of every design over each limit, (n, n_limits): <= 0 where it is kept.
 
     Of a limit 0 it is the value itself. Infinite where a design failed or nothing is judged: nobody knows that it is kept.
     """
@@ -138,7 +138,7 @@ def violations(table: pa.Table, limits: Mapping[str, float]) -> Array:
 
 
 def feasible(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> Booleans:
-    """Return the mask of the designs that were simulated, have a value of all that is minimised, and keep all limits, (n,)."""
+    """Return the mask of the designs that were simulated, have every minimised measure, and keep all limits, (n,)."""
     return np.asarray(np.isfinite(objectives(table, names)).all(axis=1) & (violations(table, limits) <= 0.0).all(axis=1))
 
 
@@ -153,7 +153,7 @@ def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) ->
     order = candidates[np.lexsort([candidates, *values[candidates].T[::-1]])]
     kept: list[int] = []
     for row in order:  # what beats a row stands before it
-        if not any((values[other] <= values[row]).all() for other in kept):
+        if not any((values[duplicates] <= values[row]).all() for duplicates in kept):
             kept.append(int(row))
     return kept
 
@@ -193,7 +193,7 @@ class SearchResult(StudyResult):
 
     @property
     def limits(self) -> dict[str, float]:
-        """Largest value of measures, SI."""
+        """Largest allowed value of each limited measure [SI]."""
         return {one["measure"]: one["largest"] for one in self.inputs["search"]["limits"]}
 
     @property
@@ -213,13 +213,13 @@ class SearchResult(StudyResult):
 
     @cached_property
     def front(self) -> pa.Table:
-        """The rows of the designs that no other one within the limits beats, by the first of what was minimised."""
+        """Rows of the Pareto-optimal designs within the limits, in the order of the first minimised measure."""
         rows = front(self.table, self.minimise, self.limits)
         return self.table.take(pa.array(rows, type=pa.int64()))
 
     @cached_property
     def message(self) -> str:
-        """One sentence on how it went."""
+        """Summary of the search in one sentence."""
         if not self.complete:
             return f"{self.folder}: not complete; go on with it with --resume (`resume=True`)."
         table = self.table
@@ -235,7 +235,7 @@ class SearchResult(StudyResult):
         return scene_of(self.study.system(variant))
 
     def absent(self, variant: int) -> list[str]:
-        """Return the mounts that a design has not: those that are not fitted."""
+        """Return the names of the mounts that a design leaves out."""
         mounts = self.study.system(variant).mounts
         return [name for name, mount in mounts.items() if not acts(mount.isolator)]
 
@@ -255,7 +255,7 @@ class SearchResult(StudyResult):
 
     @cached_property
     def chosen(self) -> list[int]:
-        """Numbers of the designs in the order in which they are worth a look: of the front its knee, its ends, those between.
+        """Numbers of the designs in the order in which they are shown: of the front its knee, its ends, those between.
 
         Without a front they are all that can be judged, the nearest to the limits first.
         """
@@ -272,11 +272,11 @@ class SearchResult(StudyResult):
         return tuple(dict.fromkeys([*self.minimise, *self.limits, "mounts"]))
 
     def remark(self, variant: int) -> str:
-        """Return "given", "knee", both or nothing."""
+        """Return the remarks on a design: "given", "knee", both or ""."""
         return ", ".join(["given"] * (variant < self.start) + ["knee"] * (variant == self.knee))
 
     def _nearest(self) -> str:
-        """Return as text the design that is nearest to the limits."""
+        """Describe the design that is nearest to the limits in a sentence."""
         closest = nearest(self.table, self.minimise, self.limits)
         if closest is None:
             first = min(self.failed, default=None)

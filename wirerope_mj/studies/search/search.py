@@ -1,4 +1,4 @@
-"""A search for designs: what it chooses among and what makes one better, asked, run, and resumed where it was interrupted."""
+"""Search for designs: its variables, measures and limits, the evolution over generations, resumed where it was stopped."""
 
 import math
 import queue
@@ -36,7 +36,7 @@ from wirerope_mj.studies.search.result import (
 from wirerope_mj.studies.study import checked_engine, chunk_size
 from wirerope_mj.studies.vary.distributions import Choice, Uniform
 
-FEWEST = 4  # Designs of a generation below which nothing can be crossed
+FEWEST = 4  # Designs that a generation needs for crossover
 
 
 class Search:
@@ -137,7 +137,7 @@ class Search:
         return pa.table({"variant": pa.array(range(first, first + len(designs)), type=pa.int64()), **columns})
 
     def to_dict(self) -> Entries:
-        """Return what the search adds to the study, as plain TOML values."""
+        """Return the settings of the search beside those of its study, as plain TOML values."""
         return {
             "minimise": list(self.minimise),
             "limits": [{"measure": name, "largest": value} for name, value in self.limits.items()],
@@ -146,7 +146,7 @@ class Search:
         }
 
     def _design(self, index: int, given: Mapping[str, object]) -> Design:
-        """Return a given design by column."""
+        """Check a given design and return it by column."""
         design: Design = {}
         known = {one.name for one in self.study.quantities} | set(self.variables)
         unknown = [name for name in given if name not in known]
@@ -216,7 +216,7 @@ class Search:
 
 
 def _variables(study: StudyDefinition) -> dict[str, Uniform | Choice]:
-    """Return the distributions of all columns; ValueError if one is nothing to choose from."""
+    """Return the distributions of all columns; ValueError if one is neither a Uniform nor a Choice."""
     variables: dict[str, Uniform | Choice] = {}
     for quantity in study.quantities:
         if not isinstance(quantity.distribution, Uniform | Choice):
@@ -229,7 +229,7 @@ def _variables(study: StudyDefinition) -> dict[str, Uniform | Choice]:
 
 
 class Evolving:
-    """A search that runs: `parts` counts those of the table so far, and their numbers go on through the generations."""
+    """Running search; `parts` counts the finished parts of its table, numbered through all generations."""
 
     def __init__(self, search: Search, folder: Path, keep: str, engine: Engine, options: Entries, update: Update) -> None:
         self._search, self._folder, self._keep = search, folder, keep
