@@ -38,18 +38,20 @@ TRAVEL = 16  # one over the square of the rated travel along roll, shear, in com
 SHAPES = 20
 # law number (-1: none, `WITH_ANOTHER`: on brackets with the axis that it is coupled to), first parameter, first state, number
 # of states; three rows per mount
-AXIS_COLUMNS = 4
+LAW, FIRST_PARAMETER, FIRST_STATE, LAW_STATES, AXIS_COLUMNS = range(5)
 DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration to slide acceleration
 BODY_COLUMNS = 2  # body, root
-POINT_COLUMNS = 8  # site, body, root, base body, point from the base body's centre of mass as modelled (3), shapes
+# site, body, root, base body, point from the base body's centre of mass as modelled (3), shapes
+POINT_BASE, POINT_MODELLED, POINT_SHAPES, POINT_COLUMNS = 3, 4, 7, 8
 TREE_COLUMNS = 3  # parent, first dof, number of dofs; one row per body of the model
-FORCE_COLUMNS = 3  # site, body, shapes; a row for every site at which a force may act
+# site, body, shapes; a row for every site at which a force may act
+FORCE_SITE, FORCE_BODY, FORCE_SHAPES, FORCE_COLUMNS = range(4)
 # mount, axis, first parameter, first state (-1: its force has no memory); a row for every stop among the laws
-STOP_COLUMNS = 4
+STOP_MOUNT, STOP_AXIS, STOP_PARAMETER, STOP_STATE, STOP_COLUMNS = range(5)
 PAIR_COLUMNS = 2  # the two geoms; a row for every pair that the model declares
 MODE_COLUMNS = 4  # dof, participation [sqrt(kg)] along the world's axes (3); a row for every mode of a flexible part
 # shapes at a site: number of modes, then of each dof, coordinate in qpos, and shape in the site's axes [1/sqrt(kg)] (3)
-SHAPE_COLUMNS = 5
+SHAPE_COLUMNS, SHAPE = 5, 2
 CHANNEL_COLUMNS = 1  # index of a 3-vector among the system's sensor values
 
 # userdata, relative to the system's first entry

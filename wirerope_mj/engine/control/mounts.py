@@ -123,12 +123,12 @@ def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, rate)
     deflection and force, `rate` that of the deflection.
     """
     first, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + at.BASE_SITE])
-    state = axis - 3 * at.AXIS_COLUMNS + 2
-    j, k = index(lay[state]), index(lay[state + at.AXIS_COLUMNS * other])
+    row = axis - 3 * at.AXIS_COLUMNS
+    j, k = index(lay[row + at.FIRST_STATE]), index(lay[row + at.FIRST_STATE + at.AXIS_COLUMNS * other])
     roll, along = column(site_xmat, r, 0), column(site_xmat, r, other)
     fu, fw = coupled_forces(
-        lay[state - 2], other == AXIAL, par, first, index(lay[state + 1]), u[record], u[record + other], dot(roll, rate),
-        dot(along, rate), act, a + j, a + k, u, rates + j, rates + k,
+        lay[row + at.LAW], other == AXIAL, par, first, index(lay[row + at.LAW_STATES]), u[record], u[record + other],
+        dot(roll, rate), dot(along, rate), act, a + j, a + k, u, rates + j, rates + k,
     )  # fmt: skip
     u[record + 3] += fu
     u[record + 3 + other] += fw
@@ -155,7 +155,7 @@ def bent(lay, k, coordinates, kind):
     x = (0.0, 0.0, 0.0)
     for mode in range(index(lay[k])):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        x = plus(x, times(coordinates[index(lay[row + kind])], vector(lay, row + 2)))
+        x = plus(x, times(coordinates[index(lay[row + kind])], vector(lay, row + at.SHAPE)))
     return x
 
 
@@ -165,7 +165,7 @@ def push_modes(lay, k, r, site_xmat, qfrc_applied, force):
     along = turned_back(site_xmat, r, force)
     for mode in range(index(lay[k])):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        qfrc_applied[index(lay[row])] += dot(vector(lay, row + 2), along)
+        qfrc_applied[index(lay[row])] += dot(vector(lay, row + at.SHAPE), along)
 
 
 @inlined
@@ -218,9 +218,9 @@ def apply_mounts(
             along = column(site_xmat, r, c)
             deflection = dot(along, apart)
             force = 0.0
-            law = int(lay[axis])
+            law = int(lay[axis + at.LAW])
             if law >= 0:
-                p, state = q + index(lay[axis + 1]), index(lay[axis + 2])
+                p, state = q + index(lay[axis + at.FIRST_PARAMETER]), index(lay[axis + at.FIRST_STATE])
                 force = evaluate(law, par, p, deflection, dot(along, rate), act, a + state, u, rates + state)
                 total = plus(total, times(force, along))
             u[record + c], u[record + 3 + c] = deflection, force
@@ -247,8 +247,9 @@ def remove_overshoot(lay, i, par, q, act, a):
     left = index(lay[i + at.N_SLIPPING])
     axis = i + index(lay[i + at.AXES])
     while left > 0:
-        if lay[axis] == MASING or lay[axis] == PARALLEL:
-            hold_slips(index(lay[axis]), par, q + index(lay[axis + 1]), act, a + index(lay[axis + 2]))
+        if lay[axis + at.LAW] == MASING or lay[axis + at.LAW] == PARALLEL:
+            p, z = q + index(lay[axis + at.FIRST_PARAMETER]), a + index(lay[axis + at.FIRST_STATE])
+            hold_slips(index(lay[axis + at.LAW]), par, p, act, z)
             left -= 1
         axis += at.AXIS_COLUMNS
 
@@ -277,11 +278,11 @@ def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc, qfrc_appl
     k = w + index(lay[i + at.USER_FORCES]) + 6 * n_forces * stage_row(u, w, time)
     j = i + index(lay[i + at.FORCES])
     for _ in range(n_forces):
-        site, body = index(lay[j]), index(lay[j + 1])
+        site, body = index(lay[j + at.FORCE_SITE]), index(lay[j + at.FORCE_BODY])
         force = turned(site_xmat, 9 * site, vector(u, k))
         add_force(xfrc, body, xipos, vector(site_xpos, 3 * site), force)
-        if index(lay[j + 2]):
-            push_modes(lay, i + index(lay[j + 2]), 9 * site, site_xmat, qfrc_applied, force)
+        if index(lay[j + at.FORCE_SHAPES]):
+            push_modes(lay, i + index(lay[j + at.FORCE_SHAPES]), 9 * site, site_xmat, qfrc_applied, force)
         grow(xfrc, 6 * body + 3, turned(site_xmat, 9 * site, vector(u, k + 3)))
         j += at.FORCE_COLUMNS
         k += 6
@@ -297,7 +298,7 @@ def apply_forces(
     j = i + index(lay[i + at.FORCES])
     for _ in range(index(lay[i + at.N_FORCES])):  # wrenches of the last pass; bodies with mounts are cleared again
         for c in range(6):
-            xfrc[6 * index(lay[j + 1]) + c] = 0.0
+            xfrc[6 * index(lay[j + at.FORCE_BODY]) + c] = 0.0
         j += at.FORCE_COLUMNS
     apply_mounts(
         lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat, subtree_com, cvel, xipos, xfrc, qpos, qvel,

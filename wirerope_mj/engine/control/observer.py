@@ -137,13 +137,14 @@ def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtre
         for c in range(at.CONTACT_MEMORY * n_stops):
             u[k + c] = 0.0
     for _ in range(n_stops):
-        mount, c, p = index(lay[row]), index(lay[row + 1]), q + index(lay[row + 2])
+        mount, c, p = index(lay[row + at.STOP_MOUNT]), index(lay[row + at.STOP_AXIS]), q + index(lay[row + at.STOP_PARAMETER])
         x = u[w + index(lay[i + at.USER_MOUNTS]) + 6 * mount + c]
         depth = max(-x - par[p + BELOW], x - par[p + ABOVE])
         if depth > 0.0:
             m = i + index(lay[i + at.MOUNTS]) + at.MOUNT_COLUMNS * mount
+            z = row + at.STOP_STATE
             v = rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel)
-            pull = stop_force(par, p, x, v, act[a + index(lay[row + 3])] if lay[row + 3] >= 0.0 else 0.0)
+            pull = stop_force(par, p, x, v, act[a + index(lay[z])] if lay[z] >= 0.0 else 0.0)
             if pull != 0.0:
                 touch(u, k, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, abs(pull), pull * v, True)
         row, k = row + at.STOP_COLUMNS, k + at.CONTACT_MEMORY
@@ -242,10 +243,10 @@ def observe(
     for _ in range(index(lay[i + at.N_POINTS])):
         site, body, root = index(lay[row]), index(lay[row + 1]), index(lay[row + 2])
         kinematics(s, o, vector(site_xpos, 3 * site), site_xquat, 4 * site, body, root, subtree_com, cvel, u, cacc)
-        if index(lay[row + 7]):
-            bend_point(lay, i + index(lay[row + 7]), s, o, 9 * site, site_xmat, qpos, qvel, qacc)
-        from_base = minus(vector(s, o), vector(xipos, 3 * index(lay[row + 3])))
-        keep(s, o + at.RELATIVE, minus(from_base, vector(lay, row + 4)))
+        if index(lay[row + at.POINT_SHAPES]):
+            bend_point(lay, i + index(lay[row + at.POINT_SHAPES]), s, o, 9 * site, site_xmat, qpos, qvel, qacc)
+        from_base = minus(vector(s, o), vector(xipos, 3 * index(lay[row + at.POINT_BASE])))
+        keep(s, o + at.RELATIVE, minus(from_base, vector(lay, row + at.POINT_MODELLED)))
         o += at.POINT_VALUES
         row += at.POINT_COLUMNS
     axis = i + index(lay[i + at.AXES])
@@ -255,8 +256,8 @@ def observe(
         o += at.MOUNT_VALUES
         record += 6
         for _axis in range(3):
-            for k in range(index(lay[axis + 3])):
-                s[o] = act[a + index(lay[axis + 2]) + k]
+            for k in range(index(lay[axis + at.LAW_STATES])):
+                s[o] = act[a + index(lay[axis + at.FIRST_STATE]) + k]
                 o += 1
             axis += at.AXIS_COLUMNS
     write_forces(lay, i, u, w, time, s, o)

@@ -85,7 +85,8 @@ def carry_states(structure, numbers, states, memory, before, carried, follows, s
     axis, record = lay[at.AXES], lay[at.RECORD]
     first_state = lay[at.NQ] + lay[at.NV]
     for k in range(follows.size):
-        law, p, state, n_states = lay[axis], lay[at.PARAMETERS] + lay[axis + 1], lay[axis + 2], lay[axis + 3]
+        law, p = lay[axis + at.LAW], lay[at.PARAMETERS] + lay[axis + at.FIRST_PARAMETER]
+        state, n_states = lay[axis + at.FIRST_STATE], lay[axis + at.LAW_STATES]
         here = record + at.RECORD_SIZE * (k // 3) + k % 3
         axis += at.AXIS_COLUMNS
         if not follows[k]:
@@ -208,10 +209,10 @@ def carry_coupled(structure, numbers, states, memory, before, carried, scratch):
     for mount in range(lay[at.N_MOUNTS]):
         if lay[m + at.COUPLING] >= 0:
             p, other = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER]
-            j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
+            j, k = lay[axis + at.FIRST_STATE], lay[axis + at.FIRST_STATE + at.AXIS_COLUMNS * other]
             dx, dy = work[record] - start[3 * mount], work[record + other] - start[3 * mount + other]
-            n = lay[axis + 3]
-            if lay[axis] == WITH_ANOTHER:
+            n = lay[axis + at.LAW_STATES]
+            if lay[axis + at.LAW] == WITH_ANOTHER:
                 for number in range(WIDTH):
                     here, there = before[3 * mount, number], before[3 * mount + other, number]
                     line = (here, there, lane(dx, number), lane(dy, number))

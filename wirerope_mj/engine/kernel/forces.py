@@ -25,13 +25,13 @@ def couple_axes(lay, m, axis, num, y, work, record):
     """Give roll and another axis of the mount in row `m` one hysteretic force on every scale: its rates replace the axes'."""
     rates, z = lay[at.RATES], lay[at.NQ] + lay[at.NV]
     first, other = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER]
-    j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
+    j, k = lay[axis + at.FIRST_STATE], lay[axis + at.FIRST_STATE + at.AXIS_COLUMNS * other]
     fu, fw = coupled_forces(
-        lay[axis], other == AXIAL, num, first, lay[axis + 3], work[record], work[record + other], work[record + 6],
-        work[record + 6 + other], y, z + j, z + k, work, rates + j, rates + k,
+        lay[axis + at.LAW], other == AXIAL, num, first, lay[axis + at.LAW_STATES], work[record], work[record + other],
+        work[record + at.RATE], work[record + at.RATE + other], y, z + j, z + k, work, rates + j, rates + k,
     )  # fmt: skip
-    work[record + 3] += fu
-    work[record + 3 + other] += fw
+    work[record + at.FORCE] += fu
+    work[record + at.FORCE + other] += fw
 
 
 @njit
@@ -44,8 +44,8 @@ def orientation(lay, link, f, fix, work):
 def add_torque(lay, m, payload, base, fix, num, work):
     """Add the torques of the mount in row `m`, which resists turning, to the wrenches on its links."""
     f, p = lay[m + at.AXES_IN], lay[m + at.POINTS]
-    b, s = orientation(lay, base, f + 9, fix, work), orientation(lay, payload, f + 13, fix, work)
-    t = righting_torque(b, s, quaternion(fix, f + 17), vector(num, p + 6))
+    b, s = orientation(lay, base, f + at.BASE_TURN, fix, work), orientation(lay, payload, f + at.PAYLOAD_TURN, fix, work)
+    t = righting_torque(b, s, quaternion(fix, f + at.AS_MODELLED), vector(num, p + at.RESISTING))
     torque = plus(plus(times(t[0], vector(fix, f)), times(t[1], vector(fix, f + 3))), times(t[2], vector(fix, f + 6)))
     if lay[lay[at.LINKS] + at.LINK_COLUMNS * base + at.KIND] != at.STRAIGHT:
         torque = turned(work, lay[at.KIN] + at.KIN_SIZE * base + at.KIN_R, torque)
@@ -60,7 +60,7 @@ def bent(lay, k, fix, values, first, column):
     x = times(0.0, (values[first], values[first], values[first]))
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        x = plus(x, times(values[first + lay[row + column]], vector(fix, lay[row + 2])))
+        x = plus(x, times(values[first + lay[row + column]], vector(fix, lay[row + at.SHAPE])))
     return x
 
 
@@ -70,7 +70,7 @@ def bent_with_rate(lay, k, fix, y):
     x = v = times(0.0, (y[0], y[0], y[0]))
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        shape = vector(fix, lay[row + 2])
+        shape = vector(fix, lay[row + at.SHAPE])
         x, v = plus(x, times(y[lay[row + 1]], shape)), plus(v, times(y[lay[at.NQ] + lay[row]], shape))
     return x, v
 
@@ -80,7 +80,7 @@ def push_modes(lay, k, fix, work, force):
     """Add Phi^T f of a force on a flexible part, in the axes of the site's point, to the right sides of its modes."""
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        work[lay[at.RHS] + lay[row]] += dot(vector(fix, lay[row + 2]), force)
+        work[lay[at.RHS] + lay[row]] += dot(vector(fix, lay[row + at.SHAPE]), force)
 
 
 @inlined
@@ -97,13 +97,13 @@ def push_loads(lay, fix, num, work):
     """Add the forces and moments at sites, which stand in LOADS along the sites' axes, to the wrenches on their links."""
     row, load = lay[at.FORCES], lay[at.LOADS]
     for _ in range(lay[at.N_FORCES]):
-        link, p, f = lay[row], lay[row + 1], lay[row + 2]
+        link, p, f = lay[row + at.FORCE_LINK], lay[row + at.FORCE_POINT], lay[row + at.FORCE_AXES]
         axes, arm = (vector(fix, f), vector(fix, f + 3), vector(fix, f + 6)), vector(num, p)
         force = torque = times(0.0, arm)
         for c in range(3):
             force, torque = plus(force, times(work[load + c], axes[c])), plus(torque, times(work[load + 3 + c], axes[c]))
-        if lay[row + 3]:
-            push_modes(lay, lay[row + 3], fix, work, force)
+        if lay[row + at.FORCE_SHAPES]:
+            push_modes(lay, lay[row + at.FORCE_SHAPES], fix, work, force)
         if lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.KIND] != at.STRAIGHT:
             r = lay[at.KIN] + at.KIN_SIZE * link + at.KIN_R
             arm, force, torque = turned(work, r, arm), turned(work, r, force), turned(work, r, torque)
@@ -117,16 +117,16 @@ def deflect(lay, fix, num, y, work):
     """Write every mount's deflection and its rate, in its axes, and its arm on the payload's link, to RECORD."""
     run, m, record = lay[at.RUNS], lay[at.MOUNTS], lay[at.RECORD]
     for _ in range(lay[at.N_RUNS]):
-        k, b = lay[at.KIN] + at.KIN_SIZE * lay[run], lay[at.KIN] + at.KIN_SIZE * lay[run + 1]
-        straight = lay[lay[at.LINKS] + at.LINK_COLUMNS * lay[run + 1] + at.KIND] == at.STRAIGHT
-        turns = lay[lay[at.LINKS] + at.LINK_COLUMNS * lay[run] + at.KIND] != at.STRAIGHT
+        k, b = lay[at.KIN] + at.KIN_SIZE * lay[run + at.RUN_PAYLOAD], lay[at.KIN] + at.KIN_SIZE * lay[run + at.RUN_BASE]
+        straight = lay[lay[at.LINKS] + at.LINK_COLUMNS * lay[run + at.RUN_BASE] + at.KIND] == at.STRAIGHT
+        turns = lay[lay[at.LINKS] + at.LINK_COLUMNS * lay[run + at.RUN_PAYLOAD] + at.KIND] != at.STRAIGHT
         apart = minus(vector(work, k + at.KIN_O), vector(work, b + at.KIN_O))
         faster = minus(vector(work, k + at.KIN_V), vector(work, b + at.KIN_V))
         w = vector(work, k + at.KIN_W)
-        for _ in range(lay[run + 2]):
+        for _ in range(lay[run + at.RUN_MOUNTS]):
             p, f, rate = lay[m + at.POINTS], lay[m + at.AXES_IN], faster
             arm = vector(num, p)  # on a link that never turns it is in the world's axes, as base points and axes are
-            there = vector(num, p + 3)
+            there = vector(num, p + at.ON_BASE)
             above, below = lay[m + at.BENT], lay[m + at.BENT_BASE]
             own = given = times(0.0, arm)
             if above:
@@ -140,7 +140,7 @@ def deflect(lay, fix, num, y, work):
                 rate = plus(rate, cross(w, arm))
             if above:
                 rate = plus(rate, turned(work, k + at.KIN_R, own) if turns else own)
-            keep(work, record + 9, arm)
+            keep(work, record + at.ARM, arm)
             reach = plus(apart, arm)
             if straight:
                 d = minus(reach, there)
@@ -153,7 +153,7 @@ def deflect(lay, fix, num, y, work):
                 ex, ey, ez = vector(fix, f), vector(fix, f + 3), vector(fix, f + 6)
                 d, rate = (dot(ex, d), dot(ey, d), dot(ez, d)), (dot(ex, rate), dot(ey, rate), dot(ez, rate))
             keep(work, record, d)
-            keep(work, record + 6, rate)
+            keep(work, record + at.RATE, rate)
             record, m = record + at.RECORD_SIZE, m + at.MOUNT_COLUMNS
         run += at.RUN_COLUMNS
 
@@ -165,12 +165,12 @@ def evaluate_laws(lay, num, y, work):
     z, rates = lay[at.NQ] + lay[at.NV], lay[at.RATES]
     for _ in range(lay[at.N_MOUNTS]):
         for c in range(3):
-            law, x = lay[axis], work[record + c]
+            law, x = lay[axis + at.LAW], work[record + c]
             force = 0.0 * x
             if law >= 0:
-                p, state = parameters + lay[axis + 1], lay[axis + 2]
-                force = evaluate(law, num, p, x, work[record + 6 + c], y, z + state, work, rates + state)
-            work[record + 3 + c] = force
+                p, state = parameters + lay[axis + at.FIRST_PARAMETER], lay[axis + at.FIRST_STATE]
+                force = evaluate(law, num, p, x, work[record + at.RATE + c], y, z + state, work, rates + state)
+            work[record + at.FORCE + c] = force
             axis += at.AXIS_COLUMNS
         record += at.RECORD_SIZE
 
@@ -189,15 +189,15 @@ def apply_mounts(lay, fix, num, y, work):
         work[wrench + c] = 0.0
     run, m, axis = lay[at.RUNS], lay[at.MOUNTS], lay[at.AXES]
     for _ in range(lay[at.N_RUNS]):
-        payload, base = lay[run], lay[run + 1]
+        payload, base = lay[run + at.RUN_PAYLOAD], lay[run + at.RUN_BASE]
         k, b = lay[at.KIN] + at.KIN_SIZE * payload, lay[at.KIN] + at.KIN_SIZE * base
         straight = lay[lay[at.LINKS] + at.LINK_COLUMNS * base + at.KIND] == at.STRAIGHT
         total = times(0.0, vector(work, k + at.KIN_O))
         torque = total
-        for _ in range(lay[run + 2]):
+        for _ in range(lay[run + at.RUN_MOUNTS]):
             if lay[m + at.COUPLING] >= 0:
                 couple_axes(lay, m, axis, num, y, work, record)
-            f, force, arm = lay[m + at.AXES_IN], vector(work, record + 3), vector(work, record + 9)
+            f, force, arm = lay[m + at.AXES_IN], vector(work, record + at.FORCE), vector(work, record + at.ARM)
             if not lay[m + at.ALIGNED]:
                 force = plus(
                     plus(times(force[0], vector(fix, f)), times(force[1], vector(fix, f + 3))),

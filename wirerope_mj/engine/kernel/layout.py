@@ -26,6 +26,7 @@ MASS_OF, CENTRE, ABOUT, INVERSE, INERTIA_SIZE = 0, 1, 4, 10, 16
 
 # kind, first dof, number of dofs, first link, number of links, a sliding link's inverse mass matrix in `num`
 TREE_COLUMNS = 6
+TREE_KIND, TREE_DOF, TREE_DOFS, TREE_LINK, TREE_LINKS, TREE_INVERSE = range(6)
 DRIVEN_TREE, FREE_TREE, SLIDING_TREE, ANY_TREE, MODAL_TREE = range(5)  # all but ANY_TREE have one link
 
 # link, kind, qpos, parent dof (-1), place among the driven (-1), constants in `fix`, spring and damper in `num`
@@ -38,7 +39,7 @@ DAMPING, STIFFNESS, REFERENCE = 0, 1, 2  # of `num`; the last is where the sprin
 # dof and participation in `fix` (3) of a mode of a flexible part, whose link is a unit mass on a slide
 MODE_COLUMNS = 2
 # of a site on a flexible part: number of modes, then of each dof, qpos, and shape in `fix` (3), in the axes that its point has
-SHAPE_COLUMNS = 3
+SHAPE_COLUMNS, SHAPE = 3, 2
 
 # links that carry geoms which may touch, and in `fix` how they stand to each other as modelled: place and axes of the second in
 # the first (3, 9), clearance, reach of the second's geoms from its origin
@@ -49,25 +50,32 @@ WILD, LIMITED, TOUCHING = 1.0, 2.0, 3.0
 
 # link, point in `num` (3), axes of the site in `fix` (3, 3), shapes (0: on no flexible part); as points and axes of mounts are
 FORCE_COLUMNS = 4
+FORCE_LINK, FORCE_POINT, FORCE_AXES, FORCE_SHAPES = range(4)
 
-RUN_COLUMNS = 3  # payload link, base link, number of mounts between them that follow each other
+# payload link, base link, number of mounts between them that follow each other
+RUN_PAYLOAD, RUN_BASE, RUN_MOUNTS, RUN_COLUMNS = range(4)
 
 # base takes the reaction, points in `num` (payload 3, base 3, turning 3, rated travel 4), frames in `fix`, coupling among the
 # parameters (-1), partner, resists turning, axes are those of its base's link, shapes at the payload's and at the base's site
 # (0: on no flexible part); points and axes are in the world's where a link never turns
 MOUNT_COLUMNS = 9
 MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS, ALIGNED, BENT, BENT_BASE = range(9)
+ON_BASE, RESISTING, RATED = 3, 6, 9  # among the points, behind the payload's
 # of `fix`: axes of the base site (3, 3), orientation of base and payload site in their links (4, 4), as modelled (4)
+BASE_TURN, PAYLOAD_TURN, AS_MODELLED = 9, 13, 17
 # of the memory: deflection, force, rate of the deflection, arm (3 each)
-RECORD_SIZE = 12
+FORCE, RATE, ARM, RECORD_SIZE = 3, 6, 9, 12
 
-AXIS_COLUMNS = 4  # law number as in the callback's, first parameter in `num`, first state, number of states; three rows a mount
+# law number as in the callback's, first parameter in `num`, first state, number of states; three rows a mount
+LAW, FIRST_PARAMETER, FIRST_STATE, LAW_STATES, AXIS_COLUMNS = range(5)
 
 # link, point in the link in `num` (3), orientation in the link in `fix` (4), whether it is a point, base's link and its point
 # in `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked, shapes (0: on no flexible part)
 FRAME_COLUMNS = 9
+FRAME_LINK, FRAME_POINT, FRAME_TURN, IS_POINT, BASE_LINK, BASE_POINT, BASE_APART, IS_TRACKED, FRAME_SHAPES = range(9)
 
-STOP_COLUMNS = 3  # of a stop: record of its deflection, first parameter in `num`, first state (-1: its force has no memory)
+# of a stop: record of its deflection, first parameter in `num`, first state (-1: its force has no memory)
+STOP_RECORD, STOP_PARAMETER, STOP_STATE, STOP_COLUMNS = range(4)
 
 RECENT_SIZE = 12  # of a channel: its last three vectors with their norms, in turn
 

@@ -21,13 +21,12 @@ def measure(lay, fix, num, y, work, whole):
     """Write accelerations, displacements of points, deflections and forces to VALUES; with `whole` all else that is sampled."""
     o, row, record = lay[at.VALUES], lay[at.FRAMES], lay[at.RECORD]
     for _ in range(lay[at.N_FRAMES]):
-        is_point = lay[row + 3]
-        if whole or lay[row + 7]:
-            k = lay[at.KIN] + at.KIN_SIZE * lay[row]
-            r, w, alpha = (
-                turned(work, k + at.KIN_R, vector(num, lay[row + 1])), vector(work, k + at.KIN_W), vector(work, k + at.KIN_A),
-            )  # fmt: skip
-            shapes = lay[row + 8]
+        is_point = lay[row + at.IS_POINT]
+        if whole or lay[row + at.IS_TRACKED]:
+            k = lay[at.KIN] + at.KIN_SIZE * lay[row + at.FRAME_LINK]
+            r = turned(work, k + at.KIN_R, vector(num, lay[row + at.FRAME_POINT]))
+            w, alpha = vector(work, k + at.KIN_W), vector(work, k + at.KIN_A)
+            shapes = lay[row + at.FRAME_SHAPES]
             if shapes:
                 r = plus(r, turned(work, k + at.KIN_R, bent(lay, shapes, fix, y, 0, 1)))
             position = plus(vector(work, k + at.KIN_O), r)
@@ -38,7 +37,7 @@ def measure(lay, fix, num, y, work, whole):
                 grow(work, o + control.ACCELERATION, turned(work, k + at.KIN_R, bent(lay, shapes, fix, work, lay[at.RHS], 0)))
             if whole:
                 keep(work, o, position)
-                q = orientation(lay, lay[row], lay[row + 2], fix, work)
+                q = orientation(lay, lay[row + at.FRAME_LINK], lay[row + at.FRAME_TURN], fix, work)
                 work[o + 3], work[o + 4], work[o + 5], work[o + 6] = q[0], q[1], q[2], q[3]
                 keep(work, o + 7, carried(r, w, vector(work, k + at.KIN_V)))
                 if shapes:
@@ -46,9 +45,9 @@ def measure(lay, fix, num, y, work, whole):
                 keep(work, o + 10, w)
                 keep(work, o + 16, alpha)
             if is_point:
-                k = lay[at.KIN] + at.KIN_SIZE * lay[row + 4]
-                base = plus(vector(work, k + at.KIN_O), turned(work, k + at.KIN_R, vector(num, lay[row + 5])))
-                keep(work, o + control.RELATIVE, minus(minus(position, base), vector(fix, lay[row + 6])))
+                k = lay[at.KIN] + at.KIN_SIZE * lay[row + at.BASE_LINK]
+                base = plus(vector(work, k + at.KIN_O), turned(work, k + at.KIN_R, vector(num, lay[row + at.BASE_POINT])))
+                keep(work, o + control.RELATIVE, minus(minus(position, base), vector(fix, lay[row + at.BASE_APART])))
         o += control.POINT_VALUES if is_point else control.KINEMATICS
         row += at.FRAME_COLUMNS
     axis, z = lay[at.AXES], lay[at.NQ] + lay[at.NV]
@@ -57,9 +56,9 @@ def measure(lay, fix, num, y, work, whole):
             work[o + c] = work[record + c]
         o, record = o + control.MOUNT_VALUES, record + at.RECORD_SIZE
         for _axis in range(3):
-            for k in range(lay[axis + 3]):
+            for k in range(lay[axis + at.LAW_STATES]):
                 if whole:
-                    work[o] = y[z + lay[axis + 2] + k]
+                    work[o] = y[z + lay[axis + at.FIRST_STATE] + k]
                 o += 1
             axis += at.AXIS_COLUMNS
 
@@ -83,7 +82,7 @@ def track_peaks(lay, num, work, clock, time):
         channel, m, recent = channel + 1, m + control.CHANNEL_MEMORY, recent + at.RECENT_SIZE
     row, record, m = lay[at.MOUNTS], lay[at.RECORD], lay[at.TRAVELS]
     for _ in range(lay[at.N_MOUNTS]):
-        track_travel(work, m, num, lay[row + at.POINTS] + 9, work, record, bounds, t0, t1, time)
+        track_travel(work, m, num, lay[row + at.POINTS] + at.RATED, work, record, bounds, t0, t1, time)
         row, record, m = row + at.MOUNT_COLUMNS, record + at.RECORD_SIZE, m + control.TRAVEL_MEMORY
     clock[TURN] = float((turn + 1) % 3)
 
@@ -103,11 +102,11 @@ def track_stops(lay, num, y, work, clock, time):
         for c in range(control.CONTACT_MEMORY * lay[at.N_STOPS]):
             work[k + c] = 0.0
     for _ in range(lay[at.N_STOPS]):
-        x, rate = work[lay[at.RECORD] + lay[row]], work[lay[at.RECORD] + lay[row] + 6]
-        p = lay[at.PARAMETERS] + lay[row + 1]
+        x, rate = work[lay[at.RECORD] + lay[row + at.STOP_RECORD]], work[lay[at.RECORD] + lay[row + at.STOP_RECORD] + at.RATE]
+        p = lay[at.PARAMETERS] + lay[row + at.STOP_PARAMETER]
         depth = max(-x - num[p + BELOW], x - num[p + ABOVE])
         if some(depth > 0.0):
-            w = y[z + lay[row + 2]] if lay[row + 2] >= 0 else 0.0 * x
+            w = y[z + lay[row + at.STOP_STATE]] if lay[row + at.STOP_STATE] >= 0 else 0.0 * x
             pull = where(depth > 0.0, stop_force(num, p, x, rate, w), 0.0)
             force = abs(pull)
             touch(work, k, clock[HISTORY], clock[TIME_1], time, depth, force, pull * rate, force > 0.0)

@@ -300,7 +300,7 @@ def slopes(structure, shared, numbers, states, memory, free, grams):
         deflections(lay, fix, num, y, work)
         states[nq + free[i]] = 0.0
         for axis in range(axes):
-            put(memory[structure[at.RECORD] + at.RECORD_SIZE * (axis // 3) + 6 + axis % 3], 0, rates[i, axis], 0, WIDTH)
+            put(memory[structure[at.RECORD] + at.RECORD_SIZE * (axis // 3) + at.RATE + axis % 3], 0, rates[i, axis], 0, WIDTH)
     for i in range(n):
         for j in range(n):
             for number in range(WIDTH):

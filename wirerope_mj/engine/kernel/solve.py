@@ -34,9 +34,9 @@ def drive(lay, fix, number, base):
 @inlined
 def follow_base(lay, t, fix, work, base):
     """Give the only link of a driven tree the acceleration of the base."""
-    k = lay[at.KIN] + at.KIN_SIZE * lay[t + 3]
+    k = lay[at.KIN] + at.KIN_SIZE * lay[t + at.TREE_LINK]
     a = times(0.0, base)
-    for dof in range(lay[t + 1], lay[t + 1] + lay[t + 2]):
+    for dof in range(lay[t + at.TREE_DOF], lay[t + at.TREE_DOF] + lay[t + at.TREE_DOFS]):
         d = lay[at.DOFS] + at.DOF_COLUMNS * dof
         acceleration = drive(lay, fix, lay[d + at.DOF_DRIVEN], base)
         work[lay[at.RHS] + dof] = acceleration
@@ -47,7 +47,7 @@ def follow_base(lay, t, fix, work, base):
 @inlined
 def float_freely(lay, t, fix, num, y, work):
     """Solve Newton's and Euler's equations of a floating link that carries no other."""
-    first, link = lay[t + 1], lay[t + 3]
+    first, link = lay[t + at.TREE_DOF], lay[t + at.TREE_LINK]
     k, wrench, r = lay[at.KIN] + at.KIN_SIZE * link, lay[at.WRENCH] + 6 * link, lay[at.RHS] + first
     i = lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.INERTIA]
     w, c = vector(y, lay[at.NQ] + first + 3), vector(num, i + at.CENTRE)
@@ -66,8 +66,8 @@ def float_freely(lay, t, fix, num, y, work):
 @inlined
 def slide(lay, t, fix, num, y, work):
     """Solve the equations of a link that only slides, whose mass matrix never changes."""
-    first, n, link = lay[t + 1], lay[t + 2], lay[t + 3]
-    k, r, inverse = lay[at.KIN] + at.KIN_SIZE * link, lay[at.RHS] + first, lay[t + 5]
+    first, n, link = lay[t + at.TREE_DOF], lay[t + at.TREE_DOFS], lay[t + at.TREE_LINK]
+    k, r, inverse = lay[at.KIN] + at.KIN_SIZE * link, lay[at.RHS] + first, lay[t + at.TREE_INVERSE]
     mass = num[lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.INERTIA] + at.MASS_OF]
     force = plus(vector(work, lay[at.WRENCH] + 6 * link), times(mass, vector(fix, lay[at.GRAVITY])))
     for i in range(n):
@@ -210,7 +210,8 @@ def balance(lay, first, n, fix, num, y, work, base):
 @njit
 def solve_tree(lay, t, fix, num, y, work, base):
     """Solve the equations of any tree, and give its links their accelerations."""
-    first, n, link, end = lay[t + 1], lay[t + 2], lay[t + 3], lay[t + 3] + lay[t + 4]
+    first, n, link = lay[t + at.TREE_DOF], lay[t + at.TREE_DOFS], lay[t + at.TREE_LINK]
+    end = link + lay[t + at.TREE_LINKS]
     ref = vector(work, lay[at.KIN] + at.KIN_SIZE * link + at.KIN_O)
     for i in range(link, end):
         compose(lay, i, ref, fix, num, work)
@@ -243,14 +244,14 @@ def accelerate(lay, fix, num, y, work, base):
     """Write the accelerations of all coordinates to RHS, those of the links to KIN; `base` is that of the base (3)."""
     t = lay[at.TREES]
     for _ in range(lay[at.N_TREES]):
-        if lay[t] == at.DRIVEN_TREE:
+        if lay[t + at.TREE_KIND] == at.DRIVEN_TREE:
             follow_base(lay, t, fix, work, base)
-        elif lay[t] == at.FREE_TREE:
+        elif lay[t + at.TREE_KIND] == at.FREE_TREE:
             float_freely(lay, t, fix, num, y, work)
-        elif lay[t] == at.MODAL_TREE:  # of unit mass, with all else of its right side there
-            dof = lay[t + 1]
+        elif lay[t + at.TREE_KIND] == at.MODAL_TREE:  # of unit mass, with all else of its right side there
+            dof = lay[t + at.TREE_DOF]
             work[lay[at.RHS] + dof] += joint_passive_force(lay, lay[at.DOFS] + at.DOF_COLUMNS * dof, dof, num, y)
-        elif lay[t] == at.SLIDING_TREE:
+        elif lay[t + at.TREE_KIND] == at.SLIDING_TREE:
             slide(lay, t, fix, num, y, work)
         else:
             solve_tree(lay, t, fix, num, y, work, base)

@@ -98,9 +98,9 @@ def take_step(lay, fix, num, y, work, middle, end, h):
     shift(lay, y, work, lay[at.SUM], h)
     left, axis = lay[at.N_SLIPPING], lay[at.AXES]
     while left > 0:  # what the step carried beyond a slider's slip force
-        if lay[axis] == MASING or lay[axis] == PARALLEL:
-            z = lay[at.NQ] + lay[at.NV] + lay[axis + 2]
-            hold_slips(lay[axis], num, lay[at.PARAMETERS] + lay[axis + 1], y, z)
+        if lay[axis + at.LAW] == MASING or lay[axis + at.LAW] == PARALLEL:
+            z = lay[at.NQ] + lay[at.NV] + lay[axis + at.FIRST_STATE]
+            hold_slips(lay[axis + at.LAW], num, lay[at.PARAMETERS] + lay[axis + at.FIRST_PARAMETER], y, z)
             left -= 1
         axis += at.AXIS_COLUMNS
 

@@ -112,7 +112,7 @@ class Numbers:
         parts = [(first, law.kernel_parameters()) for first, law in laws if law is not None]
         if coupled is not None:
             parts.append((self._couplings[mount], coupled.mount_parameters()))
-        parts.append((self._points[mount] + 6, np.array([*turns, *rated_travel(isolator)])))
+        parts.append((self._points[mount] + at.RESISTING, np.array([*turns, *rated_travel(isolator)])))
         places = [np.arange(first, first + values.size) for first, values in parts]
         return np.concatenate(places), np.concatenate([values for _, values in parts])
 
