@@ -149,7 +149,13 @@ class Loading:
                     self.inverse = None
                     continue
                 qpos, load = trial, trial_load
-                self._check_deflections(load)
+                deflections = np.abs(self._mounts()[:, 0]).max(axis=1)
+                if deflections.max(initial=0.0) > FARTHEST:
+                    name = list(self.system.mounts)[int(np.argmax(deflections))]
+                    raise ConvergenceError(
+                        f"there is no equilibrium that mounts can bear: {100 * load:.3g} % of the weight deflects mount "
+                        f"{name!r} by {deflections.max():.3g} m. {self._loads()}"
+                    )
                 if self.path is not None:
                     self._go_to(qpos)
                     self.path.rest_at(self.data)
@@ -240,16 +246,6 @@ class Loading:
 
     def _unresisted(self, qpos: Array) -> tuple[str, ...]:
         return unresisted(self.system, self.data, self.free, lambda step: self._accelerations(self._moved(qpos, step)))
-
-    def _check_deflections(self, load: float) -> None:
-        """Raise ConvergenceError if a mount is deflected further than any can be under `load`, a fraction of the weight."""
-        deflections = np.abs(self._mounts()[:, 0]).max(axis=1)
-        if deflections.max(initial=0.0) > FARTHEST:
-            name = list(self.system.mounts)[int(np.argmax(deflections))]
-            raise ConvergenceError(
-                f"there is no equilibrium that mounts can bear: {100 * load:.3g} % of the weight deflects mount {name!r} by "
-                f"{deflections.max():.3g} m. {self._loads()}"
-            )
 
     def _loads(self) -> str:
         """Return a message about where the weight comes from, and what to check."""

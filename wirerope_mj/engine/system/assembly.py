@@ -110,7 +110,15 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     spec.add_numeric(name=at.PARAMETERS, size=len(parameters), data=parameters)
     first = int(plain.nnumericdata)
     _add_state_actuator(spec, plain, tables, [first, first + tables.layout.size, userdata, int(plain.na)])
-    _add_sensors(spec, plain, declared, subjects)
+    sizes = {f"body/{name}": at.KINEMATICS for name in subjects.body_names}
+    sizes |= {plain.site(site).name: at.POINT_VALUES for site in points}
+    sizes |= {f"mount/{mount.name}": at.MOUNT_VALUES + mount.isolator.n_states for mount in declared}
+    sizes |= {f"contact/{pair}": 1 for pair in range(len(declared_pairs(plain)))}
+    for name, size in sizes.items():
+        spec.add_sensor(
+            name=name, type=mujoco.mjtSensor.mjSENS_USER, dim=size, needstage=mujoco.mjtStage.mjSTAGE_ACC,
+            datatype=mujoco.mjtDataType.mjDATATYPE_REAL,
+        )  # fmt: skip
     model = spec.compile()
     if model.neq and driven:
         check_base_is_free(model, model.body(base).name, [int(model.jnt_dofadr[joint]) for joint in driven])
@@ -134,16 +142,3 @@ def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tabl
         actdim=n_states if n_states else -1, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name, gainprm=[0.0] * 10,
         biasprm=[0.0] * 10, dynprm=[at.MAGIC, *map(float, addresses), 0.0, 0.0, 0.0, 0.0, 0.0],
     )  # fmt: skip
-
-
-def _add_sensors(spec: mujoco.MjSpec, model: mujoco.MjModel, declared: list[DeclaredMount], subjects: Subjects) -> None:
-    sizes = {f"body/{model.body(body).name}": at.KINEMATICS for body in subjects.bodies}
-    sizes |= {model.site(site).name: at.POINT_VALUES for site in subjects.points}
-    for mount in declared:
-        sizes[f"mount/{mount.name}"] = at.MOUNT_VALUES + mount.isolator.n_states
-    sizes |= {f"contact/{pair}": 1 for pair in range(len(declared_pairs(model)))}
-    for name, size in sizes.items():
-        spec.add_sensor(
-            name=name, type=mujoco.mjtSensor.mjSENS_USER, dim=size, needstage=mujoco.mjtStage.mjSTAGE_ACC,
-            datatype=mujoco.mjtDataType.mjDATATYPE_REAL,
-        )  # fmt: skip
