@@ -82,7 +82,7 @@ class BaseMotion(ABC):
 
     @property
     def description(self) -> str:
-        """One line for a human reader."""
+        """Description of the motion in a line, for a human reader."""
         return self._said.description
 
     @property

@@ -209,7 +209,7 @@ class VelocityStep(StartedMotion):
 
 @dataclass(frozen=True, kw_only=True)
 class StruckPlate(StartedMotion):
-    """Plate with air behind that a plane underwater shock wave strikes: kicked off until the water lets go, then coasting.
+    """Plate with air behind that a plane underwater shock wave strikes: accelerated until the water cavitates, then coasting.
 
     The wave p0 e^(-t/theta) is reflected and the plate radiates, so that its mass m per area obeys
 
@@ -238,7 +238,7 @@ class StruckPlate(StartedMotion):
     direction: Direction  #: of the motion: `"x"`, `"y"`, `"z"` or a 3-vector
     impedance: float = SEA_WATER  #: rho c of the water [Pa s/m]
     start: float = 0.0  #: instant at which the wave arrives [s]
-    duration: float = field(init=False)  #: until the water lets go [s]
+    duration: float = field(init=False)  #: until the water cavitates [s]
 
     def __post_init__(self) -> None:
         self._set(pressure=ranges.level("pressure", self.pressure), decay=ranges.length("decay", self.decay))
@@ -250,7 +250,7 @@ class StruckPlate(StartedMotion):
 
     @property
     def psi(self) -> float:
-        """Decay over the time m/(rho c) in which the plate follows the water."""
+        """Decay time of the wave over the time constant m/(rho c) of the plate [-]."""
         return self.impedance * self.decay / self.areal_mass
 
     @property

@@ -10,7 +10,7 @@ SMALLEST, LARGEST = 1e-12, 1e12
 
 
 def frequency(name: str, value: object, *, least: float = SLOWEST) -> float:
-    """Check a frequency [Hz]; `least` is 0 where a standstill may be meant."""
+    """Check a frequency [Hz]; `least` is 0 where a standstill is allowed."""
     return _within(name, value, least, FASTEST, "Hz")
 
 
@@ -20,7 +20,7 @@ def sweep_rate(name: str, value: object) -> float:
 
 
 def length(name: str, value: object, *, least: float = SHORTEST) -> float:
-    """Check the length of a part of a motion [s]; `least` is 0 where it may happen at once."""
+    """Check the length of a part of a motion [s]; `least` is 0 where the length may be zero."""
     number = finite(name, value)
     if number == 0.0 == least:
         return number

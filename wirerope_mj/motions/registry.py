@@ -75,7 +75,7 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
 
 
 def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None, along: str = "") -> BaseMotion:
-    """Make the base motion that a phrase says; along several axes, as in "xyz", the sum of one along each.
+    """Make the base motion of a phrase; along several axes, as in "xyz", the sum of a motion along each.
 
     `kind` is one of `SPOKEN_MOTIONS`; the relative path of a file starts in `folder`, the current one by default;
     a phrase without a direction has the direction `along`, if one is given.

@@ -138,7 +138,7 @@ class Turned(_Transformed):
 
     @cached_property
     def matrix(self) -> Array:
-        """Matrix from the other motion's vectors to this one's, (3, 3); with `direction` it holds on their line only."""
+        """Matrix from the other motion's vectors to this one's, (3, 3); with `direction` it holds on the motion's line only."""
         if self.direction is None:
             return np.array(self.rotation)
         return np.outer(unit_vector(self.direction), _line(self.motion))

@@ -26,7 +26,7 @@ SLOWEST_BLOW = 100.0
 
 @dataclass(frozen=True, init=False)
 class DecayingSine(StartedMotion):
-    """Deck of one frequency that is struck and swings out: velocity and displacement return to zero by themselves.
+    """Deck of one frequency that is struck and oscillates freely: velocity and displacement return to zero by themselves.
 
     The displacement x of the deck, at rest before `start`, obeys
 

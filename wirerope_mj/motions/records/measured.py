@@ -155,7 +155,7 @@ class MeasuredChannel:
 
     @property
     def counts_from_start(self) -> bool:
-        """Whether values are changes from the start: those of displacements, deflections and forces, unless said otherwise."""
+        """Whether values count from the start: relative displacements, deflections and forces do."""
         return self.quantity in ("displacement", "deflection", "force") and not self.absolute
 
     @property
@@ -166,7 +166,7 @@ class MeasuredChannel:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Measured(Summarised):
-    """A test's measured channels; made by `load_measured`."""
+    """Measured channels of a test; made by `load_measured`."""
 
     name: str  #: of the test: its file's name without the ending, or as it was given
     channels: tuple[MeasuredChannel, ...]  #: in the order of the map
@@ -301,7 +301,7 @@ def load_measured(
 
 
 def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | None) -> tuple[Quantity, str]:
-    """Return quantity and unit of a column, of its phrase or else of the file's header; RecordError if neither says it."""
+    """Return quantity and unit of a column, from its phrase or else the file's header; RecordError if neither states them."""
     unit = phrase.unit or header
     known = None if unit is None else phrase.quantity_of(unit)
     if known is not None and unit is not None:

@@ -22,7 +22,7 @@ _PULSE_WAVES = 10
 
 @dataclass(frozen=True)
 class Reading:
-    """Accelerations as they were measured."""
+    """Content of a record's file: accelerations as they were measured, and warnings."""
 
     time: Array  # instants of the file's own clock [s], increasing, (n,)
     samples: Array  # acceleration along x, y, z [m/s^2], (n, 3)

@@ -109,7 +109,7 @@ class Record(BaseMotion):
 
     @cached_property
     def as_measured(self) -> "Record":
-        """The same record without its baseline correction, read from the file; later by what "highpass" added before it."""
+        """The same record without its baseline correction, read from the file, at the instants of its samples here."""
         if self.baseline == "none":
             return self
         with warnings.catch_warnings():
@@ -229,7 +229,7 @@ def is_measurement(path: Path) -> bool:
 
 
 def record_channels(path: str | Path, *, accelerations: bool = False) -> tuple[str, ...]:
-    """Return the names of a record's channels, as `load_record` takes them; perhaps only those of accelerations.
+    """Return the names of a record's channels, as `load_record` takes them; only those of `accelerations` if asked.
 
     RecordError: the file is no record.
     """

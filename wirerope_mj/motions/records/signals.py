@@ -26,7 +26,7 @@ _NOISE = 1.2  # times the noise of these means that may be left
 
 
 def level_shift(a: Array) -> tuple[float, float, int] | None:
-    """Find the levels of a signal (n,) before and after, and the sample at which they change; None if they do not.
+    """Find a change of a signal's level (n,): the levels before and after, and its sample; None if there is no change.
 
     The change is where the sum of the samples less their mean is farthest from zero. Both levels are steady: a slow swing or
     what dies away is no level.
@@ -51,7 +51,7 @@ def level_shift(a: Array) -> tuple[float, float, int] | None:
 
 
 def moved_level(a: Array, rate: float) -> tuple[float, float, int] | None:
-    """Find a change of level as `level_shift` does if it matters for the velocity of a base, at a rate [Hz]."""
+    """Find a change of level as `level_shift` does, if it changes the velocity of a base notably, at a rate [Hz]."""
     found = level_shift(a)
     if found is None:
         return None

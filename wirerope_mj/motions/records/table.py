@@ -51,7 +51,7 @@ Clock = Callable[[str], float]  # instant of a cell [s]
 def read_blocks(
     header: Header, columns: Sequence[int], clock: Clock | None = None, *, missing: bool = False
 ) -> Iterator[Array]:
-    """Yield the columns' numbers block by block, (n, n_columns); the first of them is time, which a `clock` may say.
+    """Yield the columns' numbers block by block, (n, n_columns); the first column is time, which a `clock` may parse.
 
     Every row must have the header's number of cells: in one that has more or fewer, such as one with decimal commas between
     commas, nothing says which number belongs to which column. If `missing`, cells behind the time may be empty or NaN.
@@ -86,7 +86,7 @@ def read_blocks(
 
 
 def _plain_rows(header: Header) -> Iterator[str]:
-    """Yield the lines of numbers; ValueError at one that has not as many cells as the header has columns."""
+    """Yield the lines of numbers; ValueError at a line with another number of cells than the header."""
     signs, delimiter = len(header.names) - 1, header.delimiter
     blank = f' \t\r\n"{delimiter}'
     with open_rows(header) as lines:
@@ -188,7 +188,7 @@ def require_within_range(location: str, samples: Array, limit: float) -> None:
 
 
 def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Reading, tuple[str | None, ...]]:
-    """Read columns of a table as they are, (n, n_columns), and the unit that its header gives each, None without one."""
+    """Read columns of a table as they are, (n, n_columns), and the unit of each in its header, None without a unit."""
     header, time, clock = _opened(path, names)
     columns = [find_column(header, name, without=time) for name in names]
     instants, samples, messages = _in_si(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)

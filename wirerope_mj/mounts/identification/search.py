@@ -145,11 +145,11 @@ class Minimum:
 
 
 class _StalledError(Exception):
-    """Raised where ten steps have changed nothing that the noise can tell."""
+    """Raised where ten steps have changed the residual by less than the noise resolves."""
 
 
 class _Residuals:
-    """The residual and its Jacobian along a search: counts evaluations, and ends a search that creeps."""
+    """The residual and its Jacobian along a search: counts evaluations, and ends a search that stalls."""
 
     def __init__(self, unknowns: Unknowns, residual: Residual, begin: Array) -> None:
         self._unknowns, self._residual = unknowns, residual
@@ -165,7 +165,7 @@ class _Residuals:
         return self._latest[1]
 
     def jacobian(self, numbers: Array) -> Array:
-        """Differentiate the residual by differences; raises _StalledError where ten steps have changed nothing that counts."""
+        """Differentiate the residual by differences; _StalledError where ten steps have changed it too little."""
         before = self._latest[1] if np.array_equal(self._latest[0], numbers) else self._value(numbers)
         # SciPy's own step is relative to the number: for one near zero it is so small that the differences are rounding.
         high, columns = self._unknowns.bounds[1], []

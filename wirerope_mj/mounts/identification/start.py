@@ -21,7 +21,7 @@ SAMPLES = 60  # Samples of each loop that the grid is compared with: its shape, 
 
 
 def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int) -> list[dict[str, float]]:
-    """Choose the values of the best points of the grid, and of the best for each pattern of signs that the grid has.
+    """Choose the best points of the grid, and the best one for each pattern of signs of its coordinates.
 
     Laws with coordinates of either sign can have a valley for each pattern, of depths that the noise does not tell apart: a
     spring that hardens to one side, and one that softens to the other beside a stiffer straight one. `count` is the number of
@@ -88,7 +88,7 @@ _Point = tuple[float, dict[str, float]]  # of the grid: mean squares left, its v
 
 
 def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Sequence[str]) -> list[dict[str, float]]:
-    """Choose the values of the best point of the grid for each n and sigma, best first: searches from two may end in others.
+    """Choose the best point of the grid for each n and sigma, best first: searches from them may end at different minima.
 
     The scales are named, the largest first.
     """

@@ -22,7 +22,7 @@ def require_options(
     method: object, data: object, constraint: object, noise: object, grid: bool, start: object, fixed: object,
     extra_residuals: object,
 ) -> None:  # fmt: skip
-    """Raise ValueError unless the options of `identify` are known and go together."""
+    """Raise ValueError unless the options of `identify` are known and agree with each other."""
     one_of("method", method, get_args(Method))
     one_of("data", data, get_args(Data))
     if constraint is not None:
@@ -47,7 +47,7 @@ def unknowns_of(
     law: type[Law], family: Family, coordinates: list[Coordinate], fixed: dict[str, float], free: Sequence[str],
     constraint: Constraint | None, start: Law | None,
 ) -> Unknowns:  # fmt: skip
-    """Choose the coordinates that are searched for and those that are fixed; ValueError where the options contradict."""
+    """Choose the coordinates that are searched for and those that are fixed; ValueError where options contradict each other."""
     if start is not None and type(start) is not law:
         raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")
     if fixed.get("loss") == 0.0:  # an elastic stop has none

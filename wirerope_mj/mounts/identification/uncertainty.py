@@ -22,7 +22,7 @@ AT_BOUND = 1e-6  # Fraction of a coordinate's range within which it stands at it
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """One coordinate after a fit."""
+    """Fitted value of one coordinate, with its standard error."""
 
     name: str
     unit: str
@@ -36,7 +36,7 @@ class Parameter:
 
 @dataclass(frozen=True, kw_only=True)
 class Uncertainty:
-    """Uncertainty of a fit."""
+    """Uncertainty of a fit: errors, covariance, and combinations of parameters that the data do not identify."""
 
     parameters: dict[str, Parameter]  # all coordinates, by name
     covariance: Array  # of the free coordinates' values, (n, n)
@@ -119,7 +119,7 @@ BANDS = (1, 4, 9, 19, 41)
 
 
 def with_noise_of_each(uncertainty: Uncertainty, unknowns: Unknowns, minimum: Minimum, sizes: Sequence[int]) -> Uncertainty:
-    """Widen the uncertainty where every loop has a noise of its own, as left by the fit, and its samples are correlated.
+    """Widen the uncertainty for noise of a different size in every loop, estimated from the residual, and correlated samples.
 
     With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is H (sum
     of J_i^T V_i J_i) H (Huber 1967; White 1980; Newey and West 1987). V_i is the loop's mean square times a spectrum of noise

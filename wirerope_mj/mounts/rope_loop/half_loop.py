@@ -165,7 +165,7 @@ class HalfLoop:
         self._bent = weighted.T @ self.mesh.curvature
 
     def move(self, displacement: Array, turn: Array) -> HalfState:
-        """Follow the equilibria as the clamped end moves straight from the unloaded position: roll, axial [m], (m, 2).
+        """Follow the equilibria as the clamped end moves straight from its unloaded position by roll and axial [m], (m, 2).
 
         Its direction turns by `turn` [rad], (m,). ConvergenceError says where on the path there is no equilibrium.
         """
@@ -226,7 +226,7 @@ class HalfLoop:
         return direction, force, converged
 
     def _newton_step(self, direction: Array, force: Array, end: Array) -> Array:
-        """Solve for the change of the inner directions and of the force, (m, n - 2 + 2)."""
+        """Solve for Newton's change of the inner directions and of the force, (m, n - 2 + 2)."""
         cosine, sine, distance_gradient, distance_error = self._ends(direction, end)
         inner = direction.shape[1] - 2
         bend = np.einsum("mq,qi,qj->mij", (force[:, :1] * cosine + force[:, 1:] * sine) * self.mesh.weight,

@@ -67,7 +67,7 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
 
 
 def steady_loops(deflection: ArrayLike, force: ArrayLike, *, time: ArrayLike | None = None, stop: bool = False) -> list[Loop]:
-    """Cut a record into one loop for every run of like cycles.
+    """Cut a record into steady loops, one for every run of cycles of one amplitude.
 
     Turning points are reversals of the smoothed deflection by more than its noise and by more than 1 % of its range. Strokes
     of one length that follow each other are a run. Of its last three cycles the mean is taken at equal phases, as far

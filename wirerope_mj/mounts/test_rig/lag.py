@@ -39,7 +39,7 @@ class Lag:
 
 @dataclass(frozen=True, kw_only=True)
 class _Reversals:
-    """Reversals of like strokes: instants [s], senses (1 at a top, else -1), by sense how the distance grows over time."""
+    """Reversals of like strokes: instants [s], senses (1 at a top, else -1), by sense the deflection's shape there."""
 
     instants: Array
     senses: Array

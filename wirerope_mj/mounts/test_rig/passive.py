@@ -15,12 +15,12 @@ _FEW = 6.0  # four standard errors of the variance of n samples, 4 sqrt(2 / n), 
 
 
 def is_noise(values: Array, noise: float) -> bool:
-    """Tell whether a series, (n,), is no more than its noise of that standard deviation."""
+    """Return whether a series, (n,), is no more than noise of a standard deviation."""
     return bool(values.var() <= max(_OWN, 1.0 + _FEW / np.sqrt(values.size)) * noise**2)
 
 
 def has_cycle(force: Array) -> bool:
-    """Tell whether a force of one cycle [N], (n,), has more at its frequency than noise of its size would have there.
+    """Return whether a force of one cycle [N], (n,), has more at the cycle's frequency than noise of its size would have.
 
     Of n samples of white noise, the fraction r that one frequency has in their variance is exceeded with the probability
     (1 - r)^((n - 3) / 2), whatever the noise's size. The sample that repeats the first is left out.
@@ -47,13 +47,13 @@ def force_noise(loop: Loop) -> float:
 
 
 def noise_text(loop: Loop) -> str:
-    """Say how large the noise of a loop's force is: `noise of 12 N, 34 % of the force's rms value`."""
+    """Describe the noise of a loop's force, such as `noise of 12 N, 34 % of the force's rms value`."""
     noise, size = force_noise(loop), float(loop.force.std())
     return f"noise of {noise:.3g} N, {100.0 * min(noise / size, 1.0):.3g} % of the force's rms value"
 
 
 def area_in_noise(loop: Loop) -> bool:
-    """Tell whether the area of a loop [J] is no larger than noise of force and deflection makes it.
+    """Return whether the area of a loop [J] is no larger than noise of force and deflection can make it.
 
     The area is the sum of f_i (x_i+1 - x_i-1) / 2, and of x_i (f_i-1 - f_i+1) / 2, over its samples: independent errors of f
     and x with the standard deviations s_f and s_x give its variance as s_f^2 sum dx_i^2 + s_x^2 sum df_i^2.
@@ -98,7 +98,7 @@ def require_unclipped(deflection: Array, force: Array, location: str, *, stop: b
 
 
 def require_falling(loop: Loop, location: str, *, stop: bool = False) -> None:
-    """Raise ValueError if the force is level before a turning point and behind it: cut off, with noise behind.
+    """Raise ValueError if the force is level before and behind a turning point: clipped, with noise added later.
 
     What yields falls at once when the deflection turns back, at its elastic stiffness. Where the true force is beyond what was
     recorded, it does not. A bump stop's force stands still within its gap.
@@ -116,7 +116,7 @@ def require_falling(loop: Loop, location: str, *, stop: bool = False) -> None:
 
 
 def is_level(loop: Loop) -> bool:
-    """Tell whether the force of a cycle is level before a turning point: yielding, or cut off a little."""
+    """Return whether the force of a cycle is level before a turning point: yielding, or slightly clipped."""
     branches = [loop.branch(rising=rising) for rising in (True, False)]
     return any(_level(loop, x[::-1], f[::-1]) for x, f in branches)
 

@@ -226,7 +226,7 @@ def _group(header: Header, columns: dict[str, int]) -> list[Samples]:
 
 
 def require_likely(amplitude: float, force: float, location: str, *, stop: bool = False) -> None:
-    """Raise ValueError if half ranges of deflection [m] and force [N] are of no isolator: other units, most likely.
+    """Raise ValueError if half ranges of deflection [m] and force [N] are beyond any isolator's: probably wrong units.
 
     A bare bump stop (`stop`) may have no force at all.
     """
@@ -245,7 +245,7 @@ def require_likely(amplitude: float, force: float, location: str, *, stop: bool 
 
 
 def require_nominal(samples: Samples, amplitude: float, location: str) -> None:
-    """Raise RecordError if an amplitude [m] is far from the one that its rows state: units, most likely."""
+    """Raise RecordError if an amplitude [m] is far from the amplitude that its rows state: probably wrong units."""
     if samples.amplitude is not None and not 1.0 / _NOMINAL < samples.amplitude / amplitude < _NOMINAL:
         raise RecordError(
             f"{location}: the amplitude is {1e3 * samples.amplitude:.6g} mm but the deflections run over "

@@ -116,7 +116,7 @@ class Calibrated(Summarised):
 
     @cached_property
     def learned(self) -> Array:
-        """Standard deviation after the tests over that before, (d,): 1 where nothing was learned."""
+        """Standard deviation after the tests over that of the prior, (d,): 1 where the tests tell nothing."""
         evenly = np.repeat((np.arange(1000)[:, None] + 0.5) / 1000, len(self.names), axis=1)
         return np.asarray(np.std(self.samples, axis=0) / np.std(self.problem.prior.quantiles(evenly), axis=0))
 
@@ -159,7 +159,7 @@ class Calibrated(Summarised):
 
     @cached_property
     def peak_error(self) -> tuple[float, int]:
-        """Root mean square error of the model's peaks over them, noise taken off, and the number of errors that it is made of.
+        """Relative rms error of the model's peaks, without the noise, and the number of errors that it is computed from.
 
         A history has an extreme or two, one of them perhaps saturated. What it does to oscillators of all octaves about its
         own frequency says more: errors are ratios of shock response spectra. Of loops they are those of the extremes, of
@@ -203,7 +203,7 @@ class Calibration(Calibrated):
 
     @cached_property
     def system(self) -> System:
-        """The system with the medians of what varies."""
+        """System with the medians of the unknowns."""
         return self.forward.system_at(self.values)
 
     @cached_property
@@ -213,7 +213,7 @@ class Calibration(Calibrated):
 
     @cached_property
     def opened(self) -> "Calibration":
-        """The same tests with hardening and asymmetry of the laws free, see `open_laws`; itself where nothing can be opened."""
+        """Calibration to the same tests with the laws' hardening and asymmetry free (`open_laws`); itself if no law opens."""
         forward = self.forward
         laws = open_laws(forward.system, forward.vary, self.tested_travel)
         if not laws.added:

@@ -105,7 +105,7 @@ class Problem:
         return [noise.root(one) for noise, one in zip(noises, self.series, strict=True)]
 
     def whitened(self, values: Array, roots: Sequence[Array]) -> Array:
-        """Return L^-1 times values whose first axis is the samples."""
+        """Whiten values, the samples along their first axis, by the lower Cholesky factors of the noise: L^-1 times values."""
         parts = np.split(values, self.ends[:-1], axis=0)
         return np.concatenate(
             [
@@ -116,7 +116,7 @@ class Problem:
 
 
 def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]] | None = None) -> Fit:
-    """Return the most likely unknowns, the noise of every series estimated along with them.
+    """Fit the unknowns, and estimate the noise of every series along with them.
 
     Searches begin at the best points of a coarse design that a seed draws; short ones at a point to `begin` at, u (d,), with
     the noise of every series.
@@ -235,7 +235,7 @@ class Coordinates:
 
 
 def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) -> Posterior:
-    """Return draws of the posterior.
+    """Draw from the posterior by emcee, on a quadratic emulator of the residual.
 
     The whitened residual is a quadratic of `Coordinates`, made from runs about the fit, and its sum of squares a form of the
     coefficients' Gram matrix: a thousand steps of the sampler cost less than a run. The model is run again at draws; where the

@@ -22,7 +22,7 @@ _PARAMETER = re.compile(rf"mount/(.*)/({'|'.join(AXES)})/(?!laws\[)([^/]*)")
 
 @dataclass(frozen=True, kw_only=True)
 class OpenLaws:
-    """A system whose laws have terms of free size beside what they are, and the priors of these."""
+    """System whose laws have additional terms of unknown size, and the priors of all unknowns."""
 
     system: System
     vary: Mapping[str, Distribution]  # what varied of the system, by its new names, and the terms
@@ -30,7 +30,7 @@ class OpenLaws:
 
 
 def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[tuple[str, str], float]) -> OpenLaws:
-    """Open the laws of isolators along the axes in which tests moved them.
+    """Add terms of unknown size, hardening and asymmetry, to the laws along the axes that tests moved.
 
     F becomes F + K x (e^(q x) - 1) + k2 x |x| + k3 x^3: K is the law's secant stiffness at the tested travel d, and q d,
     k2 d / K and k3 d^2 / K are normal before the tests, of a standard deviation of `HARDENING`, and 0. Mounts with one isolator
@@ -92,7 +92,7 @@ def secant_stiffness(law: Law, reached: float) -> float:
 
 
 def rises(law: Law, reached: float) -> bool:
-    """Return whether the force of a law rises with deflection as far as a deflection to either side [m]."""
+    """Return whether the force of a law rises with deflection up to a deflection [m] on both sides."""
     path, force = _loaded(law, reached)
     return bool((np.diff(force) * np.diff(path) >= 0.0).all())  # NaN does not
 

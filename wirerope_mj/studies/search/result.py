@@ -52,7 +52,7 @@ class Evolution:
         self, variables: Mapping[str, distributions.Uniform | distributions.Choice], first: Sequence[Design], *,
         n_objectives: int, n_limits: int, seed: int,
     ) -> None:  # fmt: skip
-        """Begin with the designs of the first generation; later ones have as many, or fewer where no others are found."""
+        """Begin with the designs of the first generation; later ones have as many, or fewer where no new designs are found."""
         from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
         from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating
         from pymoo.core.population import Population
@@ -159,7 +159,7 @@ def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) ->
 
 
 def nearest(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> tuple[int, str, float] | None:
-    """Return the row that exceeds its limits the least, the limit that it exceeds most, and by how much; None without one."""
+    """Return the row with the least excess over its limits, the limit exceeded most, and the excess; None without a row."""
     rows = nearest_first(table, names, limits)
     if not limits or not rows:
         return None
@@ -169,7 +169,7 @@ def nearest(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) 
 
 
 def nearest_first(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> list[int]:
-    """Return the rows that can be judged, that which exceeds its limits the least first."""
+    """Return the rows of designs that can be judged, in the order of their largest excess over a limit."""
     over = violations(table, limits).max(axis=1, initial=-math.inf)
     worst = np.where(np.isfinite(objectives(table, names)).all(axis=1), over, np.inf)
     return [int(row) for row in np.argsort(worst, kind="stable") if worst[row] < np.inf]
@@ -188,7 +188,7 @@ class SearchResult(StudyResult):
 
     @property
     def minimise(self) -> tuple[str, ...]:
-        """The measures that were to be small."""
+        """Names of the minimised measures."""
         return tuple(self.inputs["search"]["minimise"])
 
     @property
@@ -198,7 +198,7 @@ class SearchResult(StudyResult):
 
     @property
     def start(self) -> int:
-        """Number of the designs that were given: variants 0, 1, ..."""
+        """Number of given designs: variants 0, 1, ..."""
         return len(self.inputs["search"]["start"])
 
     @cached_property

@@ -40,7 +40,7 @@ FEWEST = 4  # Designs that a generation needs for crossover
 
 
 class Search:
-    """Designs with the least of some measures within limits, found by an evolution of many generations.
+    """Search for designs that minimise measures within limits, by an evolution of many generations.
 
     What a designer may choose varies as in a `Study`, as Uniform or Choice; the variants of this study, sampled as it says,
     are the first generation, after designs that are given. Each later one is made by the optimiser (pymoo's NSGA-II)
