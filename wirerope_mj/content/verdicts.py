@@ -1,4 +1,4 @@
-"""Verdicts in sentences and tables: what is exceeded, what is used of the limits, and what is not judged and why."""
+"""Verdicts in sentences and tables: exceeded limits, utilisations, and values that are not judged with the reasons."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -15,24 +15,25 @@ from wirerope_mj.content.numbers import listed, shown, shown_unit
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
 
 TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
-NEAR = 0.9  # Utilisation from which it is set as a warning
+NEAR = 0.9  # utilisation above which it is marked as a warning
 _ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 _COLUMNS = (
     *left("criterion", "verdict", "where"), Column("value"), Column("limit"),
     *left("unit"), Column("used", "%", "z.0f"), Column("at", "s", "z.4f"),
 )  # fmt: skip
-_LONG = 20  # letters of a note that takes more than a line
-_WORST = 10  # verdicts that are shown beside those that fail; the others are folded away
+_LONG_NOTE = 20  # letters above which a note is not repeated in the next row
+_WORST = 10  # verdicts that are shown besides the exceeded ones; the others are folded away
 
 
 def headline(verdicts: Sequence[Verdict]) -> Statement:
-    """State the answer in one sentence, in the tone of the worst that it says."""
+    """State the answer in one sentence, in the tone of the worst verdict."""
     worst, present = most_used(verdicts), {row.verdict for row in verdicts}
     text = verdicts_headline(verdicts)
     # A stop that was struck is a warning: what fails alone has the colour of failure.
     tones = ((EXCEEDED, "exceeded"), (STRUCK, "near"), (WITHIN, "within"))
     tone = next((tone for verdict, tone in tones if verdict in present), "unjudged")
-    tone = "unjudged" if tone == "within" and not text.startswith(f"{PASS}:") else tone  # of a part alone it is no green
+    # A pass of only some limits is not green.
+    tone = "unjudged" if tone == "within" and not text.startswith(f"{PASS}:") else tone
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0]}
     if worst is not None:
         values |= {"most_critical": worst.subject, "criterion": str(worst.criterion), "utilisation": worst.utilisation}
@@ -48,7 +49,7 @@ def answer_blocks(run: RunResult) -> Iterator[Statement | None]:
 
 
 def most_critical(verdicts: Sequence[Verdict]) -> Statement | None:
-    """State what uses most of its limit; None where nothing is judged."""
+    """State the verdict with the largest utilisation; None if no limit is judged."""
     most = most_used(verdicts)
     if most is None:
         return None
@@ -63,6 +64,7 @@ def grounds_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
+    """Write lines on the values that are not judged, by criterion and reason."""
     groups: dict[tuple[str, str], list[str]] = {}
     for row in verdicts:
         if row.verdict == NOT_JUDGED:
@@ -76,8 +78,8 @@ def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
 
 def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     """Tabulate the worst verdict of every criterion; None without verdicts."""
-    # Where nothing is judged the largest value is the worst.
-    by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(_known(row).value) else row.value, reverse=True)
+    # Without a utilisation the largest value is the worst.
+    by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(_rated(row).value) else row.value, reverse=True)
     first: dict[str, Verdict] = {}
     for row in ordered(by_size):
         first.setdefault(row.criterion, row)
@@ -93,14 +95,15 @@ def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
 def full_table(verdicts: Sequence[Verdict]) -> Table | None:
     """Tabulate every verdict, exceeded ones first, those not judged last; None without verdicts.
 
-    A long note that is that of the row above is not written again.
+    A long note that equals the note of the row above is not written again.
     """
     if not verdicts:
         return None
     rows = ordered(verdicts)
     notes = [row.note for row in rows]
     shortened = [
-        "as above" if len(note) > _LONG and note == before else note for before, note in zip(["", *notes], notes, strict=False)
+        "as above" if len(note) > _LONG_NOTE and note == before else note
+        for before, note in zip(["", *notes], notes, strict=False)
     ]
     return Table(
         "all-verdicts",
@@ -112,10 +115,12 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
 
 
 def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    """Sort verdicts from exceeded to not judged, and by falling utilisation."""
     return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.utilisation or 0.0)))
 
 
 def acceleration_limits(verdicts: Sequence[Verdict]) -> dict[str, Verdict]:
+    """Find for each body or point its acceleration verdict of largest utilisation, by name."""
     judged = [row for row in verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
     return {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
 
@@ -126,14 +131,15 @@ def used_mark(utilisation: float | None) -> Mark:
     return Mark(utilisation, "exceeded" if utilisation > 1.0 else "near" if utilisation > NEAR else "")
 
 
-def _known(row: Verdict) -> Verdict:
-    nothing = row.criterion == COMBINED and row.limit is None and (row.value == 0.0 or math.isnan(row.value))
-    return replace(row, value=math.nan, time=None) if nothing else row
+def _rated(row: Verdict) -> Verdict:
+    """Replace the value of a combined travel without ratings by NaN."""
+    unrated = row.criterion == COMBINED and row.limit is None and (row.value == 0.0 or math.isnan(row.value))
+    return replace(row, value=math.nan, time=None) if unrated else row
 
 
 def _cells(row: Verdict) -> tuple[Cell, ...]:
     return (
         str(row.criterion), Mark(content=row.verdict, tone=TONE[row.verdict]), row.subject,
-        shown(_known(row).value, row.unit), shown(row.limit, row.unit), shown_unit(row.unit), used_mark(row.utilisation),
-        _known(row).time,
+        shown(_rated(row).value, row.unit), shown(row.limit, row.unit), shown_unit(row.unit), used_mark(row.utilisation),
+        _rated(row).time,
     )  # fmt: skip

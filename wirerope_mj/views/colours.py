@@ -1,7 +1,7 @@
-"""The one table of colours: of series, limits and what stands behind, on a dark and on a light ground.
+"""The table of colours of series, limits and other lines, on a dark and on a light ground.
 
-Texts in these colours have a contrast of 4.5 at least. Neighbours in the order of the table are 8 dE (CIEDE2000) apart for who
-sees all colours and for who lacks one kind of cones. Red is for limits alone.
+Texts in these colours have a contrast of 4.5 at least. Neighbours in the order of the table are 8 dE (CIEDE2000) apart, in
+normal colour vision and without one kind of cones. Red is for limits alone.
 """
 
 import math
@@ -20,11 +20,11 @@ class Colours:
     """Colours on one ground."""
 
     ground: Color  # on which they are read
-    # of lines that are told apart, the most important first: blue, orange, violet, teal, pink, green
+    # of lines that are distinguished, the most important first: blue, orange, violet, teal, pink, green
     series: tuple[Color, ...]
-    limit: Color  # of what must not be exceeded, and of what exceeds it
-    base: Color  # of the base, which everything is compared with
-    others: Color  # of lines that are not named
+    limit: Color  # of limits, and of values beyond them
+    base: Color  # of the base
+    others: Color  # of lines without a name
 
 
 DARK = Colours(
@@ -48,7 +48,7 @@ def colour_of(selection: Selection, name: str) -> Color:
     return DARK.series[selection.numbers[name]] if name in selection.numbers else DARK.others
 
 
-_PALE = 0.86  # fraction of white in the colour of a field's least value
+_WHITENING = 0.86  # fraction of white in the colour of a field's least value
 _LEVELS = 6  # colours in the key of a field
 
 
@@ -70,9 +70,10 @@ def field_key(field: Field) -> list[tuple[str, str]]:
 
 
 def _shade(value: float, low: float, high: float, limit: float | None) -> str:
+    """Mix the colour of a value between `low` and `high`; "" for NaN, red beyond the limit."""
     if not math.isfinite(value):
         return ""
-    white = _PALE * (1.0 - (value - low) / ((high - low) or 1.0))
+    white = _WHITENING * (1.0 - (value - low) / ((high - low) or 1.0))
     colour = LIGHT.limit if limit is not None and value > limit else LIGHT.series[0]
     red, green, blue = (round(part + white * (255 - part)) for part in colour)
     return hexadecimal((red, green, blue))

@@ -69,7 +69,7 @@ def draw(result: Drawable, ax: "Axes | None" = None) -> "Figure":
 
 
 def chart_of(result: Drawable) -> Chart:
-    """Return the chart that the report has of a result; ValueError if it has none."""
+    """Build the chart that the report has of a result; ValueError if the report has no chart of it."""
     if isinstance(result, Chart):
         return result
     if isinstance(result, Panel):
@@ -92,7 +92,7 @@ def chart_of(result: Drawable) -> Chart:
 
 
 def _draw(panel: Panel, axes: "Axes") -> None:
-    """Draw a panel; what stands in front in a page does so here."""
+    """Draw a panel on axes, with the same curves in front as on a page."""
     from matplotlib.colors import to_rgba
     from matplotlib.ticker import NullFormatter
 
@@ -135,13 +135,14 @@ def _draw(panel: Panel, axes: "Axes") -> None:
 
 
 def _draw_curve(curve: Curve, axes: "Axes", *, zorder: float) -> None:
-    named = {BASE: LIGHT.base, OTHERS: LIGHT.others, LIMIT: LIGHT.limit}
-    colour = named[curve.kind] if isinstance(curve.kind, str) else LIGHT.series[curve.kind]
-    look: dict[str, Any] = {"color": hexadecimal(colour), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
+    """Draw a curve as bars, dots or a line."""
+    colours = {BASE: LIGHT.base, OTHERS: LIGHT.others, LIMIT: LIGHT.limit}
+    colour = colours[curve.kind] if isinstance(curve.kind, str) else LIGHT.series[curve.kind]
+    style: dict[str, Any] = {"color": hexadecimal(colour), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
     if curve.bars:
         spans = None if curve.ends is None else np.abs(curve.ends.T - curve.x)
-        axes.barh(curve.y, curve.x, height=curve.bars, xerr=spans, **look)
+        axes.barh(curve.y, curve.x, height=curve.bars, xerr=spans, **style)
     elif curve.marks:
-        axes.plot(curve.x, curve.y, linestyle="", marker="o", markersize=3.0 * curve.weight, **look)
+        axes.plot(curve.x, curve.y, linestyle="", marker="o", markersize=3.0 * curve.weight, **style)
     else:
-        axes.plot(curve.x, curve.y, linestyle=_DASHES[curve.dash], linewidth=1.3 * curve.weight, **look)
+        axes.plot(curve.x, curve.y, linestyle=_DASHES[curve.dash], linewidth=1.3 * curve.weight, **style)

@@ -6,7 +6,7 @@ from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.tables import Table
 
-_SIGNS = ("-", "=")  # Cells that would begin a list or a heading elsewhere, and nothing here
+_SIGNS = ("-", "=")  # cells that are not escaped: inside a table they begin no list or heading
 _BOLD = ("exceeded", "strong")
 
 
@@ -22,7 +22,7 @@ def markdown_blocks(blocks: Iterable[Block | None]) -> str:
 
 def markdown_statement(statement: Statement) -> str:
     items = "\n".join(f"- {markdown(item)}" for item in statement.items)
-    return "\n\n".join(filter(None, (_toned(markdown(statement.text), statement.tone), items)))
+    return "\n\n".join(filter(None, (_emphasised(markdown(statement.text), statement.tone), items)))
 
 
 def markdown_table(table: Table) -> str:
@@ -32,12 +32,12 @@ def markdown_table(table: Table) -> str:
     lines = [
         [markdown(column.title().replace("\n", " ")) for column in table.columns],
         ["--:" if column.align == "right" else ":--" for column in table.columns],
-        *([_toned(text if text in _SIGNS else markdown(text), tone) for text, tone in row] for row in table.marks()),
+        *([_emphasised(text if text in _SIGNS else markdown(text), tone) for text, tone in row] for row in table.marks()),
     ]
     parts = [f"### {markdown(table.title)}"] if table.title else []
     parts.append("\n".join(f"| {' | '.join(line)} |" for line in lines))
     return "\n".join(parts) + (f"\n\n{markdown(table.note)}" if table.note else "")
 
 
-def _toned(text: str, tone: str) -> str:
+def _emphasised(text: str, tone: str) -> str:
     return f"**{text}**" if text and tone in _BOLD else text

@@ -17,14 +17,14 @@ from wirerope_mj.views.plots.svg_chart import chart_svg, safe_text
 
 _ZOOM = 1.6  # pixels to a unit of a drawing
 _LINE, _TITLE, _NOTE = 18.0, 96, 125  # height of a line; letters of a line of a title, of a caption
-_EDGE = 6.0  # left free below
+_EDGE = 6.0  # margin below
 _STYLE = ".halo,.name{paint-order:stroke;stroke:#fff;stroke-width:2px}"  # of names that stand on lines
 
 
 def save_pictures(blocks: Sequence[Chart | SceneView], path: str | Path, *, title: str = "") -> None:
     """Write drawings below each other under a title, scenes with their captions, whole or not at all.
 
-    The ending of `path` says as what: .png, .svg or .pdf. ValueError for another; WireRopeError if WeasyPrint, which writes
+    The suffix of `path` is the format: .png, .svg or .pdf. ValueError for others; WireRopeError if WeasyPrint, which writes
     PDF, is not installed.
     """
     picture, height = _picture(blocks, title)
@@ -32,7 +32,7 @@ def save_pictures(blocks: Sequence[Chart | SceneView], path: str | Path, *, titl
 
 
 def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
-    """Write an <svg> element of some width and height as the path's ending says, whole or not at all; errors as above."""
+    """Write an <svg> element of a width and height in the format of the path's suffix, whole or not at all; errors as above."""
     kind = path.suffix.lower()
     if kind not in (".png", ".svg", ".pdf"):
         raise ValueError(f"the picture {path} must end with .png, .svg or .pdf.")
@@ -53,7 +53,7 @@ def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
 
 
 def _picture(blocks: Sequence[Chart | SceneView], title: str) -> tuple[str, float]:
-    """Draw all drawings as one, narrow ones beside each other; return it and its height."""
+    """Join all drawings into an <svg> element, narrow ones beside each other; return it and its height."""
     lines = wrap(title, _TITLE)
     parts = [_text(_LINE * (n + 1), line, 'font-size="14" font-weight="bold"') for n, line in enumerate(lines)]
     y = _LINE * len(lines) + _EDGE if lines else 0.0

@@ -1,4 +1,4 @@
-"""What the page is told of a run and the one before it: content as JSON, in the units that are displayed."""
+"""The answer for the page on a run and the run before it: content as JSON values, in displayed units."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -28,39 +28,40 @@ from wirerope_mj.views.explore.recorder import ShownRun
 from wirerope_mj.views.thin import rows_of_extremes
 
 _ROWS = 8  # Rows of a table: those that a reader compares; the report of a run has them all
-_CHANNELS = 4  # that were measured, of which the page draws curves
+_CHANNELS = 4  # measured channels whose curves the page draws
 _POINTS = 1500  # Points of a curve on the page: two for every pixel of its width, so that no peak is lost
 
 
 def answer(now: ShownRun, before: ShownRun | None, tests: Sequence[Measured] = ()) -> Entries:
-    """Return verdict, tables and curves of a run beside those of the one before it and of tests, as JSON takes them."""
+    """Compose verdict, tables and curves of a run beside those of the run before it and of tests, as JSON values."""
     runs = [now] if before is None else [before, now]
     comparison = compare_runs({run.name: run.response for run in runs}, verdicts={run.name: run.verdicts for run in runs})
     tables = chain([figures_table(comparison), accelerations_table(comparison)], travel_tables(comparison))
-    told, agreeing = _told(now), [[correlate(run.response, test) for test in tests] for run in runs]
-    told["lines"] += [f"{one.name}: {one.statement}" for one in agreeing[-1]]
-    panels = [*_measured_panels(agreeing, runs), *_panels(runs)]
+    entries, correlations = _run_entries(now), [[correlate(run.response, test) for test in tests] for run in runs]
+    entries["lines"] += [f"{test.name}: {test.statement}" for test in correlations[-1]]
+    panels = [*_measured_panels(correlations, runs), *_panels(runs)]
     return {
-        "now": told, "before": None if before is None else _told(before), "tables": [_table(table) for table in tables],
-        "curves": json_values([_curve(panel, runs) for panel in panels]),
+        "now": entries, "before": None if before is None else _run_entries(before),
+        "tables": [_table_entries(table) for table in tables],
+        "curves": json_values([_panel_entries(panel, runs) for panel in panels]),
     }  # fmt: skip
 
 
-def _measured_panels(agreeing: Sequence[Sequence[Correlation]], runs: Sequence[ShownRun]) -> Iterator[Panel]:
-    """Yield the first channels that were measured on the payload, with what the runs say there."""
-    channels = [[one for test in tests for one in test.responses][:_CHANNELS] for tests in agreeing]
+def _measured_panels(correlations: Sequence[Sequence[Correlation]], runs: Sequence[ShownRun]) -> Iterator[Panel]:
+    """Yield panels of the first channels measured on the payload, each with the curves of the runs."""
+    channels = [[channel for test in tests for channel in test.responses][:_CHANNELS] for tests in correlations]
     for of_runs in zip(*channels, strict=True):
-        own = [channel_panel(one, run.name) for one, run in zip(of_runs, runs, strict=True)]
-        curves = [own[-1].curves[1], *(panel.curves[0] for panel in own)]
-        yield replace(own[-1], curves=curves, title=f"{own[-1].title} {own[-1].ylabel}")
+        panels = [channel_panel(channel, run.name) for channel, run in zip(of_runs, runs, strict=True)]
+        curves = [panels[-1].curves[1], *(panel.curves[0] for panel in panels)]  # the measured curve in front
+        yield replace(panels[-1], curves=curves, title=f"{panels[-1].title} {panels[-1].ylabel}")
 
 
-def _told(run: ShownRun) -> Entries:
-    said = headline(run.verdicts)
+def _run_entries(run: ShownRun) -> Entries:
+    verdict = headline(run.verdicts)
     origin = "" if run.exact else " (the step is that of the first run)"
     return {
         "name": run.name, "number": run.number, "values": dict(run.values), "changes": dict(run.changes),
-        "motion": run.motion, "headline": said.text, "tone": said.tone,
+        "motion": run.motion, "headline": verdict.text, "tone": verdict.tone,
         "lines": [
             line for block in answer_blocks(run) if block for line in (*filter(None, [block.text]), *block.items)
         ],
@@ -69,8 +70,8 @@ def _told(run: ShownRun) -> Entries:
     }  # fmt: skip
 
 
-def _table(table: Table) -> Entries:
-    """Return a table as text and tone of its cells, the first rows of a long one."""
+def _table_entries(table: Table) -> Entries:
+    """Convert a table to texts and tones of its cells, at most `_ROWS` rows."""
     return {
         "id": table.id, "title": table.title, "note": table.note,
         "columns": [{"title": column.title(), "align": column.align} for column in table.columns],
@@ -79,7 +80,7 @@ def _table(table: Table) -> Entries:
 
 
 def _panels(runs: list[ShownRun]) -> list[Panel]:
-    """Return the worst mount along its governing axis, and the acceleration that is most critical, or largest, in all runs."""
+    """Draw the worst mount along its governing axis, and the most critical, or else largest, acceleration in all runs."""
     panels, now = [], runs[-1].response
     window = float(now.time[0]), float(now.time[-1])
     mount = _worst_mount(mount_peaks(now))
@@ -103,26 +104,26 @@ def _panels(runs: list[ShownRun]) -> list[Panel]:
 
 
 def _worst_mount(rows: list[MountPeak]) -> MountPeak | None:
-    """Return the mount that uses most of its rated travel; where nothing is rated, the one that deflects farthest."""
+    """Find the mount with the largest utilisation of travel, or without ratings with the largest deflection."""
     if not rows or rows[0].utilisation is not None:
         return rows[0] if rows else None
     return max(rows, key=lambda row: float(np.abs([row.minimum, row.maximum]).max()))
 
 
-def _curve(panel: Panel, runs: list[ShownRun]) -> Entries:
-    """Return a panel as the page draws it, the earlier run first: the later one is drawn over it."""
+def _panel_entries(panel: Panel, runs: list[ShownRun]) -> Entries:
+    """Convert a panel to JSON values, the earlier run first, so that the later run is drawn over it."""
     lines = []
     for curve in panel.curves:
         rows = rows_of_extremes(curve.y[:, np.newaxis], _POINTS)
         role = "measured" if curve.name == "measured" else "now" if curve.name == runs[-1].name else "before"
         x, y = in_unit(curve.x[rows], "ms"), curve.y[rows]
-        lines.append({"role": role, "name": curve.name, "x": _short(x), "y": _short(y)})
+        lines.append({"role": role, "name": curve.name, "x": _rounded(x), "y": _rounded(y)})
     return {
         "title": panel.title, "unit": panel.unit, "limits": [level for _, level in panel.limits],
         "limit": panel.limits[0][0] if panel.limits else "", "lines": lines,
     }  # fmt: skip
 
 
-def _short(values: Iterable[float]) -> list[float]:
-    """Return values with five digits, as many as a picture shows."""
+def _rounded(values: Iterable[float]) -> list[float]:
+    """Round values to five digits, as many as a picture shows."""
     return [float(f"{value:.5g}") for value in values]

@@ -1,4 +1,4 @@
-"""The server of the page: this machine only, and whoever asks for anything that computes must know the token."""
+"""The server of the page, for this machine only; requests that start a computation must carry the token."""
 
 import hmac
 import json
@@ -23,8 +23,8 @@ LOCAL = "127.0.0.1"
 _FOLDER = Path(__file__).parent
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wasm": "application/wasm"}
 _STATIC = ("explore.css", "explore.js", "chart.js", "viewer.html", "viewer.css", "viewer.js")
-_LARGEST = 4096  # Request that is read [bytes]: a dozen sliders take a tenth of it
-_IDLE = 60.0  # Time after which a connection that asks nothing is closed [s]
+_LARGEST = 4096  # largest request that is read [bytes]: a dozen sliders take a tenth of it
+_IDLE = 60.0  # time after which an idle connection is closed [s]
 # The page loads nothing from elsewhere, whatever its scripts or the viewer's might try: no fonts, no usage data.
 _POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self' data: blob:; "
@@ -40,13 +40,13 @@ _HEADERS = {
 
 
 class Explored(Protocol):
-    """What the page shows and changes."""
+    """The what-if that the page shows and changes."""
 
     def start(self) -> Entries:
         """Return title, sliders and the last answer."""
 
     def run(self, values: object, *, passing: bool, exact: bool) -> Entries:
-        """Simulate with the sliders at some values and return the answer; ValueError or WireRopeError says why not."""
+        """Simulate with the sliders at some values and return the answer; ValueError or WireRopeError if that fails."""
 
     def recording(self, number: int) -> bytes:
         """Return the recording of the last two runs; OvertakenError if run `number` is not the last any more."""
@@ -59,22 +59,22 @@ class ExploreServer(ThreadingHTTPServer):
 
     def __init__(self, explored: Explored, *, viewer: bool = True, port: int = 0) -> None:
         self.explored, self.viewer = explored, viewer
-        self.token = token_urlsafe(24)  # what requests must bring along
-        self.runs, self.recordings = Turns(), Turns()  # who may compute now
+        self.token = token_urlsafe(24)  # that requests must carry
+        self.runs, self.recordings = Turns(), Turns()  # queues of simulations, and of recordings
         self._viewer_files: dict[str, bytes] = {}
         self._fetching = Lock()
         super().__init__((LOCAL, port), _Handler)
-        # What a request may be addressed to; the viewer has the other name than the page, see `explore.js`.
+        # Hosts that a request may name; the viewer has the other name than the page, see `explore.js`.
         self.hosts = tuple(f"{name}:{self.server_port}" for name in (LOCAL, "localhost"))
         self.policy = _POLICY.format(ours=" ".join(f"http://{host}" for host in self.hosts))
 
     def handle_error(self, request: Any, client_address: object) -> None:
-        """Print an error that nobody expected; a page that was closed while it was answered is none."""
+        """Print an unexpected error; a page that was closed while it was answered is not an error."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
 
     def viewer_file(self, name: str) -> bytes:
-        """Return a file of the web viewer; the first that is asked for brings all."""
+        """Return a file of the web viewer; the first call fetches all files."""
         with self._fetching:
             self._viewer_files = self._viewer_files or viewer_files()
             return self._viewer_files[name]
@@ -95,32 +95,33 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = _IDLE
 
     def do_GET(self) -> None:
-        self._answered(self._get)
+        self._respond(self._get)
 
     def do_POST(self) -> None:
-        self._answered(self._post)
+        self._respond(self._post)
 
     def log_message(self, format: str, *args: object) -> None:
         """Print nothing: the terminal has the address to show."""
 
-    def _answered(self, answer: Callable[[str, Mapping[str, list[str]]], None]) -> None:
+    def _respond(self, answer: Callable[[str, Mapping[str, list[str]]], None]) -> None:
+        """Answer a request, or send its error as JSON."""
         try:
             self._require_host()
-            asked = urlsplit(self.path)
-            answer(asked.path, parse_qs(asked.query))
+            address = urlsplit(self.path)
+            answer(address.path, parse_qs(address.query))
         except _RefusedError as refused:
             status, reason = refused.args
-            self.close_connection = True  # what it still has to say is not read
+            self.close_connection = True  # the rest of the request is not read
             self._send_json({"error": reason}, status)
         except OvertakenError:
             self._send_json({"overtaken": True}, HTTPStatus.CONFLICT)
-        except ConnectionError:  # there is nobody to tell
+        except ConnectionError:  # the client is gone
             raise
         except (WireRopeError, ValueError, OSError) as error:
             self._send_json({"error": str(error)}, HTTPStatus.UNPROCESSABLE_ENTITY)
 
     def _require_host(self) -> None:
-        """Refuse what was not addressed to this machine: a foreign name may have been made to point here."""
+        """Refuse a request to another host name: a foreign name may have been made to point to this machine."""
         if self.headers.get("Host", "") not in self.server.hosts:
             raise _RefusedError(HTTPStatus.FORBIDDEN, "This page is for this machine only.")
 
@@ -189,11 +190,11 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 class OvertakenError(Exception):
-    """Somebody came later and goes first; what was asked for is not wanted any more."""
+    """A later request has replaced the one that waited."""
 
 
 class Turns:
-    """Lets one thread through at a time, and of those that wait the one that came last."""
+    """Lets one thread through at a time, and of the waiting threads only the last to arrive."""
 
     def __init__(self) -> None:
         self._counting, self._busy = Lock(), Lock()
@@ -201,7 +202,7 @@ class Turns:
 
     @contextmanager
     def turn(self) -> Iterator[None]:
-        """Wait until nobody else is inside; OvertakenError if another one came while this one waited."""
+        """Wait until no other thread is inside; OvertakenError if another thread arrived in the meantime."""
         with self._counting:
             self._newest += 1
             mine = self._newest

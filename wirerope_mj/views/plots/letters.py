@@ -1,4 +1,4 @@
-"""Fonts of pictures: the package's own, those of this machine that have other letters, and what no font has."""
+"""Fonts of pictures: the package's own, fonts of this machine for other letters, and warnings of missing letters."""
 
 import os
 import re
@@ -17,7 +17,7 @@ FAMILY = "DejaVu Sans"
 _COMMON = re.compile("[\\s\u0020-\u007e\u00a0-\u017f\u0370-\u0377\u037a-\u037e\u0384-\u038a\u038c\u038e-\u03a1\u03a3-\u04ff"
                      "\u2010-\u2027\u2030-\u205e\u2070\u2071\u2074-\u208e\u2190-\u22ff]*")  # fmt: skip
 _FONTS = {".ttf", ".otf", ".ttc", ".otc"}
-_MOST = 5  # names that a message quotes
+_MOST_QUOTED = 5  # names that a message quotes
 
 
 BROUGHT = tuple(str(Path(__file__).parent / "fonts" / name) for name in ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf"))
@@ -25,16 +25,16 @@ BROUGHT = tuple(str(Path(__file__).parent / "fonts" / name) for name in ("DejaVu
 
 
 def fonts_for(text: str) -> list[str]:
-    """Return the files of fonts that have the letters of a text, the package's own first; warn of letters that none has."""
+    """Find fonts that have the letters of a text, the package's own first; warn of letters that no font has."""
     files = list(BROUGHT)
     if _COMMON.fullmatch(text):
         return files
     missing = {letter for letter in text if letter.isprintable() and not letter.isspace()} - _letters_in(files[0])
     # A plain face before bold and slanted ones, which one font has of the same letters.
     for path in sorted(_system_fonts(), key=lambda path: ("Regular" not in path, "Sans" not in path, path)) if missing else ():
-        if here := missing & _letters_in(path):
+        if found := missing & _letters_in(path):
             files.append(path)
-            missing -= here
+            missing -= found
         if not missing:
             break
     warn_of_letters(text, missing)
@@ -43,29 +43,30 @@ def fonts_for(text: str) -> list[str]:
 
 @cache
 def _letters_in(path: str) -> frozenset[str]:
+    """Read the letters of a font file; empty if it cannot be read."""
     from fontTools.ttLib import TTFont, TTLibError
 
     try:
         with TTFont(path, fontNumber=0, lazy=True) as font:
             return frozenset(map(chr, font.getBestCmap() or ()))
-    except (OSError, TTLibError, AssertionError, KeyError):  # not what its name says
+    except (OSError, TTLibError, AssertionError, KeyError):  # no readable font
         return frozenset()
 
 
 def _system_fonts() -> list[str]:
-    """Return the files of this machine's fonts, where its system keeps them."""
+    """Find the font files in the folders of this machine's system."""
     home, windows = Path.home(), os.environ.get("WINDIR", "C:/Windows")
-    kept: dict[str, list[str | Path]] = {
+    by_platform: dict[str, list[str | Path]] = {
         "win32": [f"{windows}/Fonts", home / "AppData/Local/Microsoft/Windows/Fonts"],
         "darwin": ["/System/Library/Fonts", "/Library/Fonts", home / "Library/Fonts"],
     }
-    elsewhere: list[str | Path] = ["/usr/share/fonts", "/usr/local/share/fonts", home / ".local/share/fonts", home / ".fonts"]
-    folders = kept.get(sys.platform, elsewhere)
+    of_linux: list[str | Path] = ["/usr/share/fonts", "/usr/local/share/fonts", home / ".local/share/fonts", home / ".fonts"]
+    folders = by_platform.get(sys.platform, of_linux)
     return [str(path) for folder in folders for path in Path(folder).rglob("*") if path.suffix.lower() in _FONTS]
 
 
 def text_of(markup: str) -> str:
-    """Return what is read of a page or a drawing, a line for each of its texts."""
+    """Extract the texts that are read on a page or a drawing, one a line."""
     return unescape(re.sub(r"(?s)<(style|script)\b.*?</\1>|<[^>]*>", "\n", markup))
 
 
@@ -75,8 +76,8 @@ def warn_of_letters(text: str, missing: Collection[str]) -> None:
         return
     word = rf"\S*[{re.escape(''.join(sorted(missing)))}]\S*"
     names = list(dict.fromkeys(re.findall(rf"{word}(?: {word})*", text)))
-    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
-    quoted = ", ".join(f'"{short(name, 40)}"' for name in names[:_MOST])
+    more = f" and {len(names) - _MOST_QUOTED} more" if len(names) > _MOST_QUOTED else ""
+    quoted = ", ".join(f'"{short(name, 40)}"' for name in names[:_MOST_QUOTED])
     warnings.warn(
         f"no font of this machine has the letters of {quoted}{more}: boxes stand in their place. Install a font that has them "
         "(on Debian the package fonts-noto-cjk for Chinese, Japanese and Korean), and write this again.",

@@ -15,24 +15,24 @@ from wirerope_mj.views.plots.scene_svg import Box, covered_area
 from wirerope_mj.views.plots.svg_chart import number_text, safe_text
 
 _MILLI = 1e3
-_WIDTH, _PART = 1040.0, 0.6  # of the drawing, and of it what the plan takes
-_LEFT, _RIGHT, _TOP, _BOTTOM = 74.0, 14.0, 26.0, 44.0  # about the frame of a view, dimensions apart
+_WIDTH, _PART = 1040.0, 0.6  # width of the drawing, and fraction of it for the plan
+_LEFT, _RIGHT, _TOP, _BOTTOM = 74.0, 14.0, 26.0, 44.0  # margins of the frame of a view, without dimensions
 _TALLEST = 430.0  # height of a frame
-_LEVEL = 11.0  # between dimensions that stand below each other
-_LETTER = 0.58  # mean width of a letter, of its height
+_LEVEL = 11.0  # distance of dimensions below each other
+_LETTER = 0.58  # mean width of a letter over its height
 _KEY = 60  # letters of a line of the key
 _INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
 _MOUNT, _STOP, _POINT, _BODY = (hexadecimal(LIGHT.series[number]) for number in (0, 1, 3, 2))
 
 
 def save_plan(layout: Layout, path: Path) -> None:
-    """Write the drawing as .svg, .png or .pdf, as the path ends. Every text is shown as it is, whatever is in a name."""
+    """Write the drawing as .svg, .png or .pdf by the path's suffix; names are escaped."""
     svg, height = plan_svg(layout)
     save_svg(svg, (_WIDTH, height), path)
 
 
 def plan_svg(layout: Layout) -> tuple[str, float]:
-    """Return the drawing in mm and its height: mounts with their directions, stops, points, masses, dimensions."""
+    """Draw mounts with their directions, stops, points, masses and dimensions in mm; return the drawing and its height."""
     ends = [_MILLI * placed.position for placed in (*layout.mounts, *layout.stops)] + [_MILLI * layout.payload.centre]
     ends += [_MILLI * point.position for point in (*layout.points, *layout.forces)]
     for centre, size in [(box.centre, box.size) for box in layout.envelope] + [
@@ -66,7 +66,7 @@ def plan_svg(layout: Layout) -> tuple[str, float]:
 
 
 def _view(layout: Layout, title: str, across: int, up: int, low: Array, high: Array, scale: float) -> tuple[str, float]:
-    """Return a view with its labels and dimensions, and its height."""
+    """Draw a view with its labels and dimensions; return it and its height."""
     pick = [across, up]
     corner, size = low[pick], scale * (high - low)[pick]
 
@@ -74,7 +74,8 @@ def _view(layout: Layout, title: str, across: int, up: int, low: Array, high: Ar
         x, y = scale * (_MILLI * position[pick] - corner)
         return np.array([x, size[1] - y])
 
-    parts, taken, named = [*_axes(title, across, up, corner, size, scale)], list[Box](), list[tuple[Array, float, str, str]]()
+    parts, named = [*_axes(title, across, up, corner, size, scale)], list[tuple[Array, float, str, str]]()
+    occupied: list[Box] = []
     for box in layout.envelope:
         parts.append(_rectangle(place, box.centre, box.size, 'fill="none" stroke-dasharray="5 3"'))
     for mass in layout.masses:
@@ -83,29 +84,29 @@ def _view(layout: Layout, title: str, across: int, up: int, low: Array, high: Ar
         corners = [place(mass.properties.centre + 0.5 * sign * uniform) for sign in (-1.0, 1.0)]
         named.append((np.minimum(*corners) + (1.0, 10.0), 0.0, mass.name, _BODY))
     reach = _MILLI * float(np.ptp([mount.position for mount in layout.mounts], axis=0).max()) or 100.0
-    together: dict[tuple[int, ...], list[str]] = {}
+    coincident: dict[tuple[int, ...], list[str]] = {}
     for mount in layout.mounts:
         x, y = at = place(mount.position)
         tip = at + 0.12 * scale * reach * mount.axes[2][pick] * (1.0, -1.0)
         parts.append(_arrow(at, tip))
-        taken.append((*np.minimum(at, tip).tolist(), *np.maximum(at, tip).tolist()))
+        occupied.append((*np.minimum(at, tip).tolist(), *np.maximum(at, tip).tolist()))
         parts.append(f'<rect x="{x - 3:.1f}" y="{y - 3:.1f}" width="6" height="6" fill="{_MOUNT}"/>')
-        taken.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
-        together.setdefault(tuple(np.rint(at).astype(int).tolist()), []).append(mount.name)
+        occupied.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
+        coincident.setdefault(tuple(np.rint(at).astype(int).tolist()), []).append(mount.name)
     for stop in layout.stops:
         x, y = place(stop.position)
         parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.2" fill="none" stroke="{_STOP}" stroke-width="1.4"/>')
-        taken.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
+        occupied.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
     for point in (*layout.points, *layout.forces):
         x, y = at = place(point.position)
         parts.append(f'<path d="M{x - 4:.1f} {y:.1f}h8m-4-4v8" stroke="{_POINT}" stroke-width="1.4"/>')
-        taken.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
+        occupied.append((x - 4.0, y - 4.0, x + 4.0, y + 4.0))
         named.append((at, 5.0, point.name, _POINT))
     x, y = place(layout.payload.centre)
     parts.append(_centre_mark(x, y))
-    taken.append((x - 6.0, y - 6.0, x + 6.0, y + 6.0))
-    named += [(np.array(at, dtype=np.float64), 5.0, _listed(names), _MOUNT) for at, names in together.items()]
-    parts += _labels(named, taken, size)
+    occupied.append((x - 6.0, y - 6.0, x + 6.0, y + 6.0))
+    named += [(np.array(at, dtype=np.float64), 5.0, _listed(names), _MOUNT) for at, names in coincident.items()]
+    parts += _labels(named, occupied, size)
     coordinates = _MILLI * np.array([mount.position for mount in layout.mounts] + [layout.payload.centre])
     below, depth = _dimensions(coordinates[:, across], corner[0], scale, outwards=_LEVEL)
     aside, _ = _dimensions(coordinates[:, up], corner[1], scale, outwards=-_LEVEL)
@@ -115,7 +116,7 @@ def _view(layout: Layout, title: str, across: int, up: int, low: Array, high: Ar
 
 
 def _uniform_box(inertia: Array, mass: float) -> Array:
-    """Return the sides [m] of the uniform box that has a mass's moments of inertia."""
+    """Compute the sides [m] of the uniform box that has a mass's moments of inertia."""
     moments = np.diag(inertia)
     return np.asarray(np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / mass, 0.0)))
 
@@ -144,7 +145,7 @@ def _rectangle(place: Callable[[Array], Array], centre: Array, size: Array, look
 
 
 def _arrow(start: Array, end: Array) -> str:
-    """Return an arrow; nothing where it is seen from its end."""
+    """Draw an arrow; "" where it is seen from its end."""
     length = float(np.hypot(*(end - start)))
     if length < 1.0:
         return ""
@@ -156,30 +157,30 @@ def _arrow(start: Array, end: Array) -> str:
 
 
 def _centre_mark(x: float, y: float) -> str:
-    """Return the mark of a centre of mass: a circle with two quarters filled."""
+    """Draw the mark of a centre of mass: a circle with two quarters filled."""
     quarters = f"M{x:.1f} {y:.1f}v-5a5 5 0 0 1 5 5zM{x:.1f} {y:.1f}v5a5 5 0 0 1-5-5z"
     return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="#fff" stroke="#000"/><path d="{quarters}" fill="#000"/>'
 
 
-def _labels(named: Sequence[tuple[Array, float, str, str]], taken: list[Box], size: Array) -> Iterator[str]:
-    """Yield names, each at that side of its mark where it covers the least of marks, of other names, and of the frame."""
+def _labels(named: Sequence[tuple[Array, float, str, str]], occupied: list[Box], size: Array) -> Iterator[str]:
+    """Yield names, each beside its mark where it overlaps marks, other names and the frame least."""
     for (x, y), away, name, colour in named:
         width, height = _LETTER * 9.0 * len(name), 9.0
         left = [x + away, x - away - width] if away else [x + 2.0, x + 2.0]
         tops = [y - height - away + 2.0, y + away - 2.0, y - height - 12.0, y + 12.0, y + 22.0, y - height - 22.0]
         boxes = [(at, top, at + width, top + height) for top in tops for at in left]
         beyond = [(max(-box[0], 0.0) + max(box[2] - size[0], 0.0)) * height for box in boxes]
-        covered = [covered_area(box, taken) + out for box, out in zip(boxes, beyond, strict=True)]
+        covered = [covered_area(box, occupied) + out for box, out in zip(boxes, beyond, strict=True)]
         best = boxes[int(np.argmin(covered))]
-        taken.append(best)
+        occupied.append(best)
         where = f'x="{best[0]:.1f}" y="{best[3] - 1.5:.1f}" font-size="9" fill="{colour}"'
         yield f'<text class="name" {where} paint-order="stroke" stroke="#fff" stroke-width="2">{safe_text(name)}</text>'
 
 
 def _dimensions(values: Array, origin: float, scale: float, *, outwards: float) -> tuple[str, float]:
-    """Return the chain of dimensions between distinct coordinates [mm], 1 mm apart or more.
+    """Draw the chain of dimensions between distinct coordinates [mm], 1 mm apart or more.
 
-    What does not fit beside its neighbour stands a level farther `outwards`; the second value is how far the levels reach.
+    A text that does not fit beside its neighbour moves a level `outwards`; the second value is the extent of all levels.
     """
     marks: list[float] = []
     for value in sorted(values):
@@ -190,7 +191,7 @@ def _dimensions(values: Array, origin: float, scale: float, *, outwards: float) 
     places = [scale * (mark - origin) for mark in marks]
     ticks = "".join(f"M{x - 3:.1f} 3l6-6" for x in places)
     parts = [f'<path d="M{places[0]:.1f} 0H{places[-1]:.1f}{ticks}" fill="none" stroke="{_INK}" stroke-width="0.8"/>']
-    ends: list[float] = []  # of what stands on each level
+    ends: list[float] = []  # of the texts on each level
     for (first, second), left, right in zip(zip(marks, marks[1:], strict=False), places, places[1:], strict=False):
         text, middle = f"{second - first:.0f}", 0.5 * (left + right)
         half = 0.5 * _LETTER * 9.0 * len(text) + 2.0
@@ -202,7 +203,7 @@ def _dimensions(values: Array, origin: float, scale: float, *, outwards: float) 
 
 
 def _key(layout: Layout) -> tuple[str, float]:
-    """Return the figures of the payload, the isolators and what the marks mean, and the height that they take."""
+    """Write the key of payload figures, isolators and marks; return it and its height."""
     payload, inertia = layout.payload, layout.payload.inertia
     x, y, z = _MILLI * payload.centre
     kinds: dict[str, list[str]] = {}

@@ -29,9 +29,9 @@ _MARKERS = (
 )  # fmt: skip
 _TALLEST, _TALLEST_HALF, _LOWEST = 195.0, 150.0, 50.0  # height of one view, of one of half the width, and of any
 _LEFT, _RIGHT, _TOP, _BOTTOM = 40.0, 10.0, 20.0, 32.0
-_ROOM = 0.05  # around the drawing, of its width
-_STEPS = 10.0  # to a unit, to which corners are rounded
-_LETTER = 0.56  # mean width of a letter, of its height
+_MARGIN = 0.05  # around the drawing, as a fraction of its width
+_ROUNDING = 10.0  # fractions of a unit to which corners are rounded
+_LETTER = 0.56  # mean width of a letter over its height
 _ROW = 15.0  # height of an entry of the key
 _NAME = 7.5  # height of the letters of a mount's name
 WIDTH = 600.0  # Width of a drawing over the whole page, in its units
@@ -71,23 +71,23 @@ def scene_svgs(view: SceneView) -> list[str]:
                 shown.append(f'<circle class="{"over" if view.exceeded else "ring"}" {circle}/>')
                 shown.append(f'<text class="name" {text}>{name}</text>')
         shift = _LEFT + 0.5 * (width - _LEFT - _RIGHT - size[0])
-        head = _opening(width, size[1] + _TOP + _BOTTOM, f"{scene.name} {side.title}", int(WIDTH / width))
+        head = _svg_head(width, size[1] + _TOP + _BOTTOM, f"{scene.name} {side.title}", int(WIDTH / width))
         content = "".join([*_axes(side, size, place), *shown])
         parts.append(f'{head}<g transform="translate({shift:.1f} {_TOP:g})">{content}</g></svg>')
     return [*parts, _key(scene)] if moved is None and scene.mounts else parts
 
 
-def _opening(width: float, height: float, what: str, columns: int) -> str:
+def _svg_head(width: float, height: float, label: str, columns: int) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="scene in{columns}" viewBox="0 0 {width:g} {height:.1f}" role="img" '
-        f'aria-label="{safe_text(what)}" font-family="Helvetica, Arial, sans-serif" font-size="9" fill="{_INK}">'
+        f'aria-label="{safe_text(label)}" font-family="Helvetica, Arial, sans-serif" font-size="9" fill="{_INK}">'
     )
 
 
 def _frame(drawn: DrawnScene, view: View, width: float, tallest: float) -> tuple[Place, tuple[float, float]]:
-    """Map points of a view [m], (.., 2), into a drawing of equal scales; find the size of its axes."""
+    """Find the map from points of a view [m], (.., 2), to a drawing of equal scales, and the size of its axes."""
     low, high = (view.seen(end) for end in (drawn.low, drawn.high))
-    room = _ROOM * max(float((high - low).max()), 1e-3)
+    room = _MARGIN * max(float((high - low).max()), 1e-3)
     low, high = low - room, high + room
     scale = min((width - _LEFT - _RIGHT) / (high[0] - low[0]), tallest / (high[1] - low[1]))
     size = np.maximum(scale * (high - low), (0.0, _LOWEST))
@@ -122,7 +122,7 @@ def _shapes(drawn: Sequence[Outline], place: Place, *, pale: bool = False) -> It
     stroke = 'fill="none" stroke="#b9c0c8" stroke-dasharray="3 2"' if pale else 'stroke="#8b8f94"'
     yield f'<g {stroke} stroke-width="0.5">'
     for outline in drawn:
-        corners = np.rint(_STEPS * place(outline.corners)) / _STEPS
+        corners = np.rint(_ROUNDING * place(outline.corners)) / _ROUNDING
         points = " ".join(f"{x:g},{y:g}" for x, y in corners.tolist())
         colour = "".join(f"{round(255 * part):02x}" for part in outline.colour[:3])
         fill = "" if pale else f' fill="#{colour}" fill-opacity="{outline.colour[3]:.3g}"'
@@ -147,22 +147,22 @@ def _mark(number: int, at: Array) -> str:
 
 
 def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:
-    """Yield the mounts' labels, each at that corner of its mark where it covers the least of those before it."""
-    taken: list[Box] = []
+    """Yield the mounts' labels, each at the corner of its mark where it overlaps earlier labels least."""
+    occupied: list[Box] = []
     for at, names in label_groups(scene, view):
         text = shared_label(names)
         x, y = place(at).tolist()
         width = _LETTER * _NAME * len(text)
         corners = [(left, base) for base in (y - 4.0, y + 4.0 + _NAME) for left in (x + 4.0, x - 4.0 - width)]
         boxes = [(left, base - _NAME, left + width, base) for left, base in corners]
-        best = min(boxes, key=lambda box: covered_area(box, taken))
-        taken.append(best)
+        best = min(boxes, key=lambda box: covered_area(box, occupied))
+        occupied.append(best)
         yield f'<text class="name" x="{best[0]:.1f}" y="{best[3]:.1f}" font-size="{_NAME}">{safe_text(text)}</text>'
 
 
-def covered_area(box: Box, taken: Sequence[Box]) -> float:
+def covered_area(box: Box, occupied: Sequence[Box]) -> float:
     """Sum the areas that a box shares with others, in units of the drawing squared."""
-    shared = (np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2]) for other in taken)
+    shared = (np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2]) for other in occupied)
     return sum(float(np.maximum(size, 0.0).prod()) for size in shared)
 
 
@@ -175,7 +175,7 @@ def _key(scene: Scene) -> str:
             f'{_mark(number, np.array([x, y]))}<text x="{x + 9:.1f}" y="{y + 3.2:.1f}">{safe_text(short(device))}</text>'
         )
     height = _ROW * (1 + (len(devices) - 1) // columns)
-    return f"{_opening(WIDTH, height, 'Marks of the isolators', 1)}{''.join(parts)}</svg>"
+    return f"{_svg_head(WIDTH, height, 'Marks of the isolators', 1)}{''.join(parts)}</svg>"
 
 
 def _devices(scene: Scene) -> list[str]:

@@ -1,7 +1,7 @@
-"""Charts as SVG that stands in a page: its texts can be selected, its colours follow the page's theme, its curves be read.
+"""Charts as SVG inside a page: texts can be selected, colours follow the page's theme, and curves can be read off.
 
-Written here and not by a library: matplotlib draws letters as outlines and takes half a second for each chart, and what draws
-charts in a browser comes as a script of megabytes, which a PDF does not run.
+No library draws them: matplotlib draws letters as outlines and takes half a second for each chart, and libraries for browsers
+are scripts of megabytes, which a PDF does not run.
 """
 
 from collections.abc import Sequence
@@ -18,16 +18,16 @@ from wirerope_mj.views.colours import LIGHT, Color, field_colours, field_key, he
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 _GAP = 66.0  # between two panels
-_TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0
+_TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0  # heights of titles, lines of the legend, axis texts, gaps
 _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
-_MARK = 3.6  # across a dot
-_MANY = 2000  # dots from which those that cover each other are drawn once
+_MARK = 3.6  # diameter of a dot
+_MANY = 2000  # dots above which dots that cover each other are drawn once
 _SWATCH_BAR = 9.0  # height of a bar or a colour in the legend
-_FINE = 1 / 500  # of a panel's height, that a line may be off
-_CLOSE = 0.1  # units that one on logarithmic axes may be off: the places are rounded to it
-_DECADE = 60.0  # of a logarithmic axis, from which on there is room for lines at 2, 3, .. 9
-_ROOM = 0.05  # of the range, left free above and below
+_FINE = 1 / 500  # tolerance of a line, as a fraction of a panel's height
+_CLOSE = 0.1  # tolerance of a line on logarithmic axes, to which positions are rounded
+_DECADE = 60.0  # length of a decade above which there are lines at 2, 3, .. 9
+_ROOM = 0.05  # fraction of the range, left free above and below
 
 
 def chart_svg(chart: Chart) -> str:
@@ -51,6 +51,7 @@ def chart_svg(chart: Chart) -> str:
 
 
 def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
+    """Draw the legend of all panels, each name once; return it and its height."""
     entries: dict[str, tuple[str, str]] = {}
     for panel in panels:
         for curve in panel.curves:
@@ -72,6 +73,7 @@ def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
 
 
 def _panel(panel: Panel, left: float, top: float, width: float, height: float, away: float, *, labelled: bool) -> str:
+    """Draw a panel with bands, grid, curves, limits and notes; `away` is the distance of the axis label."""
     (x0, x1), (y0, y1) = _ranges(panel)
     logs = "x" in panel.log, "y" in panel.log
     across = _Scale(x0, x1, left, left + width, logs[0])
@@ -126,7 +128,7 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
 
 
 class _Scale:
-    """Places of values along an axis."""
+    """Maps values to positions along a linear or logarithmic axis."""
 
     def __init__(self, low: float, high: float, first: float, last: float, log: bool) -> None:
         self.low, self.high, self.log = low, high, log
@@ -135,7 +137,7 @@ class _Scale:
         self._first = first
 
     def __call__(self, value: float) -> float:
-        """Place one value."""
+        """Map a value to its position."""
         return self._first + ((log10(value) if self.log else value) - self._from) * self._scale
 
     def of(self, values: Array) -> Array:
@@ -144,6 +146,7 @@ class _Scale:
 
 
 def _ranges(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Find the ranges of both axes, by the panel, or by its curves and the limits that they come near."""
     every = [*(curve.x for curve in panel.curves), *([panel.field.x] if panel.field else [])]
     xs = panel.xlim or (min(float(x.min()) for x in every), max(float(x.max()) for x in every))
     if xs[0] == xs[1]:
@@ -257,10 +260,11 @@ def _color(curve: Curve) -> Color:
 
 
 def _look(curve: Curve, bar: float = 0.0) -> str:
+    """Write class, colour, width and dashes of a curve as attributes."""
     kind, color = curve.kind, _color(curve)
     name = str(kind) if isinstance(kind, str) else f"c{kind}"
     width = round(bar, 1) or curve.weight * (_MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5)
-    cap = ' stroke-linecap="round"' if curve.marks else ""  # a mark is a line of no length with round ends
+    cap = ' stroke-linecap="round"' if curve.marks else ""  # a dot is a line of zero length with round ends
     faint = f' stroke-opacity="{curve.opacity:.2g}"' if curve.opacity < 1.0 else ""
     dash = f' stroke-dasharray="{_DASHES[curve.dash]}"' if curve.dash else ""
     return f'class="{name}" fill="none" stroke="{hexadecimal(color)}" stroke-width="{width:g}"{cap}{dash}{faint}'
