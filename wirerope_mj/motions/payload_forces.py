@@ -149,7 +149,7 @@ class HarmonicForce(PayloadForce):
         if any(self.force):
             parts.append(f"force ({', '.join(f'{part:.4g}' for part in self.force)}) N")
         if any(self.moment):
-            parts.append(f"moment ({', '.join(f'{one:.4g}' for one in self.moment)}) N m")
+            parts.append(f"moment ({', '.join(f'{part:.4g}' for part in self.moment)}) N m")
         return f"{' and '.join(parts)} at {self.site}, {self.frequency:.4g} Hz", 1.0 / self.frequency
 
 

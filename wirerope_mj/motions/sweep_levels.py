@@ -12,7 +12,7 @@ from wirerope_mj.foundation.arrays import Array, ComplexArray
 _SERIES_FROM = 50.0
 _FACTORIALS = np.array([math.factorial(n) for n in range(30)], dtype=float)
 _HARMONIC_FACTORIALS = _FACTORIALS * np.concatenate([[0.0], np.cumsum(1 / np.arange(1.0, 30.0))])
-_FEW_FROM, _FEW = 1000.0, 16  # u from which 16 terms give every bit of the sum: 16! / 1000^16 is 2e-35.
+_FEW_FROM, _FEW_TERMS = 1000.0, 16  # u from which 16 terms give every bit of the sum: 16! / 1000^16 is 2e-35.
 # Step of the double-exponential rule: measured error 4e-10 at 1/10, 5e-12 at 1/12, roundoff (2e-15) from 1/16 on.
 # Its nodes run from where exp(-exp(4)) to where exp(-exp(3.8)) is below 1e-19.
 _STEP = 1 / 16
@@ -45,7 +45,7 @@ def oscillating_tail(u: Array, order: int) -> ComplexArray:
 def _by_series(u: Array, order: int) -> ComplexArray:
     """Return h1 or h2 by its series; with q = -i/u: h1 = (i/u) sum n! q^n and h2 = -(i/u) sum n! (1 + 1/2 + ... + 1/n) q^n."""
     factors = _FACTORIALS if order == 1 else _HARMONIC_FACTORIALS
-    factors = factors[:_FEW] if u.min(initial=np.inf) >= _FEW_FROM else factors
+    factors = factors[:_FEW_TERMS] if u.min(initial=np.inf) >= _FEW_FROM else factors
     q = -1j / u
     total = np.full(u.shape, factors[-1], dtype=complex)
     for factor in factors[-2::-1]:  # in place: as `polyval` has it, which takes new memory for every term
@@ -55,6 +55,7 @@ def _by_series(u: Array, order: int) -> ComplexArray:
 
 
 def _by_quadrature(u: Array, order: int) -> ComplexArray:
+    """Return h1 or h2 by the double-exponential rule."""
     h = np.zeros(u.shape, dtype=complex)
     for y, weight in zip(_NODES, _WEIGHTS, strict=True):
         term = 1j * weight / (u + 1j * y)

@@ -148,10 +148,10 @@ class Unbalance(PayloadForce):
     def _described(self) -> tuple[str, float]:
         """Describe the unbalance in a line, such as `unbalance 0.02 kg m at engine about x, 25 Hz`."""
         about, along = (direction_text(direction) for direction in (self.axis or "z", self.line or "z"))
-        way = f"about {about}" if self.axis is not None else f"along {along}"
+        orientation = f"about {about}" if self.axis is not None else f"along {along}"
         speed = f"{self.frequency:.4g} Hz"
         if self.final_frequency is not None:
             speed = f"{self.frequency:.4g} to {self.final_frequency:.4g} Hz in {self.run_up:.4g} s"
         order = f", order {self.order:g}" if self.order != 1.0 else ""
         period = 1.0 / (self.order * max(self.frequency, self.final_frequency or 0.0))
-        return f"unbalance {self.unbalance:.4g} kg m at {self.site} {way}, {speed}{order}", period
+        return f"unbalance {self.unbalance:.4g} kg m at {self.site} {orientation}, {speed}{order}", period

@@ -21,12 +21,12 @@ _PULSE_END, _VIBRATION_END = 0.1, 0.5
 _TOP, _FALL, _STEPS = 3, 0.02, 20.0
 # runs at the limit that clipped noise has at least, and how many times as many samples it has there as within a fraction of
 # the range, or two steps of the converter, below: noise that is not clipped has fewer at its largest value than just below
-_RUNS, _CROWDED, _JUST = 4, 3.0, 0.002
+_RUNS, _CROWDED, _BELOW_TOP = 4, 3.0, 0.002
 # fraction of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of
 # what a sensor measured take more than a sample
 _JUMP = 0.99
 # relative error within which a level at rest is what gravity would be in another unit: tilt and calibration are less
-_NEAR = 0.03
+_GRAVITY_ERROR = 0.03
 # peaks beyond which units are questioned [m/s^2]: 10 000 g is gunfire on bare steel, 1 mg the noise of most sensors
 LARGEST_PEAK, SMALLEST_PEAK = 1e5, 1e-2
 LARGEST_RATE, SMALLEST_RATE = 2e6, 20.0  # sampling beyond which the unit of time is questioned [Hz]
@@ -155,7 +155,7 @@ def _wrong_unit(axis: str, rest: float | None, reading: Reading, corrected: bool
     if unit.startswith("mm"):
         guesses = [(g, ""), (g / 1000.0, "m/s^2"), (1e-3, "g")]
     for value, other in guesses:
-        if abs(abs(rest) - value) <= _NEAR * value:
+        if abs(abs(rest) - value) <= _GRAVITY_ERROR * value:
             level = f"along {axis} it rests at {reading.text(rest)}, "
             if other:
                 yield (
@@ -204,7 +204,7 @@ def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
             continue  # a rectangle, reached and left in one sample each: it was written so, not measured
         flanks = [i for i in (first - length, first + 2 * length - 1) if 0 <= i < a.size]
         fall = min((abs(float(a[i]) - extreme) for i in flanks), default=0.0)
-        near = max(_JUST * (high - low), 2.5 * _converter_step(a))
+        near = max(_BELOW_TOP * (high - low), 2.5 * _converter_step(a))
         below = np.count_nonzero(np.abs(a - extreme) <= near) - np.count_nonzero(at_extreme)
         runs = np.count_nonzero(np.diff(at_extreme)) // 2
         noisy = runs >= _RUNS and np.count_nonzero(at_extreme) > _CROWDED * below

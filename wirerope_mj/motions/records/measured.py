@@ -184,12 +184,12 @@ class Measured(Summarised):
         for channel in self.channels:
             if key in (channel.key, channel.column):
                 return channel
-        raise KeyError(f"{self.name} has no channel {key!r}; it has {', '.join(one.key for one in self.channels)}.")
+        raise KeyError(f"{self.name} has no channel {key!r}; it has {', '.join(channel.key for channel in self.channels)}.")
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         first = self.channels[0]
         return f"Measured {self.name}: {first.time[-1] - first.time[0]:.4g} s at {first.rate:.6g} Hz", {
-            one.key: f"peak {quantity(float(np.abs(one.values).max()), SI[one.quantity])}" for one in self.channels
+            c.key: f"peak {quantity(float(np.abs(c.values).max()), SI[c.quantity])}" for c in self.channels
         }
 
     @cached_property
@@ -198,13 +198,13 @@ class Measured(Summarised):
 
         RecordError: the map names no acceleration of the base, or the clock is not the file's.
         """
-        parts = {one.column: one for one in self.channels if one.subject == "base" and one.quantity == "acceleration"}
+        parts = {c.column: c for c in self.channels if c.subject == "base" and c.quantity == "acceleration"}
         if not parts:
             raise RecordError(
                 f"{self.path}: no column is mapped to the base's acceleration. Map one, for instance "
                 f'channels={{"A0": "base z g"}} (--map "A0=base z g").'
             )
-        units = {one.unit for one in parts.values()}
+        units = {channel.unit for channel in parts.values()}
         if self.clock != 1.0 or len(units) > 1:
             fault = f"its units are {', '.join(units)}" if len(units) > 1 else f"its clock is changed by {self.clock!r}"
             raise RecordError(
@@ -212,10 +212,10 @@ class Measured(Summarised):
                 "with one unit for all axes."
             )
         directions: dict[str, Direction] = {}
-        for column, one in parts.items():
+        for column, channel in parts.items():
             sign = parse_channel(column, self.phrases[column]).sign
-            x, y, z = (sign * (one.axis == axis) for axis in ("x", "y", "z"))
-            directions[column] = (x, y, z) if sign < 0.0 else one.axis
+            x, y, z = (sign * (channel.axis == axis) for axis in ("x", "y", "z"))
+            directions[column] = (x, y, z) if sign < 0.0 else channel.axis
         return load_record(
             self.path, channels=directions, baseline=self.baseline, start=self.start, gaps=self.gaps, unit=units.pop()
         )
@@ -289,9 +289,9 @@ def load_measured(
                 absolute=phrase.absolute, column=column, unit=unit,
             )  # fmt: skip
         )  # fmt: skip
-    for one in found:
-        if len(alike := [other.column for other in found if other.key == one.key]) > 1:
-            raise ValueError(f"`channels` must be different measurements, got {one.key!r} for {' and '.join(alike)}.")
+    for channel in found:
+        if len(alike := [other.column for other in found if other.key == channel.key]) > 1:
+            raise ValueError(f"`channels` must be different measurements, got {channel.key!r} for {' and '.join(alike)}.")
     for message in messages:
         warnings.warn(f"{file}: {message}", RecordWarning, stacklevel=2)
     return Measured(

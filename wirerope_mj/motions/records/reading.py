@@ -10,12 +10,12 @@ from wirerope_mj.foundation.directions import Direction, unit_vector
 from wirerope_mj.foundation.units import ACCELERATION_UNITS
 
 # a record rests at its median if so many of its samples lie near it, within a fraction of its range or of the median
-_RESTS, _BAND, _NEAR = 0.3, 0.02, 0.1
+_REST_SHARE, _BAND, _NEAR_LEVEL = 0.3, 0.02, 0.1
 # median deviations, three standard deviations of noise, within which samples are quiet; samples that give the median
 _NOISE, _ENOUGH = 4.5, 100_000
 _ERRORS = 7.4  # four standard errors of a median of noise, in median deviations over the root of the number of samples
 # least samples at either end that say whether a record begins or ends quietly; fraction of samples one step off a level
-_FEW, _DITHERED = 16, 0.05
+_END_SAMPLES, _DITHERED = 16, 0.05
 # half waves above a tenth of the peak up to which a record is of a pulse, which begins and ends near zero
 _PULSE_WAVES = 10
 
@@ -55,12 +55,12 @@ def quiet_level(a: Array) -> float | None:
     A level that is neither at the beginning nor at the end is the top of a pulse.
     """
     middle = float(np.median(a))
-    band = max(_BAND * float(np.ptp(a)), _NEAR * abs(middle))
-    if np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size < _RESTS:
+    band = max(_BAND * float(np.ptp(a)), _NEAR_LEVEL * abs(middle))
+    if np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size < _REST_SHARE:
         return None
     deviation = np.abs(a - middle)
     spread = float(np.median(deviation[:: max(1, deviation.size // _ENOUGH)]))
-    few = max(_FEW, a.size // 50)
+    few = max(_END_SAMPLES, a.size // 50)
     for part in (a[:few], a[-few:]):  # is its median the level, but for what its own noise does to it or for what is near?
         level = float(np.median(part))
         noise = _ERRORS * float(np.median(np.abs(part - level))) / np.sqrt(part.size)
@@ -89,13 +89,13 @@ def level_at_rest(a: Array) -> float | None:
 
     A response may ring on until its record ends, so that it is near its level nowhere but before the event.
     """
-    few, level = max(_FEW, a.size // 50), quiet_level(a)
+    few, level = max(_END_SAMPLES, a.size // 50), quiet_level(a)
     if level is not None:
         return level
     middle = float(np.median(a[:few]))
     quiet = _NOISE * float(np.median(np.abs(a[:few] - middle)))
     onset = int(np.argmax(np.abs(a - middle) > max(2.0 * quiet, _BAND * float(np.ptp(a)))))
-    if onset < few or quiet > _NEAR * float(np.ptp(a)):
+    if onset < few or quiet > _NEAR_LEVEL * float(np.ptp(a)):
         return None
     before = a[:onset]
     return float(before[np.abs(before - middle) <= quiet].mean())

@@ -22,7 +22,7 @@ _REGULAR = 0.9  # fraction of equal intervals from which on the others are gaps 
 _GAP = 1.5  # usual intervals from which on a longer one is a gap
 _FEWEST = 16  # samples below which a record was written by hand and means the straight lines between its corners
 # usual intervals from which on nothing but a straight line is drawn between two samples: a curve would run away
-_FAR = 3.0
+_LONG_INTERVAL = 3.0
 _FINEST = 8  # instants per usual interval at which an uneven record is interpolated, at most, before the filter
 # anti-alias filter: attenuation from the Nyquist frequency up, and fraction of it up to which all passes
 _STOP_DB, _PASS = 80.0, 0.8
@@ -196,7 +196,7 @@ def _curved(reading: Reading, time: Array, usual: float) -> Reading:
     if reading.time.size < _FEWEST:
         return straight
     interval = np.clip(np.searchsorted(reading.time, time, side="right") - 1, 0, reading.time.size - 2)
-    dense = np.diff(reading.time)[interval] < _FAR * usual
+    dense = np.diff(reading.time)[interval] < _LONG_INTERVAL * usual
     for column, result in zip(reading.samples.T, straight.samples.T, strict=True):
         if column.any():
             result[dense] = Akima1DInterpolator(reading.time, column, method="makima")(time[dense], extrapolate=True)

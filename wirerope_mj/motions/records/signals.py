@@ -20,7 +20,7 @@ _FLANK = 0.8
 _BLOCKS = 64  # means of what follows a pulse, which take the noise off
 # largest residual, over the signal behind its pulse, of a fit with one stage of AC coupling, or with two
 _RESIDUAL, _RESIDUAL_OF_RETURN = {1: 0.25, 2: 0.12}, 0.06  # and behind an undershoot, where no flank disturbs
-_LOST = 0.1  # fraction of the pulse's velocity that must be lost
+_LEAST_LOSS = 0.1  # fraction of the pulse's velocity that must be lost
 _DAMPED = 0.65  # damping ratio from which two stages of coupling are told from a base that swings; of a Butterworth filter 0.71
 _NOISE = 1.2  # times the noise of these means that may be left
 
@@ -112,7 +112,7 @@ def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
     if lowest - above[-1] < _FLANK * (above[-1] - above[0]):  # it goes on to an undershoot, from which the return begins
         first = lowest
     reached, left = float(velocity[first - 1]), float(velocity[-1])
-    if abs(reached) < _SLOW or abs(left) > (1.0 - _LOST) * abs(reached):
+    if abs(reached) < _SLOW or abs(left) > (1.0 - _LEAST_LOSS) * abs(reached):
         return None
     last = int(np.flatnonzero(np.abs(velocity) > _FOOT * abs(reached))[-1]) + 1
     last = min(max(last, first + 2 * _FEWEST), a.size)
@@ -139,7 +139,7 @@ def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
 # vibration many samples stand out alike.
 _TALL, _ALONE, _BESIDE, _SEVERAL = 0.1, 10.0, 0.1, 3
 _HIGH = 0.5  # fraction of the peak from which a half wave counts
-_FEW = 4  # samples across a half-sine up to which its peak may be 13 % higher or more; of five it may be 7 %
+_COARSE_SAMPLES = 4  # samples across a half-sine up to which its peak may be 13 % higher or more; of five it may be 7 %
 _WIDE = 1.0 - 2.0 * math.asin(_FOOT) / math.pi  # part of a half-sine's length in which it is above its foot
 # mean square of the steps from sample to sample over that of the samples: 2 for white noise and for a sine of four samples a
 # period, 4 at the Nyquist frequency. Above it most of the energy is faster than 3.6 samples a period. Standard errors of that
@@ -194,7 +194,7 @@ def _coarse(where: str, a: Array, rest: float, rate: float, unit: str) -> Iterat
     waves = [pair for pair in above if float(np.abs(a[slice(*pair)] - rest).max()) >= _HIGH * peak_from(a, rest)]
     first, last = min(waves, key=lambda wave: wave[1] - wave[0])  # of the shortest half wave of at least half the peak
     samples = last - first
-    if samples > _FEW:
+    if samples > _COARSE_SAMPLES:
         return
     values = np.abs(a[max(first - 1, 0) : last + 1] - rest)
     peak = "its peak is not known"

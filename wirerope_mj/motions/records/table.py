@@ -173,7 +173,7 @@ def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit
     instants, samples, messages = _in_si(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
     ranges = [range_of(header.units[column]) for column in directions]
     if ranges and None not in ranges:
-        require_within_range(header.location, samples, max(one for one in ranges if one is not None))
+        require_within_range(header.location, samples, max(limit for limit in ranges if limit is not None))
     return Reading(instants, samples, tuple(dict.fromkeys(units)), tuple(messages))
 
 

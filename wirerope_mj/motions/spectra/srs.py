@@ -222,7 +222,7 @@ def ramp_steps(angles: Array, damping: float) -> Array:
     return np.ascontiguousarray(steps)
 
 
-_HELD = 0.01  # largest relative error of a line that the samples resolve
+_LINE_ERROR = 0.01  # largest relative error of a line that the samples resolve
 _COARSER = (2, 3)  # spectra of every second and every third sample are compared
 
 
@@ -246,11 +246,11 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
         if not coarse_lines.size:
             continue
         coarse = shock_response_spectrum(time[::every], acceleration[::every], coarse_lines, q=spectrum.q).maximax
-        allowed = _HELD * (every**2 - 1.0) / 3.0 * np.abs(fine[: coarse_lines.size])
+        allowed = _LINE_ERROR * (every**2 - 1.0) / 3.0 * np.abs(fine[: coarse_lines.size])
         within[: coarse_lines.size] &= np.abs(coarse - fine[: coarse_lines.size]) <= allowed
     corners = np.sort(np.abs(np.diff(acceleration, 2, axis=0)), axis=0)[-2:].sum(axis=0) / (12.0 * rate)
     pulsation = 2.0 * math.pi * lines.reshape((-1,) + (1,) * (fine.ndim - 1))
-    within &= pulsation * corners <= _HELD * fine
+    within &= pulsation * corners <= _LINE_ERROR * fine
     if fine.ndim > 1:  # a direction in which next to nothing moves holds nothing up
         within = (within | (fine <= 1e-6 * fine.max())).all(axis=1)
     return float(lines[np.flatnonzero(~within)[0] - 1] if not within.all() else lines[-1]) if within[0] else 0.0

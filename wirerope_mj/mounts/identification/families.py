@@ -135,6 +135,7 @@ def _of_springs(kind: type[Hysteresis], *names: str, sigma: bool = True) -> Fami
 
 
 def _vaiana_rosati(s: Scales) -> list[Coordinate]:
+    """List the coordinates of the law of Vaiana and Rosati."""
     f, x = s.force, s.deflection
     return [
         *_elastic(s, "kb"),
@@ -151,6 +152,7 @@ def _vaiana_rosati(s: Scales) -> list[Coordinate]:
 
 
 def _stop(s: Scales) -> list[Coordinate]:
+    """List the coordinates of a stop, a gap for each side that closes."""
     x, f = s.deflection, s.force
     reaches = {"gap_below": s.below, "gap_above": s.above}
     closed = {name: end for name, end in reaches.items() if end > 0.0}

@@ -57,6 +57,7 @@ def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
         return [*rows, single["sigma"], *(c for c in single_scale.coordinates(s) if c.stiffness)]
 
     def make(values: dict[str, float]) -> Law:
+        """Make the parallel law: the spring in the first scale, yield deflections by their ratios."""
         spring = {name: value for name, value in values.items() if name in _SPRING}
         bare = {name: value if name == "c_ln_b" else 0.0 for name, value in spring.items()}
         x_y = {names[0]: values[f"x_y_{names[0]}"]}
@@ -70,6 +71,7 @@ def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
         ))  # fmt: skip
 
     def read(law: Law) -> dict[str, float]:
+        """Read the coordinates of a parallel law, its scales in the order of their yield deflections."""
         parts = law.components
         if [type(part) for part in parts] != [kind] * len(names):
             raise ValueError(f"`start` must be {len(names)} {kind.name} laws in parallel, got {law!r}.")

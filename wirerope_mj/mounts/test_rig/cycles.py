@@ -21,7 +21,7 @@ Locate = Callable[[int, int], str]  # Returns the text that says where the sampl
 # Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most.
 KEPT = 3
 _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
-_ALIKE = 0.05  # ratio by which strokes of one run may differ: amplitudes that a test tells apart differ by more
+_STROKE_RATIO = 0.05  # ratio by which strokes of one run may differ: amplitudes that a test tells apart differ by more
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round
 _HOLE = 0.25  # of a period: samples that are farther apart do not show one of the strokes
 _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the deflection less well are not averaged
@@ -126,7 +126,7 @@ def _loops_of_record(x: Array, f: Array, time: Array | None, locate: Locate, sto
     runs = []
     for last in range(first + 1, end + 1):
         size = strokes[first:last].mean()
-        if last == end or abs(strokes[last] - size) > _ALIKE * size + slack:
+        if last == end or abs(strokes[last] - size) > _STROKE_RATIO * size + slack:
             if last - first >= 2:
                 runs.append((first, last))
             first = last

@@ -17,11 +17,11 @@ from wirerope_mj.mounts.test_rig.turning import find_turning_points, rms_noise
 _LEVELS = np.linspace(0.6, -0.6, 13)
 _MIDDLE = slice(2, 10)  # intervals of these among which the flat one is searched; steep ones remain on either side
 _FLAT = 0.6  # of the stiffness on either side, up to which an interval is flat; a hysteretic law has less behind than before
-_ALIKE = 0.2  # of half of the force range, within which both senses have their flat interval at one force
+_SAME_FORCE = 0.2  # of half of the force range, within which both senses have their flat interval at one force
 _SHARPER = 4  # times that the force is smoothed over fewer samples than the deflection: play may be short
 _STROKE = 0.3  # of the longest, from which a stroke is checked
 _FEWEST = 3  # least number of strokes that show play
-_MOST_OF_THEM = 0.8
+_STROKE_SHARE = 0.8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,17 +62,17 @@ def play_in(time: Array, deflection: Array, force: Array) -> Play | None:
             level = 0.5 * float(_LEVELS[flat] + _LEVELS[flat + 1]) * (-1.0 if upwards else 1.0)
             seen[upwards].append((float(slack[_MIDDLE].sum()), 0.5 * float(at_levels[flat] + at_levels[flat + 1]), level))
     widths = np.array([width for each in seen.values() for width, _, _ in each])
-    if widths.size < max(_FEWEST, _MOST_OF_THEM * strokes_checked) or not (seen[True] and seen[False]):
+    if widths.size < max(_FEWEST, _STROKE_SHARE * strokes_checked) or not (seen[True] and seen[False]):
         return None
     apart = np.abs(np.diff([np.median(seen[side], axis=0) for side in (True, False)], axis=0))[0]
     # A spring that hardens is flat at one deflection, and with friction at two forces.
-    if apart[1] < np.median(widths) or apart[2] > _ALIKE:
+    if apart[1] < np.median(widths) or apart[2] > _SAME_FORCE:
         return None
     return Play(width=float(np.median(widths)), strokes=int(widths.size))
 
 
 MAINS = (50.0, 60.0)  # Frequencies at which hum is looked for [Hz]
-_NEAR, _ASIDE = 0.6, 8.0  # Hz from a mains frequency: where its line is looked for, and where its neighbours are
+_LINE_BAND, _ASIDE = 0.6, 8.0  # Hz from a mains frequency: where its line is looked for, and where its neighbours are
 _STANDS_OUT = 3.0  # times that a line is above the largest of its neighbours: harmonics of the test fall evenly
 _LEAST = 1e-3  # of half of the force range, below which hum changes no parameter
 _DRIFTS = 0.02  # of half of the force range over the record, from which a drift is named
@@ -80,7 +80,7 @@ _LAGS = 0.0009  # of the period: a lag is named from 0.1 %, which is told to a t
 _HIDDEN = 0.3  # of the period, times noise over half of the force range: a bend that noise hides is taken for as much lag
 _NOISY = 0.03  # of half of the force range, from which noise is named
 _SURE = 4.0  # standard errors of a drift or a lag
-_LIKE = 0.1  # ratio by which strokes may differ and count as alike
+_STROKE_RATIO = 0.1  # ratio by which strokes may differ and count as alike
 _FEWEST_CYCLES = 4  # whole cycles of a run, of which the way to the first still bends
 
 
@@ -103,13 +103,13 @@ def hum_in(time: Array, force: Array) -> Hum | None:
     frequency, size = np.fft.rfftfreq(force.size, step), np.abs(np.fft.rfft(values)) * 4.0 / force.size
     lines, spacing = [], 1.0 / (step * force.size)
     for mains in MAINS:
-        near = np.abs(frequency - mains) <= _NEAR
-        aside = (np.abs(frequency - mains) <= _ASIDE) & (np.abs(frequency - mains) > 2.0 * _NEAR)
-        if frequency[-1] < mains + _ASIDE or near.sum() < 3:
+        in_line_band = np.abs(frequency - mains) <= _LINE_BAND
+        aside = (np.abs(frequency - mains) <= _ASIDE) & (np.abs(frequency - mains) > 2.0 * _LINE_BAND)
+        if frequency[-1] < mains + _ASIDE or in_line_band.sum() < 3:
             continue
-        line = float(size[near].max())
+        line = float(size[in_line_band].max())
         if line > _STANDS_OUT * float(size[aside].max()) and line > _LEAST * 0.5 * float(np.ptp(force)):
-            centre = float(frequency[near][size[near].argmax()])
+            centre = float(frequency[in_line_band][size[in_line_band].argmax()])
             best = scipy.optimize.minimize_scalar(
                 lambda at: -_line(time, force, at)[1], bounds=(centre - spacing, centre + spacing), method="bounded"
             )
@@ -201,7 +201,7 @@ def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
     noise, length, strokes = rms_noise(force), float(np.ptp(time)), trace.strokes
     runs: list[tuple[int, int]] = []  # of like strokes, by turning points; the first and the last stroke are in none
     for index in range(1, strokes.size - 1):
-        if runs and abs(strokes[index] - strokes[index - 1]) <= _LIKE * strokes[index]:
+        if runs and abs(strokes[index] - strokes[index - 1]) <= _STROKE_RATIO * strokes[index]:
             runs[-1] = (runs[-1][0], index + 1)
         else:
             runs.append((index, index + 1))

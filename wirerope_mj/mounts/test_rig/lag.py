@@ -19,9 +19,9 @@ from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 _DEGREES = ((1, 1), (2, 2), (2, 3))  # of the polynomials in u before and behind a reversal
 _WIDTHS = (0.012, 0.017, 0.024, 0.034, 0.048, 0.068, 0.096, 0.136, 0.19)  # of the period, to either side of a reversal
 _FEWEST = 5  # samples of a window on either side
-_MOST = 300  # samples of a cycle that are worth it: more are averaged
+_MOST_SAMPLES = 300  # samples of a cycle that are fitted: more are averaged
 _SHAPE = 0.06  # of the period, to either side, where a deflection's reversal is a parabola and a corner
-_ALIKE = 0.05  # ratio by which strokes of one run may differ
+_STROKE_RATIO = 0.05  # ratio by which strokes of one run may differ
 _TURNS = 3  # reversals of a run at least
 _GRID = np.linspace(-0.7, 0.7, 29)  # of a window's width: lags that are tried
 _RISE = 9.0  # variances above the least misfit within which a lag fits as well
@@ -55,15 +55,15 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
     if trace.turns.size < _TURNS + 2:
         return None
     samples = float(np.median(np.diff(trace.turns))) * 2.0
-    if samples > 2.0 * _MOST:
-        count = int(samples // _MOST)
+    if samples > 2.0 * _MOST_SAMPLES:
+        count = int(samples // _MOST_SAMPLES)
         whole = time.size - time.size % count
         time, deflection, force = (values[:whole].reshape(-1, count).mean(axis=1) for values in (time, deflection, force))
         trace = find_turning_points(deflection, time)
     runs: list[list[int]] = [[]]  # of reversals between like strokes, those left out whose force came another way
     for index in range(2, trace.turns.size - 1):
         strokes = trace.strokes[index - 2 : index + 1]
-        if np.ptp(strokes) > _ALIKE * strokes.mean() + 4.0 * trace.smooth_noise:
+        if np.ptp(strokes) > _STROKE_RATIO * strokes.mean() + 4.0 * trace.smooth_noise:
             runs.append([])
         else:
             runs[-1].append(index)

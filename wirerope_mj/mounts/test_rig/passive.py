@@ -8,15 +8,15 @@ from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import rms_noise
 
 _SURE = 4.0  # standard errors: noise alone goes beyond once in 16 000
-_OWN = 1.5  # variance of a series over that of its noise, below which noise is at least two thirds of what it shows
+_NOISE_VARIANCE = 1.5  # variance of a series over that of its noise, below which noise is at least two thirds of what it shows
 _PROBABILITY = 1e-4  # of noise to look like a cycle
-_ENOUGH = 0.5  # fraction of the variance at one frequency that is a cycle, however few the samples
-_FEW = 6.0  # four standard errors of the variance of n samples, 4 sqrt(2 / n), rounded up
+_CYCLE_SHARE = 0.5  # fraction of the variance at one frequency that is a cycle, however few the samples
+_VARIANCE_ERRORS = 6.0  # four standard errors of the variance of n samples, 4 sqrt(2 / n), rounded up
 
 
 def is_noise(values: Array, noise: float) -> bool:
     """Return whether a series, (n,), is no more than noise of a standard deviation."""
-    return bool(values.var() <= max(_OWN, 1.0 + _FEW / np.sqrt(values.size)) * noise**2)
+    return bool(values.var() <= max(_NOISE_VARIANCE, 1.0 + _VARIANCE_ERRORS / np.sqrt(values.size)) * noise**2)
 
 
 def has_cycle(force: Array) -> bool:
@@ -27,7 +27,7 @@ def has_cycle(force: Array) -> bool:
     """
     first = np.abs(np.fft.rfft(force - force.mean())[1])
     fraction = 2.0 * first**2 / (force.size**2 * force.var())
-    return bool(fraction > min(1.0 - _PROBABILITY ** (2.0 / (force.size - 3)), _ENOUGH))
+    return bool(fraction > min(1.0 - _PROBABILITY ** (2.0 / (force.size - 3)), _CYCLE_SHARE))
 
 
 def no_cycle_text(deflection: Array) -> str:
@@ -66,7 +66,7 @@ def area_in_noise(loop: Loop) -> bool:
 
 _WIDE = 0.05  # of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
 _NARROW = 0.005  # the same where no other value comes back as often: no converter's step, for it would be one of many
-_OFTEN = 4  # times that the extreme comes back where others come back once: more than cycles of a mean, and neighbours
+_REPEATS = 4  # times that the extreme comes back where others come back once: more than cycles of a mean, and neighbours
 _MOVED_ON = 8.0  # standard deviations of the deflection's noise, of which it moved on for sure
 _END = 0.05  # of the stroke beside a turning point
 _LEVEL = 0.03  # of the secant stiffness: less than noise and any spring beside rope leave, 1/60 of how rope turns back
@@ -89,7 +89,7 @@ def require_unclipped(deflection: Array, force: Array, location: str, *, stop: b
         moved, stroke = float(np.ptp(deflection[at])), float(np.ptp(deflection))
         if stop and _is_open(deflection, force, extreme):
             continue
-        alone = at.sum() >= _OFTEN * max(usual, 1) and moved > _MOVED_ON * rms_noise(deflection)
+        alone = at.sum() >= _REPEATS * max(usual, 1) and moved > _MOVED_ON * rms_noise(deflection)
         if 3 < at.sum() < force.size and moved > (_NARROW if alone else _WIDE) * stroke:
             raise ValueError(
                 f"{location}: {at.sum()} samples stand at exactly the {name} force, {extreme:.6g} N, over "
@@ -124,8 +124,8 @@ def is_level(loop: Loop) -> bool:
 def _is_open(deflection: Array, force: Array, level: float) -> bool:
     """Return whether a force is that of the unloaded device, found at the deflections nearest to zero."""
     distance = np.abs(deflection)
-    near = distance <= distance.min() + _END * float(np.ptp(deflection))
-    return bool(abs(level - np.median(force[near])) <= _END * float(np.ptp(force)))
+    unloaded = distance <= distance.min() + _END * float(np.ptp(deflection))
+    return bool(abs(level - np.median(force[unloaded])) <= _END * float(np.ptp(force)))
 
 
 def _level(loop: Loop, x: Array, f: Array) -> bool:

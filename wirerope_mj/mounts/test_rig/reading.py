@@ -78,7 +78,7 @@ _WORDS = {
     "force": (re.compile(r"force|load|kraft|last", re.I), FORCE_UNITS),
     "time": (re.compile(r"\btime\b|zeit", re.I), TIME_UNITS),
 }
-_MOST = 1.0  # [m], beyond any travel of a wire rope isolator; a millimetre taken for a metre is a thousand times
+_LARGEST_AMPLITUDE = 1.0  # [m], beyond any travel of a wire rope isolator; a millimetre taken for a metre is a thousand times
 # secant stiffness [N/m]: of 77 vendors' parts the softest has 1900, the stiffest 3.5e6; of rubber stops 2e7; kN for N is 1000
 _SOFTEST, _STIFFEST = 500.0, 1e9
 _FEWEST = 8  # samples: fewer are no loop
@@ -230,7 +230,7 @@ def require_likely(amplitude: float, force: float, location: str, *, stop: bool 
 
     A bare bump stop (`stop`) may have no force at all.
     """
-    if amplitude > _MOST:
+    if amplitude > _LARGEST_AMPLITUDE:
         raise ValueError(
             f"{location}: an amplitude of {amplitude:.4g} m is beyond any isolator of wire rope; are the deflections in mm "
             "where metres are said or expected?"

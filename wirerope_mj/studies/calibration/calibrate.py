@@ -84,10 +84,10 @@ class Calibrated(Summarised):
         middle, sizes, axes = draws.mean(axis=0), *np.linalg.eigh(np.atleast_2d(np.cov(draws.T)))
         covariance = axes * np.minimum(sizes, 1.0 - 1e-6) @ axes.T  # tests do not widen a prior
         information = np.linalg.inv(covariance) - identity
-        left = np.linalg.inv(tempering * identity + information @ embedded)
-        after = np.linalg.inv(identity + left @ information)
+        reduction = np.linalg.inv(tempering * identity + information @ embedded)
+        after = np.linalg.inv(identity + reduction @ information)
         widened = np.linalg.cholesky(after) @ np.linalg.inv(np.linalg.cholesky(covariance))
-        return after @ left @ np.linalg.solve(covariance, middle) + (draws - middle) @ widened.T
+        return after @ reduction @ np.linalg.solve(covariance, middle) + (draws - middle) @ widened.T
 
     @cached_property
     def samples(self) -> Array:
@@ -144,12 +144,12 @@ class Calibrated(Summarised):
             for name, left in zip(self.names, self.learned, strict=True)
             if left > LITTLE
         ]
-        for i, one in enumerate(self.names):
-            for k, other in enumerate(self.names[:i]):
+        for i, later in enumerate(self.names):
+            for k, earlier in enumerate(self.names[:i]):
                 rho = self.correlation[i, k]
                 if abs(rho) > TOGETHER and max(self.learned[i], self.learned[k]) > OPEN:
                     kind = "their ratio" if rho > 0.0 else "their product"
-                    texts.append(f"{other} and {one} are known together only (correlation {rho:+.2f}): {kind} is")
+                    texts.append(f"{earlier} and {later} are known together only (correlation {rho:+.2f}): {kind} is")
         return tuple(texts)
 
     @property

@@ -78,8 +78,8 @@ class Problem:
     def __init__(self, forward: Forward, series: Sequence[Series], prior: Prior) -> None:
         self.series, self.prior, self.runs = tuple(series), prior, 0
         self._forward = forward
-        self.ends = np.cumsum([one.values.size for one in series])
-        self.measured = np.concatenate([one.values for one in series])
+        self.ends = np.cumsum([item.values.size for item in series])
+        self.measured = np.concatenate([item.values for item in series])
 
     def split(self, values: Array) -> list[Array]:
         return np.split(values, self.ends[:-1], axis=-1)
@@ -102,7 +102,7 @@ class Problem:
         return np.asarray(slopes)
 
     def roots(self, noises: Sequence[Noise]) -> list[Array]:
-        return [noise.root(one) for noise, one in zip(noises, self.series, strict=True)]
+        return [noise.root(item) for noise, item in zip(noises, self.series, strict=True)]
 
     def whitened(self, values: Array, roots: Sequence[Array]) -> Array:
         """Whiten values, the samples along their first axis, by the lower Cholesky factors of the noise: L^-1 times values."""
@@ -126,7 +126,7 @@ def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]]
     """
     noises: Sequence[Noise]
     if begin is None:
-        noises = [first_noise(one) for one in problem.series]
+        noises = [first_noise(item) for item in problem.series]
         points = scipy.stats.qmc.Sobol(problem.prior.size, scramble=True, rng=np.random.default_rng(seed)).random(DESIGN)
         normals = np.vstack([np.zeros(problem.prior.size), scipy.special.ndtri(np.clip(points, 1e-3, 1.0 - 1e-3))])
         values = problem.model(normals)
@@ -186,7 +186,7 @@ CHECKED = 16  # draws at which the emulator is held against the model
 # Root mean square error of the emulator's log likelihood within which it is taken: a band moves by less than a tenth
 GOOD = 0.3
 JOINED = 4  # times that runs at draws may join the emulator
-_FAR, _SMALL = 4.0, 1e-4  # standard normals at which a prior is held to be positive, and the step of its slopes
+_PRIOR_ENDS, _SMALL = 4.0, 1e-4  # standard normals at which a prior is held to be positive, and the step of its slopes
 
 WALKERS, STEPS, BURNED, THIN = 48, 1200, 300, 20  # of the sampler: walkers, steps, steps discarded, steps to a draw
 
@@ -213,7 +213,7 @@ class Coordinates:
     def __init__(self, prior: Prior, found: Fit) -> None:
         self._prior, self._middle = prior, found.normals
         self.root = np.asarray(np.linalg.cholesky(found.covariance), dtype=np.float64)
-        self._positive = (prior.values(np.outer([-_FAR, _FAR], np.ones(prior.size))) > 0.0).all(axis=0)
+        self._positive = (prior.values(np.outer([-_PRIOR_ENDS, _PRIOR_ENDS], np.ones(prior.size))) > 0.0).all(axis=0)
         self._origin = self._logarithms(found.normals[np.newaxis])[0]
         steps = _SMALL * np.eye(prior.size)
         slopes = (self._logarithms(found.normals + steps) - self._logarithms(found.normals - steps)).T / (2.0 * _SMALL)

@@ -38,10 +38,10 @@ class SystemForward:
         self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"
     ) -> None:
         self.system, self.tests, self.vary, self.domain = system, tuple(tests), dict(vary), domain
-        of_system = {name: one for name, one in vary.items() if not name.startswith("channel/")}
-        for name, one in vary.items():
-            if isinstance(one, Choice | Isotropic):
-                raise ValueError(f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {one!r}.")
+        of_system = {name: distribution for name, distribution in vary.items() if not name.startswith("channel/")}
+        for name, prior in vary.items():
+            if isinstance(prior, Choice | Isotropic):
+                raise ValueError(f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {prior!r}.")
         resolved = quantities(of_system, system, [test.motion for test in tests if isinstance(test, MeasuredTest)])
         self.columns = tuple(column for quantity in resolved for column in quantity.columns)
         self._runs: list[AnyRuns] = []
@@ -51,19 +51,19 @@ class SystemForward:
             else:
                 kind = FrequencyRuns if isinstance(test, FrequencyTest) else LoopRuns
                 self._runs.append(kind(system, test, self.columns))  # type: ignore[arg-type]
-        self.series = [one for runs in self._runs for one in runs.series]
-        self._nuisances = nuisances(vary, [one.name for one in self.series])
+        self.series = [series for runs in self._runs for series in runs.series]
+        self._nuisances = nuisances(vary, [series.name for series in self.series])
         counts = np.cumsum([len(quantity.columns) for quantity in resolved])
 
         def quantiles(p: Array) -> Array:
             parts = zip(resolved, np.split(p[:, : counts[-1]], counts[:-1], axis=1), strict=True)
             system_values = [values for quantity, part in parts for values in values_at(quantity, part)]
-            chain = [one.distribution.values(p[:, counts[-1] + k]) for k, one in enumerate(self._nuisances)]
+            chain = [nuisance.distribution.values(p[:, counts[-1] + k]) for k, nuisance in enumerate(self._nuisances)]
             return np.stack([*system_values, *chain], axis=1)
 
         self.prior = Prior(
-            names=(*(column.name for column in self.columns), *(one.name for one in self._nuisances)),
-            units=tuple([*(column.unit for column in self.columns), *(UNITS[one.kind] for one in self._nuisances)]),
+            names=(*(column.name for column in self.columns), *(nuisance.name for nuisance in self._nuisances)),
+            units=tuple([*(column.unit for column in self.columns), *(UNITS[nuisance.kind] for nuisance in self._nuisances)]),
             quantiles=quantiles,
         )
         self._maker = Maker(system, (), self.columns)
@@ -77,8 +77,8 @@ class SystemForward:
         parts, k = [], 0
         for runs in self._runs:
             done = runs(named)
-            for number, one in enumerate(runs.series):
-                out = np.full((len(values), one.at.size), np.nan)
+            for number, series in enumerate(runs.series):
+                out = np.full((len(values), series.at.size), np.nan)
                 for i, place in enumerate(which.ravel().tolist()):
                     raw = done[place]
                     if raw is not None:
@@ -97,7 +97,7 @@ class SystemForward:
         (raw,) = runs([self._row(values)])
         assert raw is not None
         gain, delay, offset = (float(chain[kind][0, number]) for kind in UNITS)
-        return np.array([runs.seen(number - first, raw[number - first], gain, delay + one, offset) for one in delays])
+        return np.array([runs.seen(number - first, raw[number - first], gain, delay + added, offset) for added in delays])
 
     def measures(self, work: Work, values: Array) -> Array:
         """Return the measures of a study at values of the unknowns (n, d), NaN of those that fail, (n, n_measures).
@@ -116,7 +116,7 @@ class SystemForward:
     def tested_travel(self, values: Array) -> dict[tuple[str, str], float]:
         """Return the largest deflections of mounts in the tests, at values (d,), by mount and axis [m]."""
         names = measure_names(self.system)
-        found = dict.fromkeys(((one, axis) for one in self.system.mounts for axis in AXES), 0.0)
+        found = dict.fromkeys(((mount, axis) for mount in self.system.mounts for axis in AXES), 0.0)
         for runs in self._runs:
             if isinstance(runs, LoopRuns):
                 key = runs.test.mount, runs.test.axis
@@ -180,7 +180,7 @@ def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list
             raise ModelError(f"`vary`: there is no quantity {name!r} of a channel; there is {FORM}.")
         pattern, kind = match.groups()
         matched = [
-            k for k, one in enumerate(channels) if fnmatchcase(one, pattern) or fnmatchcase(one.partition("/")[2], pattern)
+            k for k, full in enumerate(channels) if fnmatchcase(full, pattern) or fnmatchcase(full.partition("/")[2], pattern)
         ]
         if not matched:
             raise ModelError(f"`vary`: {name!r}: there is no channel {pattern!r}. There is: {', '.join(channels)}.")
@@ -189,10 +189,10 @@ def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list
         groups = [(k,) for k in matched] if distribution.each else [tuple(matched)]
         found += [
             Nuisance(
-                name=f"channel/{channels[own[0]]}/{kind}" if distribution.each else name, kind=kind, channels=own,
+                name=f"channel/{channels[group[0]]}/{kind}" if distribution.each else name, kind=kind, channels=group,
                 distribution=distribution,
             )
-            for own in groups
+            for group in groups
         ]  # fmt: skip
     return found
 
@@ -200,10 +200,10 @@ def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list
 def chains(found: Sequence[Nuisance], values: Array, channels: int) -> dict[str, Array]:
     """Return gain [-], delay [s] and offset [SI] of every channel, (n, n_channels) each, from values (n, n_nuisances)."""
     chain = {kind: np.full((len(values), channels), neutral) for kind, neutral in NEUTRAL.items()}
-    for one, column in zip(found, values.T, strict=True):
-        for k in one.channels:
-            if one.kind == "gain":
-                chain[one.kind][:, k] *= column
+    for nuisance, column in zip(found, values.T, strict=True):
+        for k in nuisance.channels:
+            if nuisance.kind == "gain":
+                chain[nuisance.kind][:, k] *= column
             else:
-                chain[one.kind][:, k] += column
+                chain[nuisance.kind][:, k] += column
     return chain

@@ -28,7 +28,7 @@ def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict
     found: dict[str, Isolator] = {}
     same: dict[tuple[int, ...], Isolator] = {}
     for mount, isolator in middle.items():
-        key = tuple(id(one[mount]) for one in draws)  # mounts that vary together share their isolators
+        key = tuple(id(draw[mount]) for draw in draws)  # mounts that vary together share their isolators
         if key not in same:
             written = forward.system.mounts[mount].written
             before = written.provenance
@@ -38,7 +38,7 @@ def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict
                 fitted_to=f"{', '.join(varied)}; {calibration.message}",
                 assumed=(*before.assumed, *calibration.not_identified),
             )
-            values: Array = np.array([[value for _, value in _parameters(one[mount])] for one in draws])
+            values: Array = np.array([[value for _, value in _parameters(draw[mount])] for draw in draws])
             moved = np.std(values, axis=0) > _MOVED * np.abs(values).max(axis=0)
             spread = None
             if moved.any():
@@ -60,7 +60,7 @@ def calibrated_system(calibration: Calibration, isolators: dict[str, Isolator]) 
     files: dict[str, Isolator] = dict(system.isolators)
     of_mounts: dict[str, Isolator] = {}
     for name in files:
-        mounts = [mount for mount, one in system.mounts.items() if one.isolator_name == name]
+        mounts = [mount for mount, item in system.mounts.items() if item.isolator_name == name]
         changed = {id(isolators.get(mount)): isolators.get(mount) for mount in mounts}
         (first, *others) = changed.values() or [None]
         if first is not None and not others:
@@ -70,7 +70,7 @@ def calibrated_system(calibration: Calibration, isolators: dict[str, Isolator]) 
     loaded = load_system(system.path or system.mjcf, isolators=files)
     moves = calibration.forward.moves_at(calibration.values)
     changes = [*system.changes, replace(moves, isolators=of_mounts)]
-    return with_changes(loaded, [one for one in changes if one != Changes()])
+    return with_changes(loaded, [change for change in changes if change != Changes()])
 
 
 def _parameters(isolator: Isolator) -> Iterator[tuple[str, float]]:
@@ -82,6 +82,6 @@ def _parameters(isolator: Isolator) -> Iterator[tuple[str, float]]:
                 if key == "law" or isinstance(value, str | bool):
                     continue
                 if isinstance(value, list):
-                    yield from ((f"{before}{key}[{k}]", float(one)) for k, one in enumerate(value))
+                    yield from ((f"{before}{key}[{k}]", float(item)) for k, item in enumerate(value))
                 else:
                     yield f"{before}{key}", float(value)

@@ -48,7 +48,7 @@ class MeasuredTest:
             RecordError: there is no motion, or nothing but the base was measured.
         """
         moved = measured.base if motion is None else motion
-        channels = [one for one in measured.channels if one.subject != "base"]
+        channels = [channel for channel in measured.channels if channel.subject != "base"]
         if not channels:
             raise RecordError(
                 f"{measured.path}: nothing but the base was measured; map a column to a body, a point or a mount."
@@ -151,11 +151,11 @@ class TransientRuns:
         for channel in test.channels:
             check_channel(system, test.name, channel)
         self.test, self._time = test, np.zeros(0)
-        self.channels = [Comparable.of(test.name, _from_start(test, one)) for one in test.channels]
-        self._spectra = [] if domain == "time" else [Spectral.of(one.series, domain) for one in self.channels]
-        self.series = [one.series for one in self._spectra or self.channels]
-        rate = SAMPLED / min(one.width for one in self.channels)
-        end = max(one.series.at[-1] + 6.0 * one.width for one in self.channels)
+        self.channels = [Comparable.of(test.name, _from_start(test, channel)) for channel in test.channels]
+        self._spectra = [] if domain == "time" else [Spectral.of(channel.series, domain) for channel in self.channels]
+        self.series = [item.series for item in self._spectra or self.channels]
+        rate = SAMPLED / min(channel.width for channel in self.channels)
+        end = max(channel.series.at[-1] + 6.0 * channel.width for channel in self.channels)
         self._work = work_of(
             system, columns, test.motion, duration=math.ceil(rate * end) / rate, sample_rate=rate, initial=test.initial
         )
@@ -163,13 +163,13 @@ class TransientRuns:
 
     def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
         """Return the histories of every channel with the values of each row, (n_t,) each; None where one failed."""
-        self._time, done = histories(self._work, rows, [one.column for one in self.channels])
+        self._time, done = histories(self._work, rows, [channel.column for channel in self.channels])
         base = self.test.motion.displacement(self._time)
         return [
             None
-            if one is None
-            else [channel.of_column(values, base) for channel, values in zip(self.channels, one.T, strict=True)]
-            for one in done
+            if response is None
+            else [channel.of_column(values, base) for channel, values in zip(self.channels, response.T, strict=True)]
+            for response in done
         ]
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
@@ -184,7 +184,7 @@ def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
     subjects = system.assembly.subjects
     known = {"body": subjects.body_names, "point": subjects.point_names, "mount": list(system.mounts)}
     if kind not in known or subject not in known[kind]:
-        names = ", ".join(f"{kind}/{one}" for kind, names in known.items() for one in names)
+        names = ", ".join(f"{kind}/{subject_name}" for kind, names in known.items() for subject_name in names)
         raise RecordError(
             f"{name}: this model has no {channel.subject!r}, so that the channel is another model's or misnamed. It "
             f"has: {names}."

@@ -126,7 +126,7 @@ def estimate_noise(
     that of K + J J^T of all series together (Patterson and Thompson 1971: what a fit absorbs does not count as small noise).
     Arguments as those of `information`, of each series.
     """
-    known = [information(*one)[0] for one in zip(series, noises, jacobians, linear, strict=True)]
+    known = [information(*arguments)[0] for arguments in zip(series, noises, jacobians, linear, strict=True)]
     found = list(noises)
     for k, one in enumerate(series):
         others = [info for i, info in enumerate(known) if i != k]

@@ -46,7 +46,7 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
     alone: set[str] = set()  # axes whose laws have become the first of several
     changed: dict[str, Isolator] = {}
     for name, isolator in system.isolators.items():
-        mounts = [mount for mount, one in system.mounts.items() if one.isolator_name == name]
+        mounts = [mount for mount, item in system.mounts.items() if item.isolator_name == name]
         added: dict[str, tuple[Law, Law]] = {}
         for axis, law in isolator.axes.items():
             reached = max((travel.get((mount, axis), 0.0) for mount in mounts), default=0.0)
@@ -77,11 +77,11 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
             for mount in mounts
             if added and system.mounts[mount].written != isolator
         }
-    moves = [*(replace(one, isolators={}) for one in system.changes), Changes(isolators=changed)]
+    moves = [*(replace(change, isolators={}) for change in system.changes), Changes(isolators=changed)]
     loaded = load_system(system.path or system.mjcf, isolators=files)
-    loaded = with_changes(loaded, [one for one in moves if one != Changes()])
-    renamed = {_renamed(name, alone): one for name, one in vary.items() if not name.startswith("channel/")}
-    chain = {name: one for name, one in vary.items() if name.startswith("channel/")}
+    loaded = with_changes(loaded, [change for change in moves if change != Changes()])
+    renamed = {_renamed(name, alone): distribution for name, distribution in vary.items() if not name.startswith("channel/")}
+    chain = {name: distribution for name, distribution in vary.items() if name.startswith("channel/")}
     return OpenLaws(system=loaded, vary=renamed | terms | chain, added=tuple(terms))
 
 

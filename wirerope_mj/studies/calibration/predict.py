@@ -154,8 +154,8 @@ def predict(
     most, before = max(reached.values(), default=0.0), max(tested.values(), default=0.0)
     farther, (peak_error, peaks) = max(most / before, 1.0) if before > 0.0 else 1.0, used.peak_error
     channels = {
-        f"{one.quantity}/{one.subject.partition('/')[2]}"
-        for test in forward.tests if isinstance(test, MeasuredTest) for one in test.channels
+        f"{channel.quantity}/{channel.subject.partition('/')[2]}"
+        for test in forward.tests if isinstance(test, MeasuredTest) for channel in test.channels
     } | {f"acceleration/{test.payload}" for test in forward.tests if isinstance(test, FrequencyTest)}  # fmt: skip
     measured = np.array(["/".join(name.split("/")[:2]) in channels for name in measures])
     # of the peaks of runs and of those of tests alike; what terms explain that were added may be due to something else
@@ -181,7 +181,7 @@ def predict(
     # what was measured is known with that error
     unknown = ~measured & ~np.isin(measures, UNSCALED) & (calibration.discrepancies.max() > DISCREPANT)
     samples[:, unknown] = np.nan
-    refused = tuple(name for name, one in zip(measures, unknown, strict=True) if one)
+    refused = tuple(name for name, left_out in zip(measures, unknown, strict=True) if left_out)
     return Prediction(
         names=measures, samples=samples, peak_error=size, farthest=farthest, refused=refused,
         hardening=used is not calibration, motion=motion.description,
@@ -192,7 +192,7 @@ def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tup
     """Return whether the forces of isolators rise over their travel [m], except where the system's own isolator falls, too."""
     judged: set[tuple[int, str, float]] = set()  # mounts that vary together share their isolators
     for (mount, axis), reached in travel.items():
-        law, before = (one.axes[axis] if one else None for one in (isolators.get(mount), system.mounts[mount].written))
+        law, before = (made.axes[axis] if made else None for made in (isolators.get(mount), system.mounts[mount].written))
         if law is None or before is None or (id(law), axis, reached) in judged:
             continue
         judged.add((id(law), axis, reached))

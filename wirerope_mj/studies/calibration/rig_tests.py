@@ -47,7 +47,7 @@ class FrequencyTest:
 
     def __post_init__(self) -> None:
         positive("acceleration", self.acceleration, unit="m/s^2")
-        f, t = (np.asarray(one, dtype=np.float64) for one in (self.frequency, self.transmissibility))
+        f, t = (np.asarray(values, dtype=np.float64) for values in (self.frequency, self.transmissibility))
         if f.size < FEWEST or f.shape != t.shape or not (np.diff(f) > 0.0).all() or f[0] <= 0.0 or (t <= 0.0).any():
             raise RecordError(
                 f"{self.name}: a frequency response needs {FEWEST} rising frequencies > 0 Hz at least and as many "
@@ -71,10 +71,10 @@ class FrequencyRuns:
         self.series = [Series(name=name, at=at, values=values, size=np.ones(at.size), across="logarithm of frequency")]
         self.works = [
             work_of(
-                system, columns, Sine(frequency=float(one), acceleration=test.acceleration, direction=test.direction),
-                duration=(SETTLED + MEASURED) / float(one), sample_rate=_STEPS * float(one), initial=test.initial,
+                system, columns, Sine(frequency=float(frequency), acceleration=test.acceleration, direction=test.direction),
+                duration=(SETTLED + MEASURED) / float(frequency), sample_rate=_STEPS * float(frequency), initial=test.initial,
             )
-            for one in test.frequency
+            for frequency in test.frequency
         ]  # fmt: skip
 
     def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
@@ -85,9 +85,9 @@ class FrequencyRuns:
             time, done = histories(work, rows, [column])
             last = time >= SETTLED / frequency
             window, turning = np.hanning(np.count_nonzero(last)), np.exp(-2j * np.pi * frequency * time[last])
-            for i, one in enumerate(done):
-                if one is not None:  # its amplitude as a tracking filter shows it
-                    amplitude = 2.0 * abs(np.sum(window * one[last, 0] * turning)) / window.sum()
+            for i, response in enumerate(done):
+                if response is not None:  # its amplitude as a tracking filter shows it
+                    amplitude = 2.0 * abs(np.sum(window * response[last, 0] * turning)) / window.sum()
                     found[i, k] = amplitude / self.test.acceleration
         return [[row] if np.isfinite(row).all() else None for row in found]
 
@@ -160,7 +160,7 @@ class LoopRuns:
             raise RecordError(f"{test.name}: mount {test.mount!r} has no law on axis {test.axis!r}.")
         self.test, self._written = test, system.mounts[test.mount].written
         self._maker = Maker(system, (), columns)
-        self._loops = [one.thinned(SAMPLES) for one in prepare(test.loops)]
+        self._loops = [loop.thinned(SAMPLES) for loop in prepare(test.loops)]
         self.series = []
         for number, loop in enumerate(self._loops):
             values = loop.force - loop.force.mean()
@@ -181,7 +181,8 @@ class LoopRuns:
             law = isolator.conditioned.axes[self.test.axis]
             assert law is not None  # a variant has the laws of its system
             forces = [loop.model_force(law) for loop in self._loops]
-            found.append([one - one.mean() for one in forces] if all(np.isfinite(one).all() for one in forces) else None)
+            finite = all(np.isfinite(force).all() for force in forces)
+            found.append([force - force.mean() for force in forces] if finite else None)
         self._maker.forget()
         return found
 

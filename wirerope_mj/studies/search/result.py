@@ -65,14 +65,13 @@ class Evolution:
         from pymoo.operators.selection.tournament import TournamentSelection
 
         duplicates = MixedVariableDuplicateElimination()
-        kinds = [type(_variable(one)) for one in variables.values()]
+        optimised = {name: _variable(distribution) for name, distribution in variables.items()}
+        kinds = list(map(type, optimised.values()))
         # One variable of each kind in a child on average: pymoo's own rule, which it breaks for choices alone.
         probability = {"prob_var": min(0.5, 1.0 / max(kinds.count(Choice), 1))}
         mutation = {Binary: BFM(), Real: PM(), Choice: ChoiceRandomMutation(**probability)}
         # One constraint more: that the design could be simulated at all.
-        self._problem = Problem(
-            vars={name: _variable(one) for name, one in variables.items()}, n_obj=n_objectives, n_ieq_constr=n_limits + 1,
-        )  # fmt: skip
+        self._problem = Problem(vars=optimised, n_obj=n_objectives, n_ieq_constr=n_limits + 1)
         self._algorithm = NSGA2(
             pop_size=len(first), sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
             mating=MixedVariableMating(
@@ -88,7 +87,7 @@ class Evolution:
         self._asked = self._algorithm.ask()
         designs = [] if self._asked is None else self._asked.get("X")
         # Numbers of NumPy's own types as Python's.
-        return [{k: one.item() if isinstance(one, np.generic) else one for k, one in row.items()} for row in designs]
+        return [{k: value.item() if isinstance(value, np.generic) else value for k, value in row.items()} for row in designs]
 
     def tell(self, objectives: Array, violations: Array) -> None:
         """Give the optimiser the objectives of the designs asked for last, (n, n_objectives), and their excess over each limit.
@@ -194,7 +193,7 @@ class SearchResult(StudyResult):
     @property
     def limits(self) -> dict[str, float]:
         """Largest allowed value of each limited measure [SI]."""
-        return {one["measure"]: one["largest"] for one in self.inputs["search"]["limits"]}
+        return {limit["measure"]: limit["largest"] for limit in self.inputs["search"]["limits"]}
 
     @property
     def start(self) -> int:

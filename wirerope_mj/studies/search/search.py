@@ -132,7 +132,7 @@ class Search:
 
     def rows(self, designs: Sequence[Design], first: int) -> pa.Table:
         """Return designs as rows of a study's inputs, numbered from `first`."""
-        types = {column.name: column.type for one in self.study.quantities for column in one.columns}
+        types = {column.name: column.type for quantity in self.study.quantities for column in quantity.columns}
         columns = {name: pa.array([design[name] for design in designs], type=types[name]) for name in self.variables}
         return pa.table({"variant": pa.array(range(first, first + len(designs)), type=pa.int64()), **columns})
 
@@ -148,7 +148,7 @@ class Search:
     def _design(self, index: int, given: Mapping[str, object]) -> Design:
         """Check a given design and return it by column."""
         design: Design = {}
-        known = {one.name for one in self.study.quantities} | set(self.variables)
+        known = {quantity.name for quantity in self.study.quantities} | set(self.variables)
         unknown = [name for name in given if name not in known]
         if unknown:
             raise ValueError(f"`start[{index}]`: nothing called {unknown[0]!r} varies; {', '.join(self.study.vary)} do.")
@@ -159,7 +159,7 @@ class Search:
                 value = given.get(column.name, given.get(quantity.name))
                 variable, wanted = self.variables[column.name], f"`start[{index}]`: {column.name!r} must be"
                 if isinstance(variable, Choice):
-                    if not any(type(one) is type(value) and one == value for one in variable.choices):
+                    if not any(type(choice) is type(value) and choice == value for choice in variable.choices):
                         raise ValueError(f"{wanted} one of {list(variable.choices)}, got {value!r}.")
                     design[column.name] = value
                     continue
@@ -257,7 +257,7 @@ class Evolving:
                 for design, *result in zip(table.select(list(search.variables)).to_pylist(), *values, strict=True):
                     self._known[self._key(design)] = (result[0], result[1])
             results = [self._known[self._key(design)] for design in designs]
-            evolution.tell(np.array([one for one, _ in results]), np.array([one for _, one in results]))
+            evolution.tell(np.array([minimised for minimised, _ in results]), np.array([excess for _, excess in results]))
             self._report(generation + 1)
 
     def _key(self, design: Design) -> tuple[object, ...]:
@@ -274,9 +274,9 @@ class Evolving:
             if table is not None and table.select(block.column_names).equals(block):
                 tables[number] = table
         missing = [
-            Chunk(number=one, rows=block.to_pylist(), responses=self._keep == RESPONSES)
-            for one, block in blocks.items()
-            if one not in tables
+            Chunk(number=number, rows=block.to_pylist(), responses=self._keep == RESPONSES)
+            for number, block in blocks.items()
+            if number not in tables
         ]
         for part in self._computed_by_engine(missing):
             numbers = pa.array([generation] * part.table.num_rows, type=pa.int64())
