@@ -96,7 +96,7 @@ class DoublePulse(StartedMotion):
         level = f"{self.peak / STANDARD_GRAVITY:.4g} g, {self.peak_velocity:.4g} m/s"
         text = f"{name} {level}, {1e3 * self.final_displacement:.4g} mm {self._line_text}"
         events = (self.start, f"{name} begins"), (self.middle, "second pulse begins"), (self.end, f"{name} ends")
-        return Said(text, events, min(self.first_duration, self.second_duration))
+        return Said(text, events, shortest_time=min(self.first_duration, self.second_duration))
 
 
 @dataclass(frozen=True, init=False, repr=False)

@@ -82,4 +82,4 @@ class Drop(ShockTableImpact):
         back = f", rebound {self.rebound:.4g}" if self.rebound else ""
         begins = f" at {self.start:.4g} s" if self.start else ""
         text = f"drop {self.drop_height:.4g} m onto {onto}, {self.velocity_change:.4g} m/s{back}{begins}"
-        return Said(text, ((self.start, "falls"), (self.impact, "lands")), np.inf)
+        return Said(text, ((self.start, "falls"), (self.impact, "lands")), shortest_time=np.inf)

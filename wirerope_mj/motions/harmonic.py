@@ -66,7 +66,7 @@ class Sine(StraightMotion):
         level = f"{self.frequency:.4g} Hz {self.amplitude / STANDARD_GRAVITY:.4g} g"
         ends = ((self.duration, "sine ends"),) if math.isfinite(self.duration) else ()
         events = ((0.0, f"sine of {self.frequency:.4g} Hz begins"), *ends)
-        return Said(f"sine {level} along {direction_text(self.direction)}", events, 1 / self.frequency)
+        return Said(f"sine {level} along {direction_text(self.direction)}", events, shortest_time=1 / self.frequency)
 
     @property
     def _omega(self) -> float:
@@ -171,7 +171,7 @@ class Sweep(StraightMotion):
             level = f"{1e3 * self.amplitude:.4g} {'mm/s' if self.quantity == 'velocity' else 'mm'}"
         text = f"{course}, {level} along {direction_text(self.direction)}"
         events = (0.0, f"sweep begins at {self.start:.4g} Hz"), (self.duration, f"sweep reaches {self.stop:.4g} Hz")
-        return Said(text, events, 1 / max(self.start, self.stop))
+        return Said(text, events, shortest_time=1 / max(self.start, self.stop))
 
     def _argument(self, name: str) -> object:
         return (self.amplitude if name == self.quantity else None) if name in FORMS else super()._argument(name)

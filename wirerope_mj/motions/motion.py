@@ -270,7 +270,7 @@ class SumOfMotions(AsCall, BaseMotion):
         if len(texts) > _MOST_DESCRIBED:
             texts = [texts[0], f".. {len(texts) - 2} more ..", texts[-1]]
             events = [events[0], events[-1]] if events else []
-        return Said(" + ".join(texts), tuple(events), min(term.shortest_time for term in self.terms))
+        return Said(" + ".join(texts), tuple(events), shortest_time=min(term.shortest_time for term in self.terms))
 
     @property
     def directions(self) -> Array:

@@ -59,7 +59,7 @@ class PayloadForce(BaseMotion):
     def _said(self) -> Said:
         ends = ((self.end, f"{self.kind} ends"),) if math.isfinite(self.end) else ()
         text, shortest_time = self._described()
-        return Said(text, ((self.start, f"{self.kind} at {self.site} begins"), *ends), shortest_time)
+        return Said(text, ((self.start, f"{self.kind} at {self.site} begins"), *ends), shortest_time=shortest_time)
 
     @abstractmethod
     def _described(self) -> tuple[str, float]:

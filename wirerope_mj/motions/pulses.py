@@ -52,7 +52,7 @@ class Pulse(StartedMotion):
     def _said(self) -> Said:
         """Describe the pulse in a line, such as `half-sine 15 g 11 ms along z`."""
         text = f"{self.kind} {self.peak / STANDARD_GRAVITY:.4g} g {duration_text(self.duration, 4)} {self._line_text}"
-        return Said(text, ((self.start, f"{self.kind} begins"), (self.end, f"{self.kind} ends")), self.duration)
+        return Said(text, ((self.start, f"{self.kind} begins"), (self.end, f"{self.kind} ends")), shortest_time=self.duration)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,7 +197,7 @@ class VelocityStep(StartedMotion):
     def _said(self) -> Said:
         """Describe the step in a line, such as `velocity step 2 m/s along z`; its time scale is infinite."""
         text = f"velocity step {self.velocity_change:.4g} m/s {self._line_text}"
-        return Said(text, ((self.start, "velocity step"),), math.inf)
+        return Said(text, ((self.start, "velocity step"),), shortest_time=math.inf)
 
     def _along(self, t: Array, order: int) -> Array:
         if order == 2:
@@ -264,7 +264,7 @@ class StruckPlate(StartedMotion):
         wave = f"struck by {self.pressure / 1e6:.4g} MPa decaying in {1e3 * self.decay:.4g} ms"
         text = f"plate of {self.areal_mass:.4g} kg/m^2 {wave}: {self.velocity_change:.4g} m/s {self._line_text}"
         events = (self.start, "wave strikes the plate"), (self.end, "water lets go of the plate")
-        return Said(text, events, min(self.decay, self.duration))
+        return Said(text, events, shortest_time=min(self.decay, self.duration))
 
     @cached_property
     def _psi_is_one(self) -> bool:

@@ -125,7 +125,9 @@ class RandomVibration(AsCall, StartedMotion):
             (self.start, "random vibration begins"), (full, f"full level, {self.rms / STANDARD_GRAVITY:.4g} g rms"),
             (falls, "vibration falls"), (self.end, "random vibration ends"),
         )  # fmt: skip
-        return Said(f"random {level}, {self.duration:.4g} s, {seed} {self._line_text}", events, 1 / self.psd[-1][0])
+        return Said(
+            f"random {level}, {self.duration:.4g} s, {seed} {self._line_text}", events, shortest_time=1 / self.psd[-1][0]
+        )
 
     @property
     def _intervals(self) -> int:

@@ -56,7 +56,7 @@ class _Transformed(BaseMotion):
         """Describe the motion after the other motion, whose description stands in brackets if it is a sum."""
         text = self.motion.description
         quoted = f"({text})" if isinstance(self.motion, SumOfMotions) else text
-        return Said(self._described(quoted), self.motion.events, self.motion.shortest_time)
+        return Said(self._described(quoted), self.motion.events, shortest_time=self.motion.shortest_time)
 
     @abstractmethod
     def _described(self, quoted: str) -> str:

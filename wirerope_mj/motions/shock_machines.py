@@ -119,7 +119,9 @@ class DecayingSine(StartedMotion):
         deck = f"deck of {self.frequency:.4g} Hz, damping {self.damping:.4g}, struck to {self.velocity_change:.4g} m/s"
         blow = f" in {1e3 * self.impact_duration:.4g} ms" if self.impact_duration else ""
         events = (self.start, f"deck of {self.frequency:.4g} Hz is struck"), (self.end, "deck is at rest within 0.1 %")
-        return Said(f"{deck}{blow} {self._line_text}", events, min(1 / self.frequency, self.impact_duration or math.inf))
+        return Said(
+            f"{deck}{blow} {self._line_text}", events, shortest_time=min(1 / self.frequency, self.impact_duration or math.inf)
+        )
 
     def _argument(self, name: str) -> object:
         either = name in ("velocity", "acceleration")
@@ -250,7 +252,7 @@ class ShockTableImpact(StartedMotion):
         release = ((self.start, "table falls"),) if self.fall else ()
         over = ((self.end, "impact ends"),) if self.pulse_duration is not None else ()
         events = (*release, (self.impact, "table strikes"), *over)
-        return Said(f"drop table {size} {self._line_text}", events, self.pulse_duration or math.inf)
+        return Said(f"drop table {size} {self._line_text}", events, shortest_time=self.pulse_duration or math.inf)
 
     def _pulse(self, length: float) -> HalfSine:
         peak = math.pi * self.velocity_change / (2 * length)

@@ -178,7 +178,7 @@ class VibrationLines(AsCall, StartedMotion):
         return Said(
             f"{text}{length} along {direction_text(self.direction)}",
             ((self.start, "vibration begins"), *ends),
-            1 / self.lines[-1][0],
+            shortest_time=1 / self.lines[-1][0],
         )
 
     def _argument(self, name: str) -> object:

@@ -87,7 +87,7 @@ class Record(BaseMotion):
         record = f"record {self.path.name}"
         events = (self.start, f"{record} begins"), (self.end, f"{record} ends")
         shortest = _SAMPLES_PER_PERIOD * self.duration / (self.time.size - 1)
-        return Said(f"{record}, {self.duration:.4g} s, peak {peak:.4g} g", events, shortest)
+        return Said(f"{record}, {self.duration:.4g} s, peak {peak:.4g} g", events, shortest_time=shortest)
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -174,7 +174,7 @@ def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit
     ranges = [range_of(header.units[column]) for column in directions]
     if ranges and None not in ranges:
         require_within_range(header.location, samples, max(limit for limit in ranges if limit is not None))
-    return Reading(instants, samples, tuple(dict.fromkeys(units)), tuple(messages))
+    return Reading(instants, samples, units=tuple(dict.fromkeys(units)), warnings=tuple(messages))
 
 
 def require_within_range(location: str, samples: Array, limit: float) -> None:
@@ -193,7 +193,7 @@ def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Readi
     columns = [find_column(header, name, without=time) for name in names]
     instants, samples, messages = _in_si(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)
     units = tuple(header.units[column] for column in columns)
-    return Reading(instants, samples, (), tuple(messages)), units
+    return Reading(instants, samples, units=(), warnings=tuple(messages)), units
 
 
 def _in_si(

@@ -71,7 +71,7 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
         chosen = {histories[place][0]: direction for place, direction in places.items()}
     units, factors = zip(*(_unit(path, heads[number], unit, systems) for number in chosen), strict=True)
     time, samples = _on_one_clock(path, {number: _name(heads[number]) for number in chosen})
-    reading = Reading(time, (samples * factors) @ axes_of(chosen.values()), tuple(dict.fromkeys(units)))
+    reading = Reading(time, (samples * factors) @ axes_of(chosen.values()), units=tuple(dict.fromkeys(units)))
     if _is_complete(path):
         return reading
     return reading.warned("the end of this universal file is missing; what was cut off is not read.")
@@ -100,7 +100,7 @@ def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[s
             unit = _MEASURED[kind][1]
         units.append(unit)
     time, samples = _on_one_clock(path, chosen, " Read them as two tests.")
-    return Reading(time, samples, ()), tuple(units)
+    return Reading(time, samples, units=()), tuple(units)
 
 
 def _open(path: Path) -> Any:

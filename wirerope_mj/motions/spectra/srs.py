@@ -165,9 +165,9 @@ def shock_response_spectrum(
     shape = (EXTREMES, wanted.size, *values.shape[1:])
     during, after = (phase.transpose(2, 1, 0).reshape(shape) for phase in (primary, residual))
     return ShockResponseSpectrum(
-        frequencies=wanted, acceleration=Extremes.of(during, after, ACCELERATION, 1.0),
-        displacement=Extremes.of(during, after, DISPLACEMENT, step**2),
-        velocity=Extremes.of(during, after, VELOCITY, step), q=float(q),
+        frequencies=wanted, acceleration=Extremes.of(during, after, ACCELERATION, scale=1.0),
+        displacement=Extremes.of(during, after, DISPLACEMENT, scale=step**2),
+        velocity=Extremes.of(during, after, VELOCITY, scale=step), q=float(q),
     )  # fmt: skip
 
 

@@ -73,7 +73,7 @@ def cycle_to(trace: Trace, end: int) -> PhasedCycle:
     bounds = trace.times[end - 2 : end + 1]
     inside = np.flatnonzero((trace.time >= bounds[0]) & (trace.time <= bounds[2]))
     middle = float((bounds[1] - bounds[0]) / (bounds[2] - bounds[0]))
-    return PhasedCycle(inside, np.interp(trace.time[inside], bounds, [0.0, 0.5, 1.0]), (0.0, 0.5), middle)
+    return PhasedCycle(inside, np.interp(trace.time[inside], bounds, [0.0, 0.5, 1.0]), tips=(0.0, 0.5), middle=middle)
 
 
 def whole_record(trace: Trace) -> PhasedCycle:
@@ -84,11 +84,11 @@ def whole_record(trace: Trace) -> PhasedCycle:
     span = 1.0 if repeated else (samples - 1) / samples
     elapsed, turning = (span * (t - trace.time[0]) / np.ptp(trace.time) for t in (trace.time, trace.times[1:-1]))
     if samples <= POINTS + 1:
-        return PhasedCycle(np.arange(samples), elapsed, ())
+        return PhasedCycle(np.arange(samples), elapsed, tips=())
     # Turning points where bins have their middle, as those of a run.
     tips = np.round(turning * POINTS) / POINTS
     phase = np.interp(elapsed, [0.0, *turning, 1.0], [0.0, *tips, 1.0])
-    return PhasedCycle(np.arange(samples), phase, (*tips.tolist(), *([0.0] if tips.size == 1 else [])))
+    return PhasedCycle(np.arange(samples), phase, tips=(*tips.tolist(), *([0.0] if tips.size == 1 else [])))
 
 
 def mean_loop(

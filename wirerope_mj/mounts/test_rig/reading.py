@@ -215,7 +215,7 @@ def _group(header: Header, columns: dict[str, int]) -> list[Samples]:
                     f"{groups[label].lines[-1]}. "
                     'Rows of one loop stand together; give a repeated amplitude its own number in a column "loop".'
                 )
-            samples = groups[label] = Samples(label, values.get("amplitude"))
+            samples = groups[label] = Samples(label, amplitude=values.get("amplitude"))
         if "time" in values and samples.time and values["time"] <= samples.time[-1]:
             raise RecordError(f"{location}: time must increase from row to row of a loop, got {cells[columns['time']]}.")
         samples.lines.append(line)
