@@ -50,7 +50,7 @@ def show(content: Content, *sections: str) -> None:
 
 @singledispatch
 def print_block(block: Block) -> None:
-    """Print a block; charts and scenes have no place on a terminal."""
+    """Print a block; charts and scenes are left out."""
 
 
 @print_block.register
@@ -83,7 +83,7 @@ def show_answer(content: Content, *sections: str, last: str = "answer") -> None:
 
 
 def print_table(table: Table) -> None:
-    """Print a table; columns for which a line is too short stand below, the first beside them again."""
+    """Print a table; columns that do not fit a line follow below, beside the first column again."""
     screen = console()
     if table.title:
         print_lines([Text(plain_lines(table.title), style="bold")], indent="")
@@ -91,10 +91,10 @@ def print_table(table: Table) -> None:
     left = [*range(1, len(table.columns))]
     while True:
         count, unbounded = len(left), screen.options.update_width(_UNBOUNDED)
-        shown = _columns(screen, table, rows, [0, *left])
+        shown = _rich_table(screen, table, rows, [0, *left])
         while count > 1 and Measurement.get(screen, unbounded, shown).minimum > screen.width:  # of what cuts no word
             count -= 1
-            shown = _columns(screen, table, rows, [0, *left[:count]])
+            shown = _rich_table(screen, table, rows, [0, *left[:count]])
         screen.print(shown)
         left = left[count:]
         if not left:
@@ -106,7 +106,8 @@ def print_table(table: Table) -> None:
         print_lines([table.note])
 
 
-def _columns(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str, str]]], chosen: Sequence[int]) -> RichTable:
+def _rich_table(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str, str]]], chosen: Sequence[int]) -> RichTable:
+    """Build the table of rich from some columns, at their full width where texts must not break."""
     shown = RichTable(box=box.SIMPLE_HEAD, show_edge=False)
     shown.padding = (0, 1, 0, 0) if screen.width >= _ROOMY else 0
     for index in chosen:

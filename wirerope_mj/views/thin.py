@@ -1,4 +1,4 @@
-"""Rows that are worth drawing: a picture needs fewer than the archive, and /state keeps them all."""
+"""Selection of rows to draw: a picture needs fewer samples than the archive, and /state keeps them all."""
 
 import numpy as np
 import numpy.typing as npt
@@ -6,14 +6,14 @@ import numpy.typing as npt
 from wirerope_mj.foundation.arrays import Array
 
 Rows = npt.NDArray[np.intp]
-# of a drawn series: a plot is a few thousand pixels wide, and the viewer slows down above this
+# rows of a drawn series: a plot is a few thousand pixels wide, and the viewer slows down above this
 MOST_ROWS = 20_000
 _LONGEST = 128  # longest interval of rows that is replaced by its ends
-# rows at once: it bounds the memory, and is a multiple of the longest intervals
+# rows that are thinned at once: it bounds the memory, and is a multiple of the longest intervals
 _PART = 128 * _LONGEST
 
 
-DENSE = 4000  # Rows of a line above which it would be a blob: its envelope is drawn
+DENSE = 4000  # rows of a line above which its envelope is drawn instead
 _INTERVALS = 400  # Of an envelope, each a few points of a plot wide
 
 
@@ -27,13 +27,13 @@ def rows_of_line(time: Array, values: Array, tolerance: Array | float, *, limit:
 
     Where more than `limit` rows are needed, the extremes of every interval are kept, and the tolerance is not.
     """
-    rows = _needed(time, values, tolerance, hold=False)
+    rows = _needed_rows(time, values, tolerance, hold=False)
     return rows[rows_of_extremes(values[rows], limit)]
 
 
 def rows_of_steps(time: Array, values: Array, tolerance: Array | float, *, limit: int = MOST_ROWS) -> Rows:
     """Find the rows of a staircase (each value holds until the next row) within `tolerance`."""
-    rows = _needed(time, values, tolerance, hold=True)
+    rows = _needed_rows(time, values, tolerance, hold=True)
     return rows[rows_of_extremes(values[rows], limit)]
 
 
@@ -51,8 +51,8 @@ def rows_of_extremes(values: Array, limit: int) -> Rows:
     return np.unique(np.concatenate(rows))
 
 
-def _needed(time: Array, values: Array, tolerance: Array | float, *, hold: bool) -> Rows:
-    """Replace intervals of 2, 4, 8... rows by their ends where these suffice."""
+def _needed_rows(time: Array, values: Array, tolerance: Array | float, *, hold: bool) -> Rows:
+    """Find the rows that remain when intervals of 2, 4, 8... rows are replaced by their ends within the tolerance."""
     keep = np.ones(time.size, dtype=bool)
     for begin in range(0, time.size, _PART):
         part = slice(begin, begin + _PART + 1)  # with the first row of the next part, where the last interval ends

@@ -1,4 +1,4 @@
-"""A result as a workbook (XLSX): what it says in one sheet, every table in its own, and samples in the last."""
+"""A result as a workbook (XLSX): statements in the first sheet, every table in its own, and samples in the last."""
 
 import errno
 import gc
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _ROWS, _COLUMNS = 1_048_576, 16_384  # of a sheet, by the format
 _LONGEST = 31  # letters of a sheet's name
-_WIDE = 16.0  # width of a column in letters, enough for headings
+_COLUMN_WIDTH = 16.0  # width of a column in letters, enough for headings
 
 
 def write_workbook(content: Content, samples: Exported | None, path: Path, *, force: bool = False) -> Path:
@@ -40,13 +40,13 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
         raise RecordError(f"{path}: XLSX needs openpyxl: pip install 'wirerope-mj[xlsx]', or write CSV.") from None
     check_writable(path, force=force)
     with place_named(path), _full_disk_raised():
-        _write(Workbook(write_only=True), content, samples, path)
+        _write_sheets(Workbook(write_only=True), content, samples, path)
     return path
 
 
 @contextmanager
 def _full_disk_raised() -> Iterator[None]:
-    # The writers of unfinished sheets would print tracebacks when they are cleared away.
+    """Raise OSError for a full disk, without the tracebacks that writers of unfinished sheets print at their end."""
     hook, number = sys.unraisablehook, 0
     try:
         yield
@@ -61,7 +61,7 @@ def _full_disk_raised() -> Iterator[None]:
         raise OSError(number, "")
 
 
-def _write(book: "openpyxl.Workbook", content: Content, samples: Exported | None, path: Path) -> None:
+def _write_sheets(book: "openpyxl.Workbook", content: Content, samples: Exported | None, path: Path) -> None:
     page = _sheet(book, "summary", 2)
     for line in ([content.title], [content.verdict.text], [], *content.facts):
         _append(page, line)
@@ -110,6 +110,7 @@ def _append(page: "openpyxl.worksheet.worksheet.Worksheet", values: Sequence[str
 
 
 def _sheet(book: "openpyxl.Workbook", name: str, columns: int) -> "openpyxl.worksheet.worksheet.Worksheet":
+    """Create a sheet under a name that is allowed and unique."""
     from openpyxl.utils import get_column_letter
 
     plain = re.sub(r"[\\/*?:\[\]]", " ", name)[:_LONGEST].strip() or "table"
@@ -119,5 +120,5 @@ def _sheet(book: "openpyxl.Workbook", name: str, columns: int) -> "openpyxl.work
         unique = f"{plain[: _LONGEST - 1 - len(str(number))]} {number}"
     page = book.create_sheet(unique)
     for number in range(1, min(columns, _COLUMNS) + 1):
-        page.column_dimensions[get_column_letter(number)].width = _WIDE
+        page.column_dimensions[get_column_letter(number)].width = _COLUMN_WIDTH
     return page

@@ -1,4 +1,4 @@
-"""Periodic motions of a branch one after the other, as one response, and the timelines along which they stand."""
+"""Periodic motions of a branch joined into one response, and the timelines of their recording."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -25,7 +25,7 @@ class Strip:
     number: int  # index of the level
     branch: Branch
     points: Integers  # which points of the branch, (n,); a short branch has some of them several times
-    orbits: tuple[PeriodicOrbit, ...]  # the motions, one for each
+    orbits: tuple[PeriodicOrbit, ...]  # the motion at each of these points
 
     @property
     def level(self) -> float:
@@ -34,25 +34,26 @@ class Strip:
 
     @property
     def frequency(self) -> Array:
-        """Of the base at every motion [Hz], (n,)."""
+        """Frequency of the base at every motion [Hz], (n,)."""
         return self.branch.frequency[self.points]
 
     @property
     def amplitude(self) -> Array:
-        """Of the payload at every motion [m/s^2], (n,)."""
+        """Largest acceleration of the payload at every motion [m/s^2], (n,)."""
         return self.branch.amplitude[self.points]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Animation:
-    """A strip shown motion by motion, one repetition each."""
+    """The motions of a strip in succession, one repetition of each."""
 
     strip: Strip
-    starts: Array  # instant at which each begins [s], (n,)
+    starts: Array  # instant at which each motion begins [s], (n,)
     response: Response  # all in succession; its peaks are those of the largest amplitude
 
 
 def strips_of(findings: list[LevelSummary]) -> list[Strip]:
+    """Choose motions along the branch of every level, at most `MOST_POINTS` of each."""
     strips = []
     for number, summary in enumerate(findings):
         branch, curve = summary.level.branch, summary.curve
@@ -67,7 +68,7 @@ def strips_of(findings: list[LevelSummary]) -> list[Strip]:
 def animation_of(strip: Strip) -> Animation:
     """Join the motions of a strip one after the other.
 
-    Each ends where the payload's acceleration is largest: this is what stands in the scene when one goes from point to point.
+    Each ends at the largest acceleration of the payload, which the scene then shows at every point of the branch.
     """
     rows = ROWS * strip.branch.periods
     blocks, starts, start = [], [], 0.0
@@ -87,23 +88,24 @@ def animation_of(strip: Strip) -> Animation:
 
 
 def with_values(like: Response, values: Array) -> Response:
-    """Give a response other samples, (n_t, n_columns), with the same columns, scene and peaks."""
+    """Replace the samples of a response by values (n_t, n_columns); columns, scene and peaks stay."""
     samples = MemorySamples(names=like.samples.names, values=values)
     return replace(like, time=values[:, 0].copy(), **like.plan.parts(samples), events=(), samples=samples)
 
 
 # Timelines over the branch: the number of the motion, and its frequency in integer millihertz, as rerun takes integers alone.
-# Where a branch folds, the point tells its motions apart.
+# Where a branch folds, the point distinguishes its motions.
 POINT, FREQUENCY = "point", "frequency_mHz"
 
 
 def at_points(animation: Animation, strip: Strip) -> list[rr.TimeColumn]:
+    """Index the motions of a strip on the timelines over the branch and in time."""
     columns = [rr.TimeColumn(name, sequence=numbers) for name, numbers in _numbers(strip).items()]
     return [*columns, rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))]
 
 
 class Along(Stream):
-    """A recording stream whose rows in time stand on other timelines too.
+    """A recording stream that puts rows in time on other timelines, too.
 
     `starts` are the instants [s] at which the motions begin, `numbers` their numbers on these timelines.
     """

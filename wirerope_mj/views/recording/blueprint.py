@@ -43,7 +43,7 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     scenes = _scenes(drawn, factor)
     left: rrb.Container = tabs_with(scenes, "scene", scene or str(scenes[0].name))
     if (run := drawn.alone) is not None and (governing := drawn.shared.governing) is not None:
-        left = rrb.Vertical(left, _near(run, governing, wide=True, figures=not drawn.cases), row_shares=[3, 2])
+        left = rrb.Vertical(left, _close_up(run, governing, wide=True, figures=not drawn.cases), row_shares=[3, 2])
     top = rrb.Horizontal(left, tabs_with(_tabs(drawn, plots), "tab", tab), column_shares=[5, 6], name="run")
     banner = [_text(text.path, text.name) for text in drawn.texts if text.place == BANNER]
     texts = [_text(text.path, text.name) for text in drawn.texts if text.place == BELOW]
@@ -78,6 +78,7 @@ def layout_of_cases(cases: Sequence[Drawn]) -> tuple[rrb.Blueprint, float]:
 
 
 def loop_widths(drawn: Drawn) -> dict[str, float]:
+    """Find the width of the frames of loops by axis, by the number of loops that share the pane."""
     shared = drawn.shared
     return {axis: fitting_width(_TABS, *grid_shape(len(shared.shown(axis)))) for axis in shared.axes}
 
@@ -87,7 +88,7 @@ def _text(path: tuple[str, ...], name: str) -> rrb.TextDocumentView:
 
 
 def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
-    """Show a run alone at true scale, from above and enlarged; of several first their worst mount."""
+    """List the scenes: of a run alone true scale, plan and enlarged; of several worst mount, side by side, ghosts."""
     larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
     largest = max(drawn.runs, key=lambda run: scene_extent(run.response.scene)[1])
     below = entity(GHOSTS)
@@ -113,7 +114,7 @@ def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
     scenes = [rrb.Grid(*whole, grid_columns=columns, name="Side by side"), rrb.Vertical(ghosts, name="Ghosts")]
     mount = drawn.shared.governing
     if mount is not None:
-        near = [_near(run, mount) for run in drawn.having(mount)]
+        near = [_close_up(run, mount) for run in drawn.having(mount)]
         scenes.insert(0, rrb.Grid(*near, grid_columns=columns, name="Worst mount"))
     return scenes
 
@@ -128,7 +129,7 @@ def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()
     return scene_view(run.root + _origin(run), contents, name, camera)
 
 
-def _near(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = True) -> rrb.Spatial3DView:
+def _close_up(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = True) -> rrb.Spatial3DView:
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
     worst = by_use(run.selection.verdicts).get(mount) if figures else None
@@ -138,6 +139,7 @@ def _near(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = True
 
 
 def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
+    """List the tabs: overview, histories by quantity, loops by axis, and texts."""
     tabs: list[Pane] = [_overview(drawn)]
     for quantity in ("acceleration", "deflection", "force", "contact", "measured"):
         title = "Measured" if quantity == "measured" else f"{quantity.capitalize()}s"
@@ -155,8 +157,8 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
         views = []
         for plot in (plot for plot in plots if plot.axis == axis):
             ratio = drawn.shared.utilisation(plot.mount, plot.axis)
-            silent = np.isnan(ratio) or not drawn.alone or drawn.cases
-            name = f"{plot.mount}: kN over mm{'' if silent else f', {100 * ratio:.0f} % of rated travel'}"
+            without_ratio = np.isnan(ratio) or not drawn.alone or drawn.cases
+            name = f"{plot.mount}: kN over mm{'' if without_ratio else f', {100 * ratio:.0f} % of rated travel'}"
             views.append(loop_view(plot.path, name, width=plot.plot.width, trails=plot.trails))
         tabs.append(rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops"))
     places = dict.fromkeys(text.place for text in drawn.texts if text.place not in (BANNER, BELOW))
@@ -167,7 +169,7 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
 
 
 def _overview(drawn: Drawn) -> rrb.Container:
-    """Show what tells most: of one run use of limits, spectra and lanes; of several what differs."""
+    """Compose the first tab: of one run utilisation, spectra and lanes; of several the differences."""
     views = [_view(drawn, key) for key in drawn.overview]
     if (run := drawn.alone) is None:
         return rrb.Grid(*views, grid_columns=1 if len(views) <= 3 else 2, name="Overview")

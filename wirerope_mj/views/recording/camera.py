@@ -1,4 +1,4 @@
-"""The two cameras: one sees everything, one sees the governing mount, from where nothing hides it."""
+"""Cameras of the whole scene, and of the governing mount from a direction in which it is least hidden."""
 
 from dataclasses import dataclass, replace
 
@@ -10,11 +10,11 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.shapes import conjugate, multiply, rotate
 
 _LOOK_FROM = np.array([0.46, -0.80, 0.38])
-_TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))  # Of half the viewer's angle of view from below to above, less a margin
+_TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))  # of half the viewer's vertical angle of view, less a margin
 _ASPECT = 1.75  # width over height of the pane of the whole scene of one run on a full-HD screen
 _WIDE = 3.0  # The same of the pane of the close-up below it
-_CLOSE = 1.4  # Distance over the diagonal of the mount from which what hides it is looked for
-_MARGIN = 1.3  # Size of what the close-up holds over that of the mount
+_CLOSE = 1.4  # distance over the diagonal of the mount, within which bodies may hide it
+_MARGIN = 1.3  # size of the close-up over that of the mount
 _AZIMUTHS = 24
 _ELEVATIONS = (-30.0, -12.0, 3.0, 10.0, 22.0, 40.0)  # [deg]
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
@@ -30,9 +30,9 @@ class Camera:
 
 
 def whole_scene(response: Response, *, aspect: float = _ASPECT, mount: str | None = None) -> Camera:
-    """See everything, as near as its pane, `aspect` times as wide as high, allows.
+    """Place the camera to see the whole scene, as near as a pane `aspect` times as wide as high allows.
 
-    It looks from the front and the right, or from where a mount is hidden less.
+    It looks from the front and the right, or from the side from which `mount` is least hidden.
     """
     scene = response.scene
     points = _seen_from_base(scene, _corners(scene))
@@ -44,11 +44,11 @@ def whole_scene(response: Response, *, aspect: float = _ASPECT, mount: str | Non
         backs = back * np.array([[x, y, 1.0] for y in (1.0, -1.0) for x in (1.0, -1.0)])
         hidden = _hidden(scene, middle + scene_extent(scene)[1] * backs, middle[None])
         back = backs[int(hidden.argmin())]
-    return _fitted(points, back, aspect)
+    return _fitted_camera(points, back, aspect)
 
 
-def _fitted(points: Array, back: Array, aspect: float) -> Camera:
-    """Look along -`back` at points (n, 3), as near as the pane allows."""
+def _fitted_camera(points: Array, back: Array, aspect: float) -> Camera:
+    """Place the camera to look along -`back` at points (n, 3), as near as the pane allows."""
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     up = np.cross(back, right)
@@ -64,10 +64,10 @@ def _fitted(points: Array, back: Array, aspect: float) -> Camera:
 
 
 def close_up(response: Response, mount: str, *, height: float, width: float, row: int, wide: bool = False) -> Camera:
-    """See a mount of the given size [m] past the bodies around it, as they stand at a sample.
+    """Place the camera to see a mount of a size [m] past the bodies around it, at the sample `row`.
 
-    Of some directions the one is taken from which most of the device is seen, whatever is transparent counted by how much it
-    hides; where several show it alike, neither along the bars nor square to them, and from outside.
+    Of a grid of directions it takes the one from which the device is least hidden, transparent bodies counted by their opacity;
+    among equal ones a direction oblique to the bars, from outside the scene.
     """
     bodies = []
     for body in response.scene.bodies:
@@ -91,21 +91,21 @@ def close_up(response: Response, mount: str, *, height: float, width: float, row
     center, _ = scene_extent(scene)
     outward = (middle - center) / max(float(np.linalg.norm(middle - center)), 1e-9)
     along_bars = np.abs(directions @ axes[1])
-    worth = -4.0 * hidden - 0.5 * np.abs(along_bars - 0.5) + 0.2 * directions @ outward
+    score = -4.0 * hidden - 0.5 * np.abs(along_bars - 0.5) + 0.2 * directions @ outward
     corners = _seen_from_base(scene, middle + _MARGIN * (CORNERS * half) @ axes)
-    back = _seen_from_base(scene, middle + directions[int(worth.argmax())]) - _seen_from_base(scene, middle)
-    return _fitted(corners, back, _WIDE if wide else _ASPECT)
+    back = _seen_from_base(scene, middle + directions[int(score.argmax())]) - _seen_from_base(scene, middle)
+    return _fitted_camera(corners, back, _WIDE if wide else _ASPECT)
 
 
 def scene_extent(scene: Scene) -> tuple[Array, float]:
-    """Find centre (3,) and diagonal [m] of what is drawn, in the modelled geometry."""
+    """Find centre (3,) and diagonal [m] of the drawn geoms, in the modelled geometry."""
     points = _corners(scene)
     low, high = points.min(axis=0), points.max(axis=0)
     return 0.5 * (low + high), float(np.linalg.norm(high - low)) or 1.0
 
 
 def _corners(scene: Scene) -> Array:
-    """Find the corners of the boxes around all geoms that end somewhere, world frame, (n, 3)."""
+    """Find the corners of the boxes around all finite geoms, world frame, (n, 3)."""
     boxes = [
         (body.position, body.orientation, geom.position, geom.orientation, half)
         for body in scene.bodies
@@ -136,7 +136,7 @@ def reach(geom: Geom) -> Array:
 
 
 def _hidden(scene: Scene, eyes: Array, targets: Array) -> Array:
-    """Find how much of the targets (m, 3) is hidden from each eye (n, 3), 0 to 1, (n,)."""
+    """Compute the fraction of the targets (m, 3) that is hidden from each eye (n, 3), (n,)."""
     clear = np.ones((len(eyes), len(targets)))
     for body in scene.bodies:
         for geom in body.geoms:
@@ -156,6 +156,6 @@ def _hidden(scene: Scene, eyes: Array, targets: Array) -> Array:
 
 
 def _seen_from_base(scene: Scene, points: Array) -> Array:
-    """Turn points (.., 3) into the frame of the base, if it has one that moves."""
+    """Transform points (.., 3) into the frame of the base, if the base moves."""
     body = next((body for body in scene.bodies if body.name == scene.base and body.moves), None)
     return points if body is None else rotate(conjugate(body.orientation), points - body.position)

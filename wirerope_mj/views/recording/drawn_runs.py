@@ -1,4 +1,4 @@
-"""Runs as a recording draws them, one alone or several over each other: colours, frames, panels, texts and what is shared."""
+"""Runs as a recording draws them, alone or several over each other: colours, frames, panels, texts, shared selection."""
 
 import re
 import tomllib
@@ -31,8 +31,8 @@ from wirerope_mj.views.recording.paths import AXES, root_of
 from wirerope_mj.views.recording.scene import ARROW
 from wirerope_mj.views.recording.shapes import Frame, frames_of
 
-MOST_MOUNTS = 4  # of an axis, drawn for several runs: each is a plot of its own
-# Of the runs in every view. There are no more runs than colours that can be told apart.
+MOST_MOUNTS = 4  # mounts of an axis that are drawn for several runs: each has its own plot
+# Colours of the runs in every view, as many as can be distinguished: the most runs of a recording
 COLORS: tuple[Color, ...] = (*DARK.series, (236, 218, 152), (190, 109, 108))
 
 
@@ -41,7 +41,7 @@ class DrawnRun(ComparedRun):
     """A run as it is drawn; its name is "" if it is alone."""
 
     color: Color  # of its lines, mounts and ghosts among several runs
-    selection: Selection  # what a recording of its own shows; among several runs mounts have the run's colour
+    selection: Selection  # that a recording of the run alone shows; among several runs mounts have the run's colour
     frames: dict[str, Frame]  # of its bodies
 
     @property
@@ -55,7 +55,7 @@ class DrawnRun(ComparedRun):
 
 @dataclass(frozen=True, kw_only=True)
 class Text:
-    """A text of a recording: its entity, its name, and where it stands: "banner", "below", or the name of a tab."""
+    """A text of a recording: its entity, its name, and its place: "banner", "below", or the name of a tab."""
 
     path: tuple[str, ...]
     name: str
@@ -65,30 +65,30 @@ class Text:
 
 @dataclass(frozen=True, kw_only=True)
 class Drawn:
-    """What a recording holds of one run or of several over each other."""
+    """The content of a recording of a run alone, or of several runs over each other."""
 
     runs: tuple[DrawnRun, ...]  # as they are drawn
-    comparison: Comparison  # of the runs with the first; of one alone, what it has
-    # what is shown: of one run its own selection; of several the mounts that two have, those shown in
+    comparison: Comparison  # of the runs with the first; of a run alone, its parts
+    # selection that is shown: of one run its own; of several the mounts that two have, those shown in
     # `ranked`, `utilisations` the largest of any run
     shared: Selection
     panels: Histories  # over time
-    over_frequency: Panel | None = None  # what stands over frequency; None for nothing
+    over_frequency: Panel | None = None  # panel over frequency; None without one
     texts: tuple[Text, ...] = field(default=())
     # whether the layout is shared by several load cases: names of views then hold no figure of one
     cases: bool = False
 
     @property
     def alone(self) -> DrawnRun | None:
-        """The only run; None of several."""
+        """The only run; None if there are several."""
         return self.runs[0] if not self.runs[0].name else None
 
     @property
     def overview(self) -> tuple[tuple[str, ...], ...]:
-        """Keys of the panels that are seen first.
+        """Keys of the panels of the first tab.
 
-        Of a run alone what is used of limits, the governing deflection and the accelerations, the first of them alone where
-        spectra stand below it. Of several their worst mount, what is shaken most, the base, and what is farthest apart.
+        Of a run alone utilisation, governing deflection and acceleration; only the first where spectra stand below it. Of
+        several the worst mount, the most accelerated part, the base, and the largest differences.
         """
         if self.alone is not None:
             keys: list[tuple[str, ...]] = [(USED,)] if self.shared.used else []
@@ -108,16 +108,16 @@ class Drawn:
 
 
 def one_run(run: RunResult, over_frequency: Panel | None = None) -> Drawn:
-    """Draw a run alone."""
+    """Compose the recording of a run alone."""
     response, selection = run.response, run.selection
     comparison = compare_runs({"": response}, verdicts={"": run.verdicts}) if subjects_of(response) else None
     drawn = DrawnRun(
         name="", response=response, moved=0.0, verdicts=run.verdicts, color=ARROW, selection=selection,
         frames=frames_of(response),
     )  # fmt: skip
-    nothing = Comparison(runs=(drawn,), components=(), mounts=(), alone={}, differences=())
+    empty = Comparison(runs=(drawn,), components=(), mounts=(), alone={}, differences=())
     return Drawn(
-        runs=(drawn,), comparison=comparison or nothing, shared=selection, panels=run_histories(response, selection),
+        runs=(drawn,), comparison=comparison or empty, shared=selection, panels=run_histories(response, selection),
         over_frequency=over_frequency,
     )  # fmt: skip
 
@@ -125,7 +125,7 @@ def one_run(run: RunResult, over_frequency: Panel | None = None) -> Drawn:
 def several_runs(
     responses: Mapping[str, Response], align: Align, verdicts: Mapping[str, Sequence[Verdict]] | None = None
 ) -> Drawn:
-    """Draw runs over each other; verdicts as `compare_runs` takes them.
+    """Compose the recording of runs over each other; verdicts as `compare_runs` takes them.
 
     ValueError if there are too few or too many, or `align` is unknown; RecordError if they share nothing, or a run has no
     shock to align.
@@ -147,17 +147,17 @@ def several_runs(
 
 
 def shared_selection(runs: Sequence[DrawnRun], mounts: tuple[str, ...], most: int | None = None) -> Selection:
-    """Select the mounts of several runs, the worst of any first, at most so many of an axis."""
+    """Select the mounts of several runs, the worst mount of any run first, at most `most` of an axis."""
     utilisations = np.full((len(mounts), 3), np.nan)
     travel = np.zeros((len(mounts), 3))
     acting = np.zeros((len(mounts), 3), dtype=bool)
     for row, name in enumerate(mounts):
         for run in runs:
             if name in run.selection.mounts:
-                alone, peak = run.selection, run.response.peaks.mounts[name].deflection
-                utilisations[row] = np.fmax(utilisations[row], alone.utilisations[alone.mounts.index(name)])
+                selection, peak = run.selection, run.response.peaks.mounts[name].deflection
+                utilisations[row] = np.fmax(utilisations[row], selection.utilisations[selection.mounts.index(name)])
                 travel[row] = np.maximum(travel[row], peak.maximum - peak.minimum)
-                acting[row] |= [name in alone.ranked[axis] for axis in AXES]
+                acting[row] |= [name in selection.ranked[axis] for axis in AXES]
     used: dict[str, Used] = {}
     for entry in sorted((entry for run in runs for entry in run.selection.used), key=lambda entry: -entry.largest):
         used.setdefault(entry.subject, entry)
@@ -180,7 +180,7 @@ BANNER, BELOW = "banner", "below"
 def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, ...]:
     """Write verdict, scenario, peaks, all verdicts and the modes of a run; `scenario_text` is Markdown, or TOML, set as such.
 
-    Of a run whose system is not at hand there are no modes.
+    A run without its system has no modes.
     """
     first = [headline(run.verdicts), most_critical(run.verdicts)]
     peaks: list[Block | None] = [*first[:1], *answer_blocks(run)]
@@ -217,11 +217,11 @@ def test_texts(tests: Sequence[Correlation]) -> tuple[Text, ...]:
 def overlay_texts(
     comparison: Comparison, inputs: Inputs, tables: Sequence[Table], judged: Mapping[str, JudgedRun] | None = None
 ) -> tuple[Text, ...]:
-    """Write which run is better, what differs, peaks side by side, and tables of the study."""
+    """Write the better run, differences, peaks side by side, and tables of the study."""
     content = comparison_content(comparison, inputs, judged)
     sections = {section.id: markdown_blocks(section.blocks) for section in content.sections}
 
-    def of(*names: str) -> str:
+    def joined(*names: str) -> str:
         return "\n\n".join(filter(None, (sections[name] for name in names)))
 
     study = [Text(path=("study",), name="Study", place="Study", text=markdown_blocks(tables))] if tables else []
@@ -231,13 +231,13 @@ def overlay_texts(
             path=("differences",),
             name="What differs",
             place=BELOW,
-            text=of("differences", "headlines", "findings", "credibility"),
+            text=joined("differences", "headlines", "findings", "credibility"),
         ),
         Text(
-            path=("peaks", "accelerations"), name="Accelerations", place="Peaks", text=of("accelerations", "components")
+            path=("peaks", "accelerations"), name="Accelerations", place="Peaks", text=joined("accelerations", "components")
         ),
         Text(
-            path=("peaks", "mounts"), name="Mounts", place="Peaks", text=of("travel", "mounts") or "There are no mounts.",
+            path=("peaks", "mounts"), name="Mounts", place="Peaks", text=joined("travel", "mounts") or "There are no mounts.",
         ),
-        Text(path=("peaks", "apart"), name="Farthest apart", place="Peaks", text=of("apart")), *study,
+        Text(path=("peaks", "apart"), name="Farthest apart", place="Peaks", text=joined("apart")), *study,
     )  # fmt: skip

@@ -50,12 +50,12 @@ SQUARE = 92.0  # Width of the frames of shape and multipliers, whose panes are a
 AWAY = 1.15  # distance of the camera over that for the modelled geometry: motions are drawn larger
 PER_SECOND = 5.0  # Points that are played in a second
 RESPONSE_WIDTH = 225.0  # Width of the frame of the response, so that it fills its pane
-MOST_LOOPS = 4  # Loops that are shown: those that take most energy at the highest amplitude
+MOST_LOOPS = 4  # loops that are shown: those of the largest energy at the highest amplitude
 SHAPE, PORTRAIT = "shape", "portrait"  # Entities of a loop and its phase portrait, whose own ranges fill the frame
 _SHAPE_TICKS = np.array([-1.0, 0.0, 1.0])
 _CURSOR = (255, 255, 255)
 MULTIPLIERS = "multipliers"
-_LARGEST = 2.0  # Modulus beyond which a multiplier is drawn at the edge of the frame, in its direction
+_LARGEST = 2.0  # modulus above which a multiplier is drawn at the edge of the frame, in its direction
 _CIRCLE, _INSIDE, _OUTSIDE = (150, 158, 168), (110, 200, 130), (240, 80, 80)
 _TIMELINES = (
     "Timeline point: from motion to motion along the branches; frequency_mHz: the same by frequency, all levels at one "
@@ -110,7 +110,7 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
     texts = rrb.Tabs(
         rrb.TextDocumentView(origin=entity(MOTION), name="Motion"), rrb.TextDocumentView(origin=entity(ABOUT), name="Levels")
     )
-    multipliers = _plane(entity(MULTIPLIERS), f"Floquet multipliers at {animation.strip.level:.4g} m/s²", SQUARE)
+    multipliers = _plot_view(entity(MULTIPLIERS), f"Floquet multipliers at {animation.strip.level:.4g} m/s²", SQUARE)
     larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
     name = f"{scene.scene.name} at {animation.strip.level:.4g} m/s², seen from the base{larger}"
     left = rrb.Vertical(
@@ -118,40 +118,40 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
         rrb.Horizontal(texts, multipliers, column_shares=[1, 1]),
         row_shares=[1, 1],
     )
-    response = _plane(entity(RESPONSE), "Largest acceleration [m/s²] over frequency [Hz]", RESPONSE_WIDTH)
+    response = _plot_view(entity(RESPONSE), "Largest acceleration [m/s²] over frequency [Hz]", RESPONSE_WIDTH)
     right: rrb.Container = rrb.Vertical(response, row_shares=[1])
     if shown := shown_loops(animation):
         columns, width = loop_grid(len(shown))
-        loops = [_plane(loop_path(mount, axis), f"{mount}, {AXES[axis]}: kN over mm", width) for mount, axis in shown]
-        shape = _plane(entity(SHAPE), "Loop, own ranges", SQUARE)
-        portrait = _plane(entity(PORTRAIT), "Phase portrait", SQUARE)
+        loops = [_plot_view(loop_path(mount, axis), f"{mount}, {AXES[axis]}: kN over mm", width) for mount, axis in shown]
+        shape = _plot_view(entity(SHAPE), "Loop, own ranges", SQUARE)
+        portrait = _plot_view(entity(PORTRAIT), "Phase portrait", SQUARE)
         grid = rrb.Grid(*loops, grid_columns=columns)
         below = rrb.Horizontal(grid, rrb.Tabs(shape, portrait), column_shares=[8, 5])
         right = rrb.Vertical(response, below, row_shares=[1, 1])
     # One period at the resonance takes a second.
-    slow = animation.strip.frequency[int(animation.strip.amplitude.argmax())]
+    resonance = animation.strip.frequency[int(animation.strip.amplitude.argmax())]
     panel = rrb.TimePanel(
-        state="collapsed", timeline=POINT, playback_speed=1.0 / float(slow), fps=PER_SECOND * float(slow),
+        state="collapsed", timeline=POINT, playback_speed=1.0 / float(resonance), fps=PER_SECOND * float(resonance),
         play_state="paused", loop_mode="all",
     )  # fmt: skip
     return opening(rrb.Horizontal(left, right, column_shares=[5, 6]), panel)
 
 
-def _plane(origin: str, name: str, width: float) -> rrb.Spatial2DView:
+def _plot_view(origin: str, name: str, width: float) -> rrb.Spatial2DView:
     bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-8.0, HEIGHT + 15.0])
     return rrb.Spatial2DView(origin=origin, name=known_letters(name), background=GROUND, visual_bounds=bounds)
 
 
-def _color(level: int) -> Color:
+def _level_color(level: int) -> Color:
     return DARK.series[level % len(DARK.series)]
 
 
 def log_here(rec: Stream, path: str, animation: Animation, strips: list[Strip]) -> None:
-    """Log the motion of every level on its curve, with its values."""
+    """Log the current motion of every level as a point on its curve, with its values."""
     for strip in strips:
         below, branch = child(path, f"level_{strip.number + 1}"), strip.branch
         size = rr.Radius.ui_points(7.0)
-        look = rr.Points2D.from_fields(colors=_color(strip.number), radii=size, draw_order=60.0, show_labels=False)
+        look = rr.Points2D.from_fields(colors=_level_color(strip.number), radii=size, draw_order=60.0, show_labels=False)
         rec.log(below, look, static=True)
         labels = [
             f"{strip.level:.4g} m/s²: {branch.frequency[point]:.5g} Hz, {branch.amplitude[point]:.4g} m/s², "
@@ -193,7 +193,7 @@ def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, w
         across, upward = linear_ticks(*plot.across, most=most), linear_ticks(*plot.upward, most=most)
         path = loop_path(mount, axis)
         log_frame(rec, path, plot, across=across, upward=upward, lift=lift)
-        _log(rec, child(path, "data"), plot, animation, strips, loops)
+        _log_loops(rec, child(path, "data"), plot, animation, strips, loops)
         look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
         cursor, positions = child(path, "data", "cursor"), loop_points(animation.response.mounts[mount], axis)
         rec.log(cursor, look, static=True)
@@ -209,22 +209,23 @@ def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, w
                 over_own_ranges.append(np.asarray((2.0 * curve - low - high) / np.maximum(high - low, 1e-12)))
             curves.append(over_own_ranges)
         log_frame(rec, entity(name), plot, across=_SHAPE_TICKS, upward=_SHAPE_TICKS, lift=LARGE)
-        _log(rec, child(entity(name), "data"), plot, animation, strips, curves)
+        _log_loops(rec, child(entity(name), "data"), plot, animation, strips, curves)
 
 
-def _log(rec: Stream, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
+def _log_loops(rec: Stream, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
+    """Log the loops of every level in a plot, those of unstable motions thinner."""
     rec.log(path, plot.transform(), static=True)
     for strip, rows in zip(strips, loops, strict=True):
         below = child(path, f"level_{strip.number + 1}")
         stable = strip.branch.stable[strip.points]
-        radii = [rr.Radius.ui_points(1.5 if good else 0.7) for good in stable]
-        rec.log(below, rr.LineStrips2D.from_fields(colors=_color(strip.number)), static=True)
+        radii = [rr.Radius.ui_points(1.5 if is_stable else 0.7) for is_stable in stable]
+        rec.log(below, rr.LineStrips2D.from_fields(colors=_level_color(strip.number)), static=True)
         columns = rr.LineStrips2D.columns(strips=[loop.astype(np.float32) for loop in rows], radii=radii)
         rec.send_columns(below, at_points(animation, strip), columns)
 
 
 def log_multipliers(rec: Stream, animation: Animation, *, width: float) -> None:
-    """Log the unit circle, and the multipliers of every motion."""
+    """Log the unit circle, and the Floquet multipliers of every motion, unstable ones in red."""
     side = _LARGEST * 1.06
     across = side * width / 100.0
     plot = Plot(across=(-across, across), upward=(-side, side), width=width)

@@ -1,4 +1,4 @@
-"""Motions drawn larger: of bodies drawn once more, seen from their bases, of several runs as ghosts in one scene, of orbits."""
+"""Enlarged motions: ghosts of the bodies of one or several runs, seen from their bases, and the motions of orbits."""
 
 from dataclasses import replace
 
@@ -15,11 +15,12 @@ from wirerope_mj.views.recording.paths import Below, Stream, child, entity
 from wirerope_mj.views.recording.scene import devices_of, log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import Frame, conjugate, draw_geoms, grown, log_bending, multiply, rotate, see_through
 
-FRACTION = 0.3  # of a mount's height, that the largest deflection may take in the picture
-_ROUND = (1.0, 2.0, 5.0)
+FRACTION = 0.3  # of a mount's height, up to which the largest deflection is enlarged
+_ROUND = (1.0, 2.0, 5.0)  # times powers of ten: the factors of enlargement
 
 
 def factor_of(response: Response, extent: float) -> float:
+    """Find the factor that enlarges the deflections of the mounts to `FRACTION` of their height, at least 1."""
     room = min((device.height for device in devices_of(response, extent)), default=0.1 * extent)
     moves = [mount.deflection for mount in response.mounts.values()]
     largest = max((float(np.ptp(move, axis=0).max()) / 2.0 for move in moves), default=0.0)
@@ -29,15 +30,16 @@ def factor_of(response: Response, extent: float) -> float:
 
 
 def round_down(factor: float) -> float:
+    """Round a factor down to 1, 2 or 5 times a power of ten."""
     decade = 10.0 ** np.floor(np.log10(factor))
     return float(decade * max(part for part in _ROUND if part * decade <= factor * (1.0 + 1e-9)))
 
 
 def enlarged(response: Response, factor: float) -> Response:
-    """Enlarge motions: `factor` times as far from their mean relative to the base; forces stay as they are.
+    """Enlarge the motions of a response relative to the base by `factor`, about their means; forces stay as they are.
 
-    Deflections grow alike, so that the mounts still end on the bodies: exactly where these only shift, and in the first
-    order of the angle where they turn.
+    Deflections grow alike, so that the mounts still end on the bodies: exactly where bodies only shift, to the
+    first order of the angle where they rotate.
     """
     names = response.samples.names
     values = response.samples.columns(0, len(names)).copy()
@@ -48,43 +50,44 @@ def enlarged(response: Response, factor: float) -> Response:
     for name, body in response.bodies.items():
         if name not in fixed:
             at = first[f"bodies/{name}/position/x"]
-            values[:, at : at + 3] = carrier + _grown(body.position - carrier, factor)
+            values[:, at : at + 3] = carrier + _enlarged(body.position - carrier, factor)
             at = first[f"bodies/{name}/orientation/w"]
             turn = multiply(body.orientation, conjugate(body.orientation[:1]))
             turn = turn * np.where(turn[:, :1] < 0.0, -1.0, 1.0)
-            turn[:, 1:] = _grown(turn[:, 1:], factor)
+            turn[:, 1:] = _enlarged(turn[:, 1:], factor)
             turn /= np.linalg.norm(turn, axis=1, keepdims=True)
             values[:, at : at + 4] = multiply(turn, body.orientation[:1])
     for name, mount in response.mounts.items():
         at = first[f"mounts/{name}/deflection/roll"]
-        values[:, at : at + 3] = _grown(mount.deflection, factor)
+        values[:, at : at + 3] = _enlarged(mount.deflection, factor)
     return with_values(response, values)
 
 
-def _grown(values: Array, factor: float) -> Array:
+def _enlarged(values: Array, factor: float) -> Array:
     mean = 0.5 * (values.min(axis=0) + values.max(axis=0))
     return np.asarray(mean + factor * (values - mean))
 
 
 ROOT = "ghosts"
-# Of a ghost, so that two that overlap can be told apart; of where one began.
+# Opacity of a ghost, so that overlapping ones can be distinguished, and of its start
 _OPAQUE, _AT_REST = 0.38, 0.12
-_SEEN = 0.04  # of the scene's size, that the largest motion takes in the picture
+_SHOWN_MOTION = 0.04  # of the scene's size, up to which the largest motion is enlarged
 
 
 def ghost_factor(drawn: Drawn) -> float:
+    """Find the factor that enlarges the largest motion of all runs to `_SHOWN_MOTION` of the scene, at least 1."""
     travel, extent = 0.0, 0.0
     for run in drawn.runs:
         extent = max(extent, scene_extent(run.response.scene)[1])
-        for body, frame in _riding(run):
+        for body, frame in _moving_bodies(run):
             travel = max(travel, float(np.abs(frame.position - _start(run, body, frame)[0]).max()))
-    if travel == 0.0 or _SEEN * extent <= travel:
+    if travel == 0.0 or _SHOWN_MOTION * extent <= travel:
         return 1.0
-    return round_down(_SEEN * extent / travel)
+    return round_down(_SHOWN_MOTION * extent / travel)
 
 
 def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
-    """Log the bodies of all runs; of a run alone in its own colours, over where it began."""
+    """Log the ghosts of all runs; of a run alone in its own colours, over its bodies at the start."""
     rec.log(entity(ROOT), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     bases: list[str] = []
     for number, run in enumerate(drawn.runs):
@@ -94,18 +97,18 @@ def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
         if base is not None and base.name != "world" and repr(base.geoms) not in bases:
             draw_geoms(below, run.frames[base.name].path, see_through(base), extent)
             bases.append(repr(base.geoms))  # the same base would flicker through itself
-        for body, frame in _riding(run):
+        for body, frame in _moving_bodies(run):
             start, pose = _start(run, body, frame), (frame.position, frame.orientation)
             pose = pose if frame.fixed else grown(*pose, *start, factor)
             log_pose(below, frame.path, time, *pose, rows)
             faint = [1.0, 1.0, 1.0, 1.5 * _OPAQUE]
-            of_run = np.array([*run.color, 255 * _OPAQUE]) / 255.0
-            geoms = [replace(geom, rgba=of_run if run.name else geom.rgba * faint) for geom in body.geoms]
+            run_color = np.array([*run.color, 255 * _OPAQUE]) / 255.0
+            geoms = [replace(geom, rgba=run_color if run.name else geom.rgba * faint) for geom in body.geoms]
             draw_geoms(below, frame.path, geoms, extent)
             if drawn.alone and not frame.fixed:
-                began = frame.path + "_at_rest"
-                log_pose(below, began, time, start[0][None], start[1][None], rows)
-                draw_geoms(below, began, [replace(g, rgba=g.rgba * [1.0, 1.0, 1.0, _AT_REST]) for g in body.geoms], extent)
+                start_path = frame.path + "_at_rest"
+                log_pose(below, start_path, time, start[0][None], start[1][None], rows)
+                draw_geoms(below, start_path, [replace(g, rgba=g.rgba * [1.0, 1.0, 1.0, _AT_REST]) for g in body.geoms], extent)
         if drawn.alone:
             log_bending(below, run.frames, run.response, rows, factor)
         else:
@@ -119,13 +122,13 @@ def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
             below.log(path, rr.Points3D([above], labels=[run.name], **look), static=True)
 
 
-def _riding(run: DrawnRun) -> list[tuple[SceneBody, Frame]]:
+def _moving_bodies(run: DrawnRun) -> list[tuple[SceneBody, Frame]]:
     scene = run.response.scene
     return [(body, run.frames[body.name]) for body in scene.bodies if body.moves and body.name != scene.base]
 
 
 def _start(run: DrawnRun, body: SceneBody, frame: Frame) -> tuple[Array, Array]:
-    """Find position (3,) and quaternion from which motion is enlarged: among several runs, as modelled."""
+    """Find position (3,) and quaternion from which motion is enlarged: the first pose, among several runs the modelled one."""
     if not run.name:
         return frame.position[0], frame.orientation[0]
     parent = frame.path.rsplit("/", 1)[0]

@@ -23,10 +23,10 @@ MOST_TRAIL_ROWS = 1000
 # segments of a long run that are drawn beside that of the largest deflection, and rows of each
 _SEGMENTS, _SEGMENT = 5, 120
 _SHORT_TRAIL = 80  # rows of the trail of a long run: the last few cycles
-_FINE = 1 / 300  # Fraction of a loop's range that its line may be off: a pixel of a small multiple
+_FINE = 1 / 300  # tolerance of a loop's line, as a fraction of its range: a pixel of a small multiple
 _COARSE = 1 / 100  # The same for the cursor, which is a spot of several pixels
 _RATED = (214, 64, 64)
-_CURSOR = (255, 255, 255)  # Of a run alone; among several runs cursors have their colours
+_CURSOR = (255, 255, 255)  # of a run alone; among several runs cursors have the colours of the runs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ class DrawnLoop:
     axis: str
     mount: str
     outlines: tuple[Array, ...]  # the whole loop [mm, kN], (n, 2); of a long run some of its cycles
-    plot: Plot | None = None  # its plot; None if it has no view of its own, as for the next two
+    plot: Plot | None = None  # its plot; None, with no rows in the fields below, if it has no view of its own
     time: Array = field(default_factory=lambda: np.zeros(0))  # instants of trail and cursor [s], (m,)
     # deflection and force at these instants [mm, kN], (m, 2)
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
@@ -69,17 +69,18 @@ class LoopPlot:
 
     @property
     def trails(self) -> dict[str, float | None]:
-        """Entities of the trails, and how long each reaches behind the cursor [s]."""
+        """Entities of the trails, and the time that each reaches behind the cursor [s]."""
         return {child(self.path_of(run), "trail"): loop.trail for run, loop in self.loops}
 
 
 def grid_shape(plots: int) -> tuple[int, int]:
+    """Find columns and rows of a grid of plots."""
     columns = 1 if plots == 1 else 2 if plots <= 4 else 3
     return columns, -(-plots // columns)
 
 
 def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
-    """Make a loop for every mount and axis with a force, by rank."""
+    """Compute the loop of every mount along every axis with a force, in the order of rank."""
     mounts = {mount.name: mount for mount in response.scene.mounts}
     loops = []
     for number, axis in enumerate(AXES):
@@ -112,7 +113,7 @@ def drawn_loops(runs: Sequence[DrawnRun], shared: Selection) -> list[tuple[Drawn
 
 
 def loop_plots(drawn: Sequence[tuple[DrawnRun, DrawnLoop]], shared: Selection, widths: Mapping[str, float]) -> list[LoopPlot]:
-    """Make a plot for every mount and axis that is shown; `widths` of the frames by axis."""
+    """Compose a plot for every mount and axis that is shown; `widths` are those of the frames by axis."""
     plots = []
     for axis in shared.axes:
         for mount in shared.shown(axis):
@@ -128,7 +129,7 @@ def loop_plots(drawn: Sequence[tuple[DrawnRun, DrawnLoop]], shared: Selection, w
 
 
 def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequence[LoopPlot]) -> None:
-    """Log all loops; frame, trail and cursor of those that have a view."""
+    """Log all loops; those with a view with frame, trail and cursor."""
     for axis in AXES:
         others = [(run, loop) for run, loop in drawn if loop.axis == axis and loop.plot is None]
         if others:
@@ -159,7 +160,7 @@ def loop_points(mount: MountResponse, axis: int) -> Array:
 
 
 def _trail_rows(time: Array, values: Array, parts: Sequence[Rows]) -> tuple[Rows, Booleans]:
-    # Of a long run the cursor stands still for moments outside of the segments that are drawn.
+    """Find the rows of trail and cursor, and whether the path from each to the next is drawn: of a long run only segments."""
     if len(parts) == 1:
         steps = rows_of_steps(time, values, _tolerance(values, _COARSE), limit=time.size)
         rows = np.union1d(parts[0], steps)
@@ -191,7 +192,7 @@ def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Seque
 
 def _log_trail(rec: Stream, path: str, loop: DrawnLoop, color: Color, *, cursor: Color, order: float) -> None:
     """Log the cursor [mm, kN], and the trail as one segment a row, so that it reaches the cursor."""
-    # Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
+    # Of coinciding trails the one of the highest `order`, 0 to 9, is visible.
     width = rr.Radius.ui_points(1.5)
     # Above the whole loop, which would hide the trail at the same draw order.
     look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)

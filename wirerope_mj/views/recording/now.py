@@ -1,4 +1,4 @@
-"""What holds at the time cursor: a table of mounts and accelerations, and the mounts from above in the colours of their use."""
+"""Values at the time cursor: a table of mounts and accelerations, and a plan of the mounts in colours of their utilisation."""
 
 import numpy as np
 import rerun as rr
@@ -14,12 +14,12 @@ from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
 
 CURSOR, PLAN = "cursor", "plan"
-_ROWS, _PLAN_ROWS = 1000, 200  # Instants at which the table, and the plan, are made anew
+_ROWS, _PLAN_ROWS = 1000, 200  # instants of the table, and of the plan
 # Utilisations and their colours; between them colours blend, and nothing is redder than the limit.
 _SCALE: tuple[tuple[float, Color], ...] = (
     (0.0, (132, 142, 156)), (0.5, (96, 170, 190)), (0.8, DARK.series[1]), (1.0, DARK.limit),
 )  # fmt: skip
-_STEP = 0.1  # Of utilisations that are told apart by colour
+_STEP = 0.1  # step of the utilisation between two colours
 
 
 def log_cursor(rec: Stream, run: RunResult) -> None:
@@ -34,6 +34,7 @@ def log_cursor(rec: Stream, run: RunResult) -> None:
 
 
 def cursor_rows(time: Array, selection: Selection, most: int = _PLAN_ROWS) -> Rows:
+    """Choose rows evenly over the window, and a quarter as many over the whole run."""
     within = np.linspace(*selection.window, most)
     outside = np.linspace(time[0], time[-1], most // 4)
     rows = np.searchsorted(time, np.concatenate([within, outside])).clip(0, time.size - 1)
@@ -41,7 +42,7 @@ def cursor_rows(time: Array, selection: Selection, most: int = _PLAN_ROWS) -> Ro
 
 
 def heat(used: Array) -> Array:
-    """Colour utilisations (...), (..., 3) from 0 to 255; grey where nothing is judged."""
+    """Map utilisations (...) to colours (..., 3) from 0 to 255; NaN to grey."""
     levels, colors = zip(*_SCALE, strict=True)
     rounded = _STEP * np.round(np.nan_to_num(used) / _STEP)
     parts = [np.interp(rounded, levels, part) for part in np.array(colors, dtype=np.float64).T]
@@ -50,14 +51,14 @@ def heat(used: Array) -> Array:
 
 
 def used_by(selection: Selection, names: list[str]) -> Array:
-    """Find what mounts use of their limits at every sample, (n_t, n); NaN without limits."""
+    """Collect the utilisation of the limits of mounts at every sample, (n_t, n); NaN without limits."""
     courses = {used.subject: used.course for used in selection.used}
-    some = next(iter(courses.values()), np.zeros(0))
-    return np.column_stack([courses.get(name, np.full(some.size, np.nan)) for name in names])
+    first = next(iter(courses.values()), np.zeros(0))
+    return np.column_stack([courses.get(name, np.full(first.size, np.nan)) for name in names])
 
 
 def log_plan(rec: Stream, response: Response, selection: Selection) -> None:
-    """Log every mount that is no stop at its place on the base, x to the right, y upwards."""
+    """Log a plan of the mounts on the base in colours of their utilisation, x to the right, y upwards."""
     mounts = response.scene.isolating
     if not mounts or not selection.used:
         return
@@ -82,6 +83,7 @@ def log_plan(rec: Stream, response: Response, selection: Selection) -> None:
 
 
 def plan_bounds(response: Response) -> tuple[list[float], list[float]]:
+    """Find the ranges of the plan, across and downwards, with a margin."""
     places = np.array([mount.base_point[:2] for mount in response.scene.isolating]) * [1.0, -1.0]
     low, high = places.min(axis=0), places.max(axis=0)
     room = 0.12 * max(float(np.max(high - low)), 1e-3)

@@ -23,10 +23,10 @@ from wirerope_mj.views.recording.scene import CLOSED, changes, closed_at
 from wirerope_mj.views.recording.views import GROUND, HEIGHT, Plot, log_frame, time_axis
 from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
 
-_FINE = 1 / 400  # of a panel's range that a line may be off: below a pixel
-# Rows of what oscillates too often for a line: as many as pixels, which fill a band; fewer of the grey others.
+_FINE = 1 / 400  # tolerance of a line, as a fraction of a panel's range: below a pixel
+# Rows of a curve that is drawn as a band, as many as pixels; fewer rows of the grey others
 _BAND_ROWS, _OTHER_ROWS = 1400, 300
-_OTHERS = (104, 110, 118)  # Darker than a text must be, so that what is named stands in front
+_OTHERS = (104, 110, 118)  # darker than texts may be, so that named curves stand out
 _COLUMNS = 90
 _CORNERS = {"RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False)}
 
@@ -35,7 +35,7 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
     """Log the curves of a panel, the first in front, and its limits between the instants `ends` [s].
 
     The viewer draws entities in the order of their paths: the others, then named curves from the last to the first, each
-    thinner than the one before, so that what coincides is not hidden. The peak of the first is marked, or of `every` one.
+    thinner than the one before, so that coinciding curves stay visible. The peak of the first is marked, or of `every` curve.
     """
     reach = max((float(np.ptp(curve.y)) for curve in panel.curves if curve.y.size), default=0.0)
     tolerance = _FINE * max(reach, 1e-9)
@@ -59,7 +59,7 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
         x, y, dense = curve.x, curve.y[:, None], is_dense(curve.x, curve.y[:, None], tolerance)
         name = f"{peak_text(curve, panel)}{' (band)' if dense else ''}"
         rows = rows_of_extremes(y, _BAND_ROWS) if dense else rows_of_line(x, y, tolerance)
-        # Without this the viewer averages what falls into one pixel: a sweep would vanish.
+        # Otherwise the viewer averages the values within a pixel: a sweep would vanish.
         widths = 1.0 if dense else width
         line = rr.SeriesLines(names=name, colors=color_of(curve), widths=widths, aggregation_policy="MinMax")
         rec.log(below, line, static=True)
@@ -76,7 +76,7 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
 
 
 def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> rrb.TimeSeriesView:
-    """View a panel over `window` [s], with its legend where it hides least."""
+    """View a panel over `window` [s], with its legend in the corner where it hides least."""
     corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
     return rrb.TimeSeriesView(
         origin=path, name=known_letters(panel.title or panel.ylabel), axis_x=time_axis(window),
@@ -91,6 +91,7 @@ def color_of(curve: Curve) -> Color:
 
 
 def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
+    """Find the corner of a panel in which a legend hides the least of the curves."""
     levels = [level for _, level in panel.limits]
     low = min([float(curve.y.min()) for curve in panel.curves] + levels)
     high = max([float(curve.y.max()) for curve in panel.curves] + levels)
@@ -106,26 +107,26 @@ def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
     return min(hidden, key=lambda corner: hidden[corner])
 
 
-_MOST = 2  # Lanes of what uses most of its limits: each is 40 points high
-_LEGIBLE = 0.04  # Fraction of what is shown below which a state's name does not fit its lane
+_MOST_LANES = 2  # lanes of the largest utilisations: each is 40 points high
+_LEGIBLE = 0.04  # fraction of the interval shown, below which the name of a state does not fit
 _QUIET, _MOVING, _NEAR = (58, 66, 76), (48, 84, 110), (150, 100, 10)
 _USED = (("within", (34, 84, 50)), ("80", _NEAR), ("100", tuple(round(0.75 * part) for part in DARK.limit)))
 _STOPS = (("open", _QUIET), ("stop", CLOSED))
 _PHASES = (("at rest", _QUIET), ("moves", _NEAR), ("free", _MOVING))
-# Entities at the root of a recording: a mount of such a name has its lane elsewhere.
-_TAKEN = (
+# Entities at the root of a recording; a mount of such a name has its lane below "lanes"
+_RESERVED = (
     "world", "histories", "loops", "events", "peaks", "scenario", "verdict", "verdicts", "cursor", "state", "plan", "ghosts",
     "frequencies",
 )  # fmt: skip
 
 
 def lane_paths(response: Response, selection: Selection) -> list[str]:
-    stops = [_path("stops")] if _pressing(response) is not None else []
-    return [_path("base"), *stops, *(_path(name) for name in _subjects(selection))]
+    stops = [_lane_path("stops")] if _pressing(response) is not None else []
+    return [_lane_path("base"), *stops, *(_lane_path(name) for name in _lane_subjects(selection))]
 
 
 def log_lanes(rec: Stream, response: Response, selection: Selection, shared: Selection) -> None:
-    """Log the lanes of a run that is alone; `shared` says which, and until when they are seen."""
+    """Log the lanes of a run alone; `shared` selects the lanes, and ends the interval shown."""
     end = shared.window[1]
     start = float(response.time[0])
     phases = [(start, 1 if response.base.acceleration.any() else 0)]
@@ -139,40 +140,41 @@ def log_lanes(rec: Stream, response: Response, selection: Selection, shared: Sel
     closed = _pressing(response)
     if closed is not None:
         _log_lane(rec, "stops", [(float(response.time[row]), int(closed[row])) for row in changes(closed)], _STOPS, end)
-    names = _subjects(shared)
+    names = _lane_subjects(shared)
     for used in selection.used:
         if used.subject in names:
             state = (used.course >= NEAR).astype(int) + (used.course > 1.0)
             _log_lane(rec, used.subject, [(float(response.time[row]), int(state[row])) for row in changes(state)], _USED, end)
 
 
-def _subjects(selection: Selection) -> list[str]:
+def _lane_subjects(selection: Selection) -> list[str]:
+    """Choose the subjects of lanes: those near their limits, or else the one of largest utilisation."""
     near = [used.subject for used in selection.used if used.largest >= NEAR]
-    return (near or [used.subject for used in selection.used[:1]])[:_MOST]
+    return (near or [used.subject for used in selection.used[:1]])[:_MOST_LANES]
 
 
 def _pressing(response: Response) -> Booleans | None:
-    """Find whether any stop or declared pair presses at each sample, (n_t,); None without any."""
+    """Find whether any stop or declared pair presses at each sample, (n_t,); None without stops and pairs."""
     pairs = [pair.force > 0.0 for pair in response.contacts.values()]
     stops = [closed_at(response, response.scene.stops)] if response.scene.stops else []
     return np.any([*pairs, *stops], axis=0) if pairs or stops else None
 
 
-def _path(name: str) -> str:
-    return entity("lanes", name) if name in _TAKEN else entity(name)
+def _lane_path(name: str) -> str:
+    return entity("lanes", name) if name in _RESERVED else entity(name)
 
 
 def _log_lane(
     rec: Stream, name: str, changes: list[tuple[float, int]], states: Sequence[tuple[str, Sequence[int]]], end: float
 ) -> None:
-    """Log a lane, seen until `end` [s]; what is too short for its name shows its colour alone."""
+    """Log a lane up to `end` [s]; a state too short for its name shows only its colour."""
     labels, colors = zip(*states, strict=True)
     blanks = [" " * (number + 1) for number in range(len(labels))]
-    rec.log(_path(name), rr.StateConfiguration(values=[*labels, *blanks], colors=[*colors, *colors]), static=True)
+    rec.log(_lane_path(name), rr.StateConfiguration(values=[*labels, *blanks], colors=[*colors, *colors]), static=True)
     times, numbers = zip(*changes, strict=True)
     lasting = np.diff(np.append(times, max(end, times[-1])))
     shown = [labels[n] if long else blanks[n] for n, long in zip(numbers, lasting >= _LEGIBLE * end, strict=True)]
-    rec.send_columns(_path(name), at(times), rr.StateChange.columns(state=shown))
+    rec.send_columns(_lane_path(name), at(times), rr.StateChange.columns(state=shown))
 
 
 ROOT = "frequencies"
@@ -183,20 +185,20 @@ _DASH = 5  # intervals of a curve in a dash, and in the gap behind it
 _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
 # Where the first text stands, how far the next is below it, in the view's units.
 _LEGEND, _LINE = (WIDTH + 46.0, 8.0), 9.0
-_ASIDE = 92.0  # width of the legend
+_LEGEND_WIDTH = 92.0  # width of the legend
 
 
 def log_over_frequency(rec: Stream, run: RunResult, panel: Panel, *, titled: bool = False) -> None:
-    """Log frame and curves of a panel over frequency; of a sweep the frequency at the time cursor besides.
+    """Log frame and curves of a panel over frequency; for a sweep also the frequency at the time cursor.
 
-    Where the name of its view is that of several cases its title stands in the plot.
+    With `titled` the title of the panel stands in the plot, because load cases share the name of the view.
     """
     path = entity(ROOT)
     plot = log_frequency_panel(rec, path, panel, width=WIDTH, lift=_LIFT)
     data, hidden = child(path, "data"), rr.Radius.ui_points(0.0)
     for number, curve in enumerate(panel.curves):
         if curve.peak is not None:
-            spot = np.log10(curve.peak[0]), _height(np.array(curve.peak[1]), plot, upright=panel.log == "xy")
+            spot = np.log10(curve.peak[0]), _plot_heights(np.array(curve.peak[1]), plot, upright=panel.log == "xy")
             dot = {"colors": _colour(curve), "radii": rr.Radius.ui_points(3.0), "draw_order": 30.0 - number}
             rec.log(child(data, curve.name, "peak"), rr.Points2D([spot], **dot), static=True)
     # the peaks' texts in a column, as peaks often coincide
@@ -205,7 +207,7 @@ def log_over_frequency(rec: Stream, run: RunResult, panel: Panel, *, titled: boo
     legend = rr.Points2D(places, labels=labels, colors=colors, radii=hidden, show_labels=True)
     rec.log(entity(ROOT, "legend"), legend, static=True)
     if run.sweep is not None:
-        _log_now(rec, data, run, run.sweep, plot)
+        _log_sweep_cursor(rec, data, run, run.sweep, plot)
     if titled:
         place, labels = [[0.5 * WIDTH, -_LINE]], [panel.ylabel or panel.title]
         title = rr.Points2D(place, labels=labels, colors=DARK.base, radii=hidden, show_labels=True)
@@ -237,9 +239,9 @@ def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, l
         lines = []
         for curve in curves:  # as far as the plot reaches
             inside = (curve.x > 0.0) & (np.log10(np.maximum(curve.x, 1e-300)) <= plot.across[1] + 1e-9)
-            line = np.column_stack([np.log10(curve.x[inside]), _height(curve.y[inside], plot, upright=upright)])
-            some = np.unique(np.linspace(0, len(line) - 1, min(len(line), _MOST_ROWS)).round().astype(int))
-            lines.append(line[some])
+            line = np.column_stack([np.log10(curve.x[inside]), _plot_heights(curve.y[inside], plot, upright=upright)])
+            rows = np.unique(np.linspace(0, len(line) - 1, min(len(line), _MOST_ROWS)).round().astype(int))
+            lines.append(line[rows])
         color = [*_colour(curves[0]), 120 if curves[0].weight < 1.0 else 255]
         look = {"colors": color, "draw_order": float(number), "show_labels": False}
         if curves[0].marks:
@@ -256,7 +258,7 @@ def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, l
     return plot
 
 
-def _log_now(rec: Stream, data: str, run: RunResult, sweep: Sweep, plot: Plot) -> None:
+def _log_sweep_cursor(rec: Stream, data: str, run: RunResult, sweep: Sweep, plot: Plot) -> None:
     """Log the frequency of a sweep at the time cursor as an upright line."""
     time = run.response.time[cursor_rows(run.response.time, run.selection)]
     frequency = sweep.frequency(time)
@@ -272,13 +274,14 @@ def _log_now(rec: Stream, data: str, run: RunResult, sweep: Sweep, plot: Plot) -
 
 
 def over_frequency_view(panel: Panel, *, narrow: bool = False) -> rrb.Spatial2DView:
-    aside = (1.4 if narrow else 1.0) * _ASIDE
+    aside = (1.4 if narrow else 1.0) * _LEGEND_WIDTH
     bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + aside], y_range=[-6.0, HEIGHT + 15.0])
     name = f"{panel.ylabel or panel.title}, over frequency [Hz]"
     return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)
 
 
-def _height(values: Array, plot: Plot, *, upright: bool) -> Array:
+def _plot_heights(values: Array, plot: Plot, *, upright: bool) -> Array:
+    """Map values to heights in a plot: logarithms, not below its range, if its axes are logarithmic."""
     if not upright:
         return values
     return np.maximum(np.log10(np.maximum(values, 1e-300)), plot.upward[0])

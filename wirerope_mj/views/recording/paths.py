@@ -1,4 +1,4 @@
-"""Names of entities and timeline in letters that the viewer has, and the one conversion of instants to its nanoseconds."""
+"""Entity paths and texts in letters that the viewer has, recording streams, and instants in the timeline's nanoseconds."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -24,7 +24,7 @@ def entity(*parts: str) -> str:
 
 
 def root_of(run: str) -> str:
-    """Name the entity below which one of several runs stands; "" for a run alone."""
+    """Make the path of the entity that holds one of several runs; "" for a run alone."""
     return entity("runs", run) if run else ""
 
 
@@ -37,7 +37,7 @@ Columns = Iterable[rr.ComponentColumn]
 
 
 class Stream:
-    """A recording stream that hands everything to another one: what derives from it does so differently."""
+    """A recording stream that passes everything on to another stream; subclasses change it on the way."""
 
     def __init__(self, rec: rr.RecordingStream) -> None:
         self._rec = rec
@@ -51,7 +51,7 @@ class Stream:
 
 
 class Below(Stream):
-    """A recording stream that puts every entity below `root`: several responses stand beside each other in one file."""
+    """A recording stream that puts every entity below `root`, so that one file holds several responses."""
 
     def __init__(self, rec: Stream, root: str) -> None:
         super().__init__(rec)
@@ -65,7 +65,7 @@ class Below(Stream):
 
 
 class AtEvents(Stream):
-    """A recording stream that shows everything at a few instants on a timeline of their own, too."""
+    """A recording stream that also puts the values at a few instants on a timeline of their own."""
 
     def __init__(self, rec: Stream, instants: ArrayLike) -> None:
         super().__init__(rec)
@@ -77,8 +77,8 @@ class AtEvents(Stream):
         rows = np.searchsorted(times, self._instants, side="right") - 1
         known = rows >= 0
         if known.any():
-            some = [rr.TimeColumn(EVENT, duration=self._instants[known])]
-            self._rec.send_columns(path, some, [_Changed(column, lambda array: array.take(rows[known])) for column in columns])
+            event = [rr.TimeColumn(EVENT, duration=self._instants[known])]
+            self._rec.send_columns(path, event, [_Changed(column, lambda array: array.take(rows[known])) for column in columns])
 
 
 class _Changed:
@@ -95,7 +95,7 @@ class _Changed:
 
 
 def nanoseconds(time: ArrayLike) -> npt.NDArray[np.timedelta64]:
-    """Count instants [s] as the timeline does: rounded, because rerun itself truncates floats."""
+    """Convert instants [s] to nanoseconds of the timeline, rounded, because rerun itself truncates floats."""
     return np.round(np.atleast_1d(np.asarray(time, dtype=np.float64)) * 1e9).astype(np.int64).astype("timedelta64[ns]")
 
 
@@ -104,7 +104,7 @@ def at(time: ArrayLike) -> list[rr.TimeColumn]:
     return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]
 
 
-# What one of the two fonts of rerun 0.41 lacks, beyond Latin, Greek and Cyrillic.
+# Letters that one of the two fonts of rerun 0.41 lacks: all but some Latin, Greek, Cyrillic and signs
 _UNKNOWN = re.compile(
     "[^\n\u0020-\u007e\u00a0-\u00ac\u00ae-\u0148\u014a-\u017f\u0386\u0388-\u038a\u038c\u038e-\u03a1\u03a3-\u03ce"
     "\u0401-\u040c\u040e-\u044f\u0451-\u045c\u045e\u045f\u2010\u2013\u2014\u2018-\u2022\u2026\u2030\u2032\u2033"
@@ -128,18 +128,19 @@ class KnownLetters(Stream):
         self._rec.send_recording_name(known_letters(name))
 
     def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
-        batches = [_Changed(batch, _shown) for part in parts for batch in part.as_component_batches()]
+        batches = [_Changed(batch, _with_known_letters) for part in parts for batch in part.as_component_batches()]
         self._rec.log(path, batches, static=static)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
-        self._rec.send_columns(path, index, [_Changed(column, _shown) for column in columns])
+        self._rec.send_columns(path, index, [_Changed(column, _with_known_letters) for column in columns])
 
 
-def _shown(array: pa.Array) -> pa.Array:
+def _with_known_letters(array: pa.Array) -> pa.Array:
+    """Replace letters that the viewer lacks in an array of texts, or of lists of texts."""
     if pa.types.is_string(array.type):
         texts = array.to_pylist()
         known = [text if text is None else known_letters(text) for text in texts]
         return array if known == texts else pa.array(known, type=array.type)
     if pa.types.is_list(array.type) and pa.types.is_string(array.type.value_type):
-        return pa.ListArray.from_arrays(array.offsets, _shown(array.values), type=array.type)
+        return pa.ListArray.from_arrays(array.offsets, _with_known_letters(array.values), type=array.type)
     return array

@@ -78,7 +78,7 @@ def record_run(
 ) -> Path:  # fmt: skip
     """Write a judged run, and return the path; the rest as `record_rerun`.
 
-    `over_frequency` is what is drawn over frequency; measured channels of `tests` are ghosts among the curves of the run.
+    `over_frequency` is the panel over frequency; measured channels of `tests` are ghosts among the curves of the run.
     """
     drawn = one_run(run, over_frequency)
     drawn = replace(drawn, panels=with_ghosts(drawn.panels, tests))
@@ -110,7 +110,7 @@ def record_cases(runs: Mapping[str, JudgedRun], path: Path, *, notes: Mapping[st
 
 
 def _drawn_cases(runs: Mapping[str, JudgedRun], notes: Mapping[str, str]) -> dict[str, Drawn]:
-    """Draw the mounts, loops and lanes that matter in any case."""
+    """Compose the recordings of all load cases, with a common selection of mounts, loops and lanes."""
     alone = {name: one_run(run, panel_over_frequency(run)) for name, run in runs.items()}
     drawn_runs = [drawn.runs[0] for drawn in alone.values()]
     shared = shared_selection(drawn_runs, drawn_runs[0].selection.mounts)
@@ -127,6 +127,7 @@ def _write_alone(
     rec: rr.RecordingStream, run: RunResult, drawn: Drawn, *, title: str, tab: str = "Overview", state: bool = False,
     common: tuple[rrb.Blueprint | None, float] | None = None,
 ) -> None:  # fmt: skip
+    """Write a run alone, with lanes, the table at the cursor, the plan, and the panel over frequency."""
     shown = AtEvents(rec, main_instants(run.response, run.selection))
     _write(rec, shown, drawn, tab=tab, state=state, common=common)
     _send_properties(rec, drawn.runs[0], title)
@@ -169,7 +170,7 @@ def record_runs(
     drawn: Drawn, path: str | Path, *, inputs: Inputs, tables: Sequence[Table] = (),
     judged: Mapping[str, JudgedRun] | None = None, tab: str = "Overview", scene: str = "", state: bool = False,
 ) -> Path:  # fmt: skip
-    """Write what `several_runs` made of the runs, and return the path; the rest is as for `record_overlay`."""
+    """Write the recording that `several_runs` composed, and return its path; the rest is as for `record_overlay`."""
     drawn = replace(drawn, texts=overlay_texts(drawn.comparison, inputs, tables, judged))
     target = target_of(path, file=OVERLAY_FILE)
     with atomic_recording(target) as rec:
@@ -182,15 +183,16 @@ def _write(
     rec: rr.RecordingStream, shown: Stream, drawn: Drawn, *, tab: str, scene: str = "", state: bool,
     common: tuple[rrb.Blueprint | None, float] | None = None,
 ) -> None:  # fmt: skip
-    """Log what one run and several have in common, the layout first: the viewer then has it from the beginning.
+    """Log the layout first, then texts, events, scenes, panels, loops and ghosts of one run or several.
 
-    `common` is the layout of several load cases, which the first of them brings along, and by what factor it enlarges the
-    ghosts' motion.
+    `common` is the layout of several load cases, None in all but the first recording, and its factor of enlarged motion.
     """
     loops = drawn_loops(drawn.runs, drawn.shared)
     plots = loop_plots(loops, drawn.shared, loop_widths(drawn))
-    factor = common[1] if common else ghost_factor(drawn)
-    layout = common[0] if common else blueprint_of(drawn, plots, factor, tab=tab, scene=scene)
+    if common is None:
+        factor = ghost_factor(drawn)
+        common = blueprint_of(drawn, plots, factor, tab=tab, scene=scene), factor
+    layout, factor = common
     if layout is not None:
         rec.send_blueprint(layout, make_active=True, make_default=True)
     for text in drawn.texts:
@@ -205,7 +207,7 @@ def _write(
     times = [run.response.time for run in drawn.runs]
     ends = min(time[0] for time in times), max(time[-1] for time in times)
     for key, panel in drawn.panels.items():
-        if not drawn.alone or key[1:] != (TOTAL,) or key in drawn.overview:  # what no view shows only takes space
+        if not drawn.alone or key[1:] != (TOTAL,) or key in drawn.overview:  # panels that no view shows would only take space
             log_panel(rec, entity("histories", *key), panel, ends, every=not drawn.alone)
     log_loops(shown, loops, plots)
     if factor > 1.0 or not drawn.alone:
@@ -216,6 +218,7 @@ def _write(
 
 
 def _send_properties(rec: rr.RecordingStream, run: DrawnRun, title: str) -> None:
+    """Send model, motion, level and worst verdict of a run as properties of its recording."""
     response, used = run.response, run.selection.used
     rec.send_recording_name(title or response.scene.name)
     base = response.peaks.bodies.get(response.scene.base)
@@ -259,7 +262,7 @@ def log_state(rec: Stream, response: Response) -> None:
 def read_state(path: str | Path, *, run: str = "") -> dict[str, Array]:
     """Read the columns under /state of a recording, (n_t,) each, by name and in the order of `response.parquet`.
 
-    Where it lays several runs over each other, `run` is the name of one. RecordError if the file holds none.
+    Of a recording of several runs, `run` is the name of one. RecordError if the file holds no samples.
     """
     root = root_of(run) + entity(ROOT)
     names: dict[str, tuple[int, list[str]]] = {}

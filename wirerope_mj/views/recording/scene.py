@@ -1,4 +1,4 @@
-"""The 3D scene: bodies as a tree of frames that rides on the base, their geoms, mounts and stops, the base's acceleration."""
+"""The 3D scene: bodies as a tree of frames on the base, their geoms, mounts and stops, the base's acceleration."""
 
 from dataclasses import dataclass
 
@@ -35,9 +35,9 @@ from wirerope_mj.views.thin import rows_of_steps
 
 _STEEL = (176, 184, 194)
 _RUBBER = (64, 66, 72)
-_FLAT = 0.08  # least height of a drawn rope over its modelled height: a crushed mount is not turned inside out
+_LEAST_HEIGHT = 0.08  # least height of a drawn rope over its modelled height: a crushed mount is not turned inside out
 _MOST_LABELS = 12  # With more mounts only those whose loops are shown first get a label
-# Entities of a body that would stand in front of a mount seen from near.
+# Entities of a body that would hide a mount in a close-up
 BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring")
 _NEAR = (240, 180, 40)
 _RING = 48  # corners of the ring about the worst mount
@@ -54,18 +54,18 @@ class Device:
 
 
 def devices_of(response: Response, extent: float) -> list[Device]:
-    """Size the mounts in a scene of `extent` [m]."""
+    """Find size and kind of the drawn mounts; unknown sizes suit a scene of `extent` [m]."""
     devices = []
     for mount in response.scene.isolating:
         height, width = drawn_size(mount, extent)
-        # What does not carry along its axis is a rubber block that acts sideways only.
+        # A mount without axial force is a rubber block that acts sideways only.
         rope = bool(response.mounts[mount.name].force[:, AXIAL].any())
         devices.append(Device(mount=mount, height=height, width=width, rope=rope))
     return devices
 
 
 def close_up_of(response: Response, mount: str, *, wide: bool = False) -> Camera:
-    """See a mount from near where it is deflected most; `wide` for a low pane."""
+    """Place the camera near a mount at its largest deflection; `wide` for a low pane."""
     devices = devices_of(response, scene_extent(response.scene)[1])
     device = next(device for device in devices if device.mount.name == mount)
     row = int(np.abs(response.mounts[mount].deflection).max(axis=1).argmax())
@@ -101,6 +101,7 @@ def log_mounts(
 
 
 def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device], rows: Rows) -> None:
+    """Log equal devices as one mesh, stretched and sheared for each mount and row by an affine map."""
     first = devices[0]
     vertices, triangles, normals = coil(first.width) if first.rope else block(first.width)
     color = _STEEL if first.rope else _RUBBER
@@ -113,7 +114,7 @@ def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device]
         foot = mount.base_point - 0.5 * device.height * axes[:, AXIAL]
         feet[:, number] = foot + bending_at(response, mount, mount.base_body, rows)
         reach = response.mounts[mount.name].deflection[rows] + np.array([0.0, 0.0, device.height])
-        reach[:, AXIAL] = np.maximum(reach[:, AXIAL], _FLAT * device.height)
+        reach[:, AXIAL] = np.maximum(reach[:, AXIAL], _LEAST_HEIGHT * device.height)
         maps[:, number, 0], maps[:, number, 1] = axes[:, 0], axes[:, 1]
         maps[:, number, 2] = reach @ axes.T
     kind = pa.list_(pa.field("item", pa.float32(), nullable=False), 9)
@@ -123,7 +124,7 @@ def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device]
 
 
 def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]) -> None:
-    """Log the two bars of every mount; of a run alone in the colour of what it uses of its limits."""
+    """Log the two bars of every mount; of a run alone in the colour of its utilisation."""
     bodies = {body.name: body for body in response.scene.bodies}
     bars: dict[str, list[tuple[Array, Array, Array, str]]] = {}
     for device in devices:
@@ -155,6 +156,7 @@ def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dic
 
 
 def _log_worst(rec: Stream, path: str, response: Response, selection: Selection, device: Device) -> None:
+    """Log a ring about the governing mount, and its name with its utilisation."""
     mount = device.mount
     worst = by_use(selection.verdicts).get(mount.name)
     used = None if worst is None else worst.utilisation
@@ -177,6 +179,7 @@ def _log_worst(rec: Stream, path: str, response: Response, selection: Selection,
 def _log_forces(
     rec: Stream, path: str, response: Response, selection: Selection, devices: list[Device], rows: Rows, extent: float
 ) -> None:
+    """Log the forces of mounts on their payloads as arrows of equal scale."""
     forces = [-response.mounts[device.mount.name].force[rows] @ device.mount.axes.T for device in devices]
     vectors = np.stack(forces, axis=1)
     largest = np.sqrt((vectors**2).sum(axis=-1)).max()
@@ -190,7 +193,7 @@ def _log_forces(
 
 
 OPEN, CLOSED = (150, 158, 168), (240, 96, 30)
-_COVER = 1.02  # of the radius of a ball that is covered: seen, and too thin to look like another size
+_COVER = 1.02  # radius of the cover over that of the ball: visible, and hardly larger
 
 
 def closed_at(response: Response, stops: tuple[SceneMount, ...]) -> Booleans:
@@ -200,14 +203,15 @@ def closed_at(response: Response, stops: tuple[SceneMount, ...]) -> Booleans:
 
 
 def changes(state: AnyArray) -> Rows:
+    """Find the rows at which a state changes, with the first row."""
     return np.flatnonzero(np.diff(state.astype(int), prepend=-1))
 
 
 def log_stops(rec: Stream, response: Response, frames: dict[str, Frame], *, extent: float) -> None:
     """Log every stop as a bumper that changes colour.
 
-    A ball that the model draws about the stop's point on the payload is covered, so that the colour is seen where the pad is
-    met. Without one the bumper is a cylinder about its point on the base; one whose device states no size suits a scene of
+    A ball that the model draws about the stop's point on the payload is covered, so that the colour shows at the contact.
+    Without one the bumper is a cylinder about its point on the base; one whose device states no size suits a scene of
     `extent` [m].
     """
     scene = response.scene
@@ -231,7 +235,7 @@ def log_stops(rec: Stream, response: Response, frames: dict[str, Frame], *, exte
         rec.send_columns(path, at(response.time[rows]), shape.columns(colors=colors))
 
 
-_STILL = 1 / 50  # of the largest travel, by which something moves before poses are drawn anew
+_STILL = 1 / 50  # fraction of the largest travel, the tolerance between drawn poses
 _MOST_POSES = 3000  # Poses of a long run at the most; those of all peaks are among them
 _AXES = [(232, 110, 100), (120, 200, 110), (110, 160, 240)]  # Colours of x, y and z
 ARROW = (255, 196, 60)  # Colour of the acceleration of the base of a run alone
@@ -258,7 +262,7 @@ def log_scene(
         log_stops(rec, response, frames, extent=extent)
         log_bending(rec, frames, response, rows, 1.0)
     if response.scene.base in frames:
-        corner, length = _corners(response, extent)[1] * [1.0, 1.0, 0.0], 0.07 * extent
+        corner, length = _base_bounds(response, extent)[1] * [1.0, 1.0, 0.0], 0.07 * extent
         axes = rr.Arrows3D(
             vectors=length * np.eye(3), origins=[corner] * 3, colors=_AXES, labels=["x", "y", "z"], show_labels=True,
             radii=0.02 * length,
@@ -267,8 +271,8 @@ def log_scene(
         _log_base_acceleration(rec, response, frames, extent, arrow)
 
 
-def _corners(response: Response, extent: float) -> tuple[Array, Array]:
-    """Find least and largest coordinates of the base's shapes about its centre of mass [m], (3,) each."""
+def _base_bounds(response: Response, extent: float) -> tuple[Array, Array]:
+    """Find least and largest coordinates of the base's geoms about its centre of mass [m], (3,) each."""
     body = next(body for body in response.scene.bodies if body.name == response.scene.base)
     boxes = [(geom.position - reach(geom), geom.position + reach(geom)) for geom in body.geoms]
     known = [box for box in boxes if np.isfinite(box).all()] or [(np.full(3, -0.5 * extent), np.full(3, 0.5 * extent))]
@@ -277,14 +281,14 @@ def _corners(response: Response, extent: float) -> tuple[Array, Array]:
 
 
 def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
-    """Choose the rows at which what rides on the base is drawn anew."""
+    """Choose the rows at which the bodies on the base get new poses."""
     moving = [frame for name, frame in frames.items() if not frame.fixed and name != response.scene.base]
     deflections = [mount.deflection for mount in response.mounts.values()]
     lengths = [frame.position for frame in moving] + deflections
     if not lengths:
         return np.array([0])
     travel = max(float(np.ptp(part, axis=0).max()) for part in lengths)
-    # Turning is judged at an arm of a metre.
+    # Rotations count at an arm of a metre.
     values = np.concatenate([*lengths, *(frame.orientation for frame in moving)], axis=1)
     rows = rows_of_steps(response.time, values, _STILL * travel, limit=response.time.size)
     if rows.size > _MOST_POSES:
@@ -306,7 +310,7 @@ def log_pose(rec: Stream, path: str, time: Array, position: Array, orientation: 
 def _log_base_acceleration(
     rec: Stream, response: Response, frames: dict[str, Frame], extent: float, color: tuple[int, int, int]
 ) -> None:
-    """Log the acceleration of the base as an arrow, so that the shock is seen although the camera rides."""
+    """Log the acceleration of the base as an arrow, since the camera moves with the base."""
     acceleration = response.base.acceleration
     largest = float(np.linalg.norm(acceleration, axis=1).max())
     base = response.scene.base
@@ -314,7 +318,7 @@ def _log_base_acceleration(
         return
     rows = rows_of_steps(response.time, acceleration, 0.01 * largest)
     back = conjugate(response.bodies[base].orientation[rows])
-    corner = _corners(response, extent)[0]
+    corner = _base_bounds(response, extent)[0]
     path = child(frames[base].path, "acceleration")
     look = rr.Arrows3D.from_fields(
         origins=[[corner[0], corner[1], 0.0]], colors=[color], radii=[0.004 * extent], show_labels=True

@@ -1,4 +1,4 @@
-"""Bodies in a recording: the tree of frames that ride on the base, geoms as shapes, the mesh of a coil, and what bends."""
+"""Bodies in a recording: the tree of frames on the base, geoms as shapes, the mesh of a coil, and bending bodies."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -85,13 +85,14 @@ def conjugate(quaternion: Array) -> Array:
 
 
 def multiply(a: Array, b: Array) -> Array:
+    """Multiply quaternions (..., 4), w first."""
     w, u = a[..., :1], a[..., 1:]
     real = w * b[..., :1] - np.sum(u * b[..., 1:], axis=-1, keepdims=True)
     return np.concatenate([real, w * b[..., 1:] + b[..., :1] * u + np.cross(u, b[..., 1:])], axis=-1)
 
 
 def grown(position: Array, orientation: Array, about: Array, turned: Array, factor: float) -> tuple[Array, Array]:
-    """Enlarge poses: positions (n_t, 3) from `about`, quaternions (n_t, 4) from `turned`."""
+    """Enlarge poses by `factor`: positions (n_t, 3) from `about`, quaternions (n_t, 4) from `turned`."""
     turn = multiply(orientation, conjugate(turned))
     turn = turn * np.where(turn[:, :1] < 0.0, -1.0, 1.0)
     turn[:, 1:] *= factor
@@ -105,7 +106,7 @@ def quaternion_of(matrix: Array) -> Array:
     return quaternion
 
 
-_COILS = 8
+_COILS = 8  # turns of the rope
 _AROUND = 28  # sections of one turn of the rope
 _SECTION = 7  # corners of the rope's cross-section
 _ROPE = 0.075  # diameter of the rope over the width of the device, as in catalogue drawings
@@ -141,7 +142,7 @@ def quaternion(orientation: Array) -> rr.Quaternion:
 
 
 def drawn_size(mount: SceneMount, extent: float) -> tuple[float, float]:
-    """Find height and width [m] of a mount; unknown ones suit a scene of `extent` [m]."""
+    """Find height and width [m] of a mount; unknown sizes suit a scene of `extent` [m]."""
     height = mount.height if np.isfinite(mount.height) else float(np.clip(0.03 * extent, 0.01, 0.1))
     return height, mount.width if np.isfinite(mount.width) else 1.1 * height
 
@@ -210,14 +211,14 @@ def wrap(vertices: Array, normals: Array) -> tuple[Array, npt.NDArray[np.uint32]
 
 
 _NET = (120, 220, 200)
-_FAINT = 0.2  # of a body that bends, drawn unbent: its net is seen through it
+_FAINT = 0.2  # opacity of a bending body, which is drawn unbent behind its net
 
 
 def bending_at(response: Response, mount: SceneMount, body: str, rows: Rows) -> Array:
     """Find the displacement by bending of a mount's point on a body [m], in the body's axes, (n, 3).
 
-    It follows from the mount's other point and its deflection. 0 where the body does not bend, and where the bodies at both
-    ends do, whose shares they cannot tell apart.
+    It follows from the mount's other point and its deflection. It is 0 if the body does not bend, or if the bodies at both ends
+    do, whose shares are then unknown.
     """
     names = {mount.base_body, mount.payload_body}
     bending = {body.name for body in response.scene.bodies if body.bends and body.name in names}
@@ -231,6 +232,7 @@ def bending_at(response: Response, mount: SceneMount, body: str, rows: Rows) -> 
 
 
 def see_through(body: SceneBody) -> Sequence[Geom]:
+    """List the geoms of a body, transparent if it bends."""
     return [replace(geom, rgba=geom.rgba * [1.0, 1.0, 1.0, _FAINT]) for geom in body.geoms] if body.bends else body.geoms
 
 
@@ -253,7 +255,7 @@ def log_bending(rec: Stream, frames: Mapping[str, Frame], response: Response, ro
 
 
 def _edges(feet: Array) -> Array:
-    """Pair feet on one level, (n, 2): triangles seen from above, a row where they lie in a line."""
+    """Pair neighbouring feet of one level, (n, 2): edges of triangles from above, or a chain if they lie in a line."""
     try:
         corners = scipy.spatial.Delaunay(feet[:, :2]).simplices
     except (scipy.spatial.QhullError, ValueError):  # in one line, or fewer than three

@@ -26,16 +26,16 @@ from wirerope_mj.foundation.processes import process_beside
 from wirerope_mj.views.recording.paths import APPLICATION, KnownLetters, Stream
 
 FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
-# In the folder of a study: what it is known by, its worst variants, and their recording.
+# In the folder of a study: its definition, its worst variants, and their recording
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
-_BEGINNING = b"RRF"  # First bytes of every recording
+_MAGIC = b"RRF"  # First bytes of every recording
 _LOCAL = "127.0.0.1"  # the viewer's own default is every network
 
 
 def show(path_or_folder: str | Path, *, web: bool = False) -> None:
     """Open a recording and return when the viewer is closed or interrupted; with `web`, serve it to a browser of this machine.
 
-    What is given is a `.rrd` file, or the folder of a run, or of a study whose worst variants were written. RecordError
+    The path is that of a `.rrd` file, of the folder of a run, or of a study whose worst variants were written. RecordError
     if there is no recording; WireRopeError if there is no screen, or no viewer.
     """
     path = find_recording(path_or_folder)
@@ -53,11 +53,11 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
         # Of a file with several recordings the viewer opens one; from its standard input it takes all.
         command += ["--new", "-" if path.name == JOINED else str(path)]
     with path.open("rb") as recording:
-        _run(command, recording)
+        _run_viewer(command, recording)
 
 
-def _run(command: list[str], recording: BinaryIO) -> None:
-    # From where `CI` is set it sends no usage data.
+def _run_viewer(command: list[str], recording: BinaryIO) -> None:
+    # With `CI` set the viewer sends no usage data.
     with process_beside(command, stdin=recording, env={**os.environ, "CI": "1"}) as process:
         try:
             code = process.wait()
@@ -68,7 +68,7 @@ def _run(command: list[str], recording: BinaryIO) -> None:
 
 
 def find_recording(path_or_folder: str | Path) -> Path:
-    """Find the recording that a path names: itself, or that of a run, a job or a study."""
+    """Find the recording at a path: the file itself, or that of the folder of a run, a job or a study."""
     given = Path(path_or_folder)
     if (given / STUDY).is_file():
         together, single = given / WORST / OVERLAY, sorted((given / WORST).glob(f"*/{FILE}"))
@@ -86,7 +86,7 @@ def find_recording(path_or_folder: str | Path) -> Path:
     if not path.is_file():
         raise RecordError(f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}.")
     with path.open("rb") as file:
-        if not file.read(len(_BEGINNING)).startswith(_BEGINNING):
+        if not file.read(len(_MAGIC)).startswith(_MAGIC):
             raise RecordError(f"{path}: this is not a recording of rerun; `wirerope show` takes a run's folder or its {FILE}.")
     return path
 
@@ -139,20 +139,20 @@ def join_recordings(recordings: Sequence[Path], target: Path) -> None:
 
 
 FILES = ("re_viewer.js", "re_viewer_bg.wasm")
-# within which the viewer's server must answer [s]; usually a tenth of one
+# time within which the server of the viewer must answer [s]; usually it takes a tenth of a second
 _START = 15.0
 
 
 def viewer_files() -> dict[str, bytes]:
     """Fetch the files of the web viewer by name: 43 MB, for which its server is asked once and then ended.
 
-    The server itself is not what the page talks to: its recordings could be read by whatever page is open in the browser.
+    The page does not use that server itself: any page that is open in the browser could read its recordings.
     WireRopeError if there is no viewer, or it does not hand them out.
     """
     server, page = free_port(9876), free_port(9090)
     command = [str(viewer_binary()), "--bind", "127.0.0.1", "--serve-web"]
     command += ["--port", str(server), "--web-viewer-port", str(page)]
-    # It sends no usage data from where `CI` is set.
+    # With `CI` set the viewer sends no usage data.
     streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # never by way of a proxy
     files: dict[str, bytes] = {}
@@ -170,7 +170,7 @@ def viewer_files() -> dict[str, bytes]:
     return files
 
 
-_BLOCK = 2**20  # Of a recording, written at once [bytes]
+_BLOCK = 2**20  # most bytes of a recording that are written at once
 _OPEN_FILES = Path("/dev/fd")  # Folder in which Linux and macOS give an open pipe a path
 
 
@@ -216,8 +216,8 @@ def atomic_recording(target: Path, *, application: str = APPLICATION) -> Iterato
 class _Recording(Stream):
     """A recording of rerun's that is written into a file by a thread of this process.
 
-    Where rerun writes itself, a full disk ends its writing with a line on standard error, and whoever waits for it, as the end
-    of a recording and that of the process do, waits for ever. From a pipe everything is taken, whether or not there is space.
+    If rerun writes the file itself, a full disk ends its writing with a line on standard error, and the end of the recording
+    and of the process wait for ever. A pipe takes everything, whether or not there is space.
     """
 
     def __init__(self, application: str, path: Path) -> None:
@@ -229,14 +229,14 @@ class _Recording(Stream):
         return getattr(self._rec, name)
 
     def begin(self) -> None:
-        """Have everything that is logged from now on written."""
+        """Begin to write everything that is logged."""
         self._rec.set_log_time_enabled(False)
         if not _OPEN_FILES.is_dir():
             self._rec.save(self._path)
             return
         with interrupts_held():
             reading, writing = os.pipe()
-            writer = threading.Thread(target=_write, args=(reading, self._path, self.errors), daemon=True)
+            writer = threading.Thread(target=_write_pipe, args=(reading, self._path, self.errors), daemon=True)
             try:
                 writer.start()
                 self._writer = writer
@@ -258,7 +258,7 @@ class _Recording(Stream):
             stream.disconnect()  # it holds the layout in memory, which holds it
 
     def end(self) -> None:
-        """Write what is left, and give back rerun's threads and memory."""
+        """Write the remaining data, and release rerun's threads and memory."""
         self._rec.disconnect()  # closes the pipe, whose end ends the writer
         del self._rec
         rerun_bindings.flush_and_cleanup_orphaned_recordings()
@@ -266,8 +266,8 @@ class _Recording(Stream):
             self._writer.join()
 
 
-def _write(reading: int, path: Path, errors: list[OSError]) -> None:
-    """Write what comes out of a pipe as a file until it ends; after an error drop the rest."""
+def _write_pipe(reading: int, path: Path, errors: list[OSError]) -> None:
+    """Copy a pipe into a file until it ends; after an error discard the rest."""
     with open(reading, "rb", buffering=0) as source:
         try:
             with path.open("wb", buffering=0) as file:

@@ -20,12 +20,12 @@ SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second take
 
 
 def layout(content: Pane, window: tuple[float, float], *, cases: bool = False) -> rrb.Blueprint:
-    """Lay out `content`, paused at the start of `window` [s], which is what playing repeats.
+    """Lay out `content`, paused at the start of `window` [s], the interval that playing repeats.
 
     With `cases` there are several recordings, and the panel that lists them is open.
     """
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
-    speed = SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0  # what lasts longer is slow enough in real time
+    speed = SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0  # longer motions are slow enough in real time
     panel = rrb.TimePanel(
         state="collapsed", timeline=TIMELINE, playback_speed=speed, play_state="paused", loop_mode="selection",
         time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
@@ -42,7 +42,7 @@ def opening(content: Pane, panel: rrb.TimePanel, *, cases: bool = False) -> rrb.
 
 
 def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> rrb.Spatial3DView:
-    """View a scene that rides on `origin`; `camera` is in its frame."""
+    """View a scene in the frame of `origin`, in which `camera` is given."""
     return rrb.Spatial3DView(
         origin=origin, contents=list(contents), name=known_letters(name), background=GROUND,
         line_grid=rrb.LineGrid3D(visible=False),
@@ -53,7 +53,7 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
 
 
 def tabs_with(entries: list[Pane], argument: str, name: str) -> rrb.Tabs:
-    """Put the tab called `name` in front, which `argument` asked for; ValueError if there is none."""
+    """Put the tab called `name` in front; ValueError, which names `argument`, if there is no such tab."""
     names = [str(entry.name) for entry in entries]
     if name not in names:
         raise ValueError(f"`{argument}` must be one of {', '.join(names)}, got {name!r}.")
@@ -61,7 +61,7 @@ def tabs_with(entries: list[Pane], argument: str, name: str) -> rrb.Tabs:
 
 
 def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *, away: float = 1.0) -> rrb.Spatial3DView:
-    """View everything, from `away` times as far as the modelled geometry needs."""
+    """View the whole scene, from `away` times the distance that the modelled geometry needs."""
     base, camera = response.scene.base, whole_scene(response)
     camera = Camera(eye=camera.target + away * (camera.eye - camera.target), target=camera.target)
     origin = frames[base].path if base in response.bodies else entity("world")
@@ -76,9 +76,9 @@ def time_axis(window: tuple[float, float]) -> rrb.TimeAxis:
 
 
 def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, float | None]) -> rrb.Spatial2DView:
-    """View the plot of a loop, whose frame has this width.
+    """View the plot of a loop in a frame of a width.
 
-    `trails` are entities, and how long each reaches behind the cursor [s]; None for the whole past.
+    `trails` are entities, and the time that each reaches behind the cursor [s]; None for the whole past.
     """
     boundary = rrb.TimeRangeBoundary
     overrides = {}
@@ -129,7 +129,7 @@ class Plot:
         return self.width / (self.across[1] - self.across[0]), -HEIGHT / (self.upward[1] - self.upward[0])
 
     def points(self, across: ArrayLike, upward: ArrayLike) -> Array:
-        """Place values in the view, (n, 2)."""
+        """Map values to positions in the view, (n, 2)."""
         x, y = np.broadcast_arrays(np.asarray(across, dtype=np.float64), np.asarray(upward, dtype=np.float64))
         sx, sy = self.scale
         return np.column_stack([(x.ravel() - self.across[0]) * sx, HEIGHT + (y.ravel() - self.upward[0]) * sy])

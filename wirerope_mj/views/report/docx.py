@@ -173,7 +173,7 @@ class _Writer:
 
 
 def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) -> tuple[int, list[int]]:
-    # Columns of text break into lines first, then letters are smaller.
+    """Fit columns to the page: size of letters, and widths [1/20 pt]; text breaks into lines before letters get smaller."""
     words = [1.3 * max(map(len, head.split()), default=0) for head in heads]  # which are bold
     longest = [max([word, *(len(row[n]) for row in rows)]) for n, word in enumerate(words)]
     breaks = [column.align == "text" or long > _LINE / 3 for column, long in zip(columns, longest, strict=True)]
@@ -182,15 +182,16 @@ def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) 
         letter = _LETTER * size
         room = (_WIDTH * _TWIPS - _CELL * len(columns)) / letter
         over = sum(letters) - room
-        give = [max(count - _LEAST - word, 0.0) if b else 0.0 for count, word, b in zip(letters, words, breaks, strict=True)]
-        if over <= 0.0 or over <= sum(give):
-            part = max(over, 0.0) / (sum(give) or 1.0)
-            return size, [round(letter * (count - part * less) + _CELL) for count, less in zip(letters, give, strict=True)]
+        slack = [max(count - _LEAST - word, 0.0) if b else 0.0 for count, word, b in zip(letters, words, breaks, strict=True)]
+        if over <= 0.0 or over <= sum(slack):
+            part = max(over, 0.0) / (sum(slack) or 1.0)
+            return size, [round(letter * (count - part * less) + _CELL) for count, less in zip(letters, slack, strict=True)]
     scale = room / sum(letters)
     return size, [round(letter * scale * count + _CELL) for count in letters]
 
 
 def _row(cells: list[tuple[str, str]], aligned: list[str], widths: list[int], size: int, *, head: bool = False) -> str:
+    """Write a table row of cells (text, tone) as XML."""
     keep = "<w:keepNext/>" if head else ""
     texts = [
         f'<w:tc><w:tcPr><w:tcW w:w="{width}" w:type="dxa"/>{_BOTTOM if head else ""}</w:tcPr><w:p><w:pPr>{keep}'
@@ -203,6 +204,7 @@ def _row(cells: list[tuple[str, str]], aligned: list[str], widths: list[int], si
 
 
 def _set_page(document: Any, content: Content) -> None:
+    """Set size, margins, fonts, properties, header and footer of the document."""
     from docx.enum.text import WD_TAB_ALIGNMENT
     from docx.shared import Cm, Pt
 
