@@ -95,8 +95,8 @@ def _harmonic(quantity: str) -> Callable[..., BaseMotion]:
 def _site_and_table(text: str, folder: Path) -> tuple[tuple[str, ForceRows], str]:
     """Split site and table of forces from the beginning of a phrase; return both and the rest of the phrase."""
     site, rest = site_first(text, folder)
-    rows, left = file_first(force_rows)(rest, folder)
-    return (site, rows), left
+    rows, rest = file_first(force_rows)(rest, folder)
+    return (site, rows), rest
 
 
 @dataclass(frozen=True, kw_only=True)

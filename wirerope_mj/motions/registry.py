@@ -95,14 +95,14 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None, alon
             phrase = replace(phrase, directions=(along,))
         _check_phrase(spoken, phrase)
         directions = phrase.directions if spoken.directed else ("z",)
-        made = [spoken.make(phrase, direction, n, prefix) for n, direction in enumerate(directions)]
+        motions = [spoken.make(phrase, direction, n, prefix) for n, direction in enumerate(directions)]
     except ValueError as error:
         raise ValueError(f'{kind} "{short(text)}": {error} It is written like "{spoken.example}".') from None
     except ConvergenceError as error:
         raise ConvergenceError(f'{kind} "{short(text)}": {error}') from None
-    if doubt := made[0].doubt:
+    if doubt := motions[0].doubt:
         warnings.warn(f'{kind} "{short(text)}": {doubt}', ModelWarning, stacklevel=2)
-    return sum(made[1:], start=made[0])
+    return sum(motions[1:], start=motions[0])
 
 
 # Kinds as people write them, with spaces, hyphens or neither; the first that a sentence holds counts.
@@ -138,15 +138,15 @@ def motion_from_words(text: str) -> BaseMotion:
 def _check_phrase(spoken: SpokenMotion, phrase: Phrase) -> None:
     """Raise ValueError unless a phrase has the quantities, words and direction that its kind needs, and no more."""
     for quantity in dict.fromkeys((*spoken.needs, *phrase.quantities)):
-        there, needed = len(phrase.quantities.get(quantity, ())), spoken.needs.get(quantity, 0)
-        if there <= spoken.may.get(quantity, -1):
+        found, needed = len(phrase.quantities.get(quantity, ())), spoken.needs.get(quantity, 0)
+        if found <= spoken.may.get(quantity, -1):
             continue
-        are = "is none" if there == 0 else "is one" if there == 1 else f"are {there}"
-        if there < needed:
+        are = "is none" if found == 0 else "is one" if found == 1 else f"are {found}"
+        if found < needed:
             article = "an" if quantity[0] in "au" else "a"
             counted = f"{article} {quantity}" if needed == 1 else f"{needed} values of {quantity}"
             raise ValueError(f"{counted} must stand there ({', '.join(PHRASE_UNITS[quantity])}), and there {are}.")
-        if there > needed:
+        if found > needed:
             raise ValueError(f"there {are} of {quantity}, and {needed or 'none'} is expected.")
     for word in spoken.needed_words:
         if word not in phrase.named:

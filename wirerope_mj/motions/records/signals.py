@@ -83,9 +83,9 @@ def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *
             f"{'; ' if played else '. '}{remedy}"
         )
     elif played and (coupling := _coupling(a, rate)) is not None:
-        limit, velocity, left = coupling
+        limit, velocity, final = coupling
         yield (
-            f"{where} the velocity of {velocity:.3g} m/s that its pulse reaches falls back to {left:.2g} m/s as AC coupling "
+            f"{where} the velocity of {velocity:.3g} m/s that its pulse reaches falls back to {final:.2g} m/s as AC coupling "
             f"with a lower limit of about {limit:.2g} Hz makes it, or as that of a base that is braked in proportion to it. If "
             "the sensor is AC-coupled, the pulse's change of velocity is lost, soft isolators travel too little, and that "
             "the record ends at rest proves nothing: measure with a DC-coupled sensor, or with a lower limit."
@@ -111,8 +111,8 @@ def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
     lowest = first + int((side * a[first:]).argmin()) if first < a.size else first
     if lowest - above[-1] < _FLANK * (above[-1] - above[0]):  # it goes on to an undershoot, from which the return begins
         first = lowest
-    reached, left = float(velocity[first - 1]), float(velocity[-1])
-    if abs(reached) < _SLOW or abs(left) > (1.0 - _LEAST_LOSS) * abs(reached):
+    reached, final = float(velocity[first - 1]), float(velocity[-1])
+    if abs(reached) < _SLOW or abs(final) > (1.0 - _LEAST_LOSS) * abs(reached):
         return None
     last = int(np.flatnonzero(np.abs(velocity) > _FOOT * abs(reached))[-1]) + 1
     last = min(max(last, first + 2 * _FEWEST), a.size)
@@ -130,7 +130,7 @@ def _coupling(a: Array, rate: float) -> tuple[float, float, float] | None:
         damped = factors[0] > 0.0 and (order == 1 or 0.0 < factors[1] < (factors[0] / (2.0 * _DAMPED)) ** 2)
         limit = _RESIDUAL[order] if first != lowest else _RESIDUAL_OF_RETURN
         if damped and residual <= max(limit * size, _NOISE * noise) and size > 2.0 * noise:
-            return (float(factors[0]) if order == 1 else math.sqrt(factors[1])) / (2.0 * math.pi), reached, left
+            return (float(factors[0]) if order == 1 else math.sqrt(factors[1])) / (2.0 * math.pi), reached, final
     return None
 
 

@@ -117,7 +117,7 @@ def power_spectral_density(
     discard = not_negative("discard", discard, unit="s")
     length = step * values.shape[0]
     kept = values[min(math.ceil(discard / step - 1e-9), values.shape[0]) :]
-    left = step * kept.shape[0]
+    remaining = step * kept.shape[0]
     size = int(2 * kept.shape[0] // (SEGMENTS + 1))
     if resolution is not None:
         size = round(1.0 / (positive("resolution", resolution, unit="Hz") * step))
@@ -145,7 +145,7 @@ def power_spectral_density(
     shared = float(window[hop:] @ window[: window.size - hop]) / float(window @ window)
     degrees = 2.0 * segments / (1.0 + 2.0 * (1.0 - 1.0 / segments) * shared**2)
     return PowerSpectralDensity(
-        frequency=frequency, density=density, resolution=1.0 / (size * step), duration=left, segments=segments,
+        frequency=frequency, density=density, resolution=1.0 / (size * step), duration=remaining, segments=segments,
         degrees_of_freedom=degrees,
     )  # fmt: skip
 

@@ -166,8 +166,8 @@ def _closed(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[bool, boo
     Any elastic force that only grows with the depth is a sum of springs behind gaps, and a lossy one has another sum on the way
     back. They are fitted with stiffnesses >= 0; a side is closed if the fit without it is worse for sure.
     """
-    left = [loop.force - (0.0 if known is None else loop.model_force(known)) for loop in loops]
-    force = np.concatenate([(f - f.mean()) / loop.weight for f, loop in zip(left, loops, strict=True)])
+    forces = [loop.force - (0.0 if known is None else loop.model_force(known)) for loop in loops]
+    force = np.concatenate([(f - f.mean()) / loop.weight for f, loop in zip(forces, loops, strict=True)])
     sides = []  # forces (n_t, n) of unit springs behind gaps, those of pressing and letting go apart, without means
     for side in (-1.0, 1.0):
         reach = max(0.0, *(float((side * loop.deflection).max()) for loop in loops))

@@ -212,16 +212,16 @@ class HalfLoop:
         direction[:, -1] = self.mesh.natural[-1] + goal[:, 2]
         end = np.array(self.shape.span) / self.shape.length + goal[:, :2]
         converged = np.zeros(len(direction), dtype=bool)
-        left = np.arange(len(direction))
+        unsolved = np.arange(len(direction))
         for _ in range(_ITERATIONS):
-            change = self._newton_step(direction[left], force[left], end[left])
+            change = self._newton_step(direction[unsolved], force[unsolved], end[unsolved])
             largest = np.max(np.abs(change[:, :-2]), axis=1, initial=0.0)
             damped = np.minimum(1.0, _TURN / np.maximum(largest, 1e-300))[:, None]
-            direction[left, 1:-1] += damped * change[:, :-2]
-            force[left] += damped * change[:, -2:]
-            converged[left] = largest < _CONVERGED
-            left = left[np.isfinite(largest) & (largest >= _CONVERGED)]
-            if not left.size:
+            direction[unsolved, 1:-1] += damped * change[:, :-2]
+            force[unsolved] += damped * change[:, -2:]
+            converged[unsolved] = largest < _CONVERGED
+            unsolved = unsolved[np.isfinite(largest) & (largest >= _CONVERGED)]
+            if not unsolved.size:
                 break
         return direction, force, converged
 
