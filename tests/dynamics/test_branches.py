@@ -390,7 +390,7 @@ def test_a_correction_that_leads_beyond_all_parameters_is_given_up():
 
     def at(move):
         asked.append(move)
-        return SimpleNamespace(gap=np.array([1.0]))
+        return SimpleNamespace(residuals=np.array([1.0]))
 
     flat, row = np.array([[0.0, 1e-5]]), np.array([1.0, 0.0])
     assert corrected(at, lambda *_: flat, flat, np.zeros(2), row, 0.0, 1e-6) is None

@@ -113,10 +113,10 @@ def test_only_a_copy_that_lands_is_handed_on():
     with search.flow.ready():
         gentle, drive = search.drive(5.0, 0.5), search.drive(5.0, 2.0)
         search.flow.follow(search.coordinates.rest(), gentle)
-        assert search.flow._beyond is None
+        assert search.flow._fallback is None
         starts = np.array([[0.0, 0.0], [2.0 * STOP, 0.0]])
         ends = search.flow.ends(starts, gentle)
-        assert search.flow._beyond.taken == gentle.steps
+        assert search.flow._fallback.taken == gentle.steps
         with (mujoco := MujocoFlow(search.coordinates, search.system)).ready():
             np.testing.assert_allclose(ends, mujoco.ends(starts, gentle), atol=1e-10)
         landed = search.flow.follow(starts[1], drive)

@@ -27,28 +27,28 @@ Method = Literal["sweep", "continuation", "both"]
 # Default range: from a quarter of the lowest natural frequency, where the superharmonic resonances of order 2 and 3 lie
 # above, to twice the highest, where every mount isolates.
 BELOW, ABOVE = 4.0, 2.0
-# Widest range over the lowest and the highest natural frequency: beyond it the payload moves as its base does to 1e-4, or rests
-# to 1e-4 of it, which rounding blurs: steps of a branch grow small in vain.
+# Widest range over the lowest and the highest natural frequency: beyond it the payload follows its base within 1e-4, or rests
+# within 1e-4 of it, so that rounding makes the steps of a branch ever smaller.
 BEYOND = 100.0
-# Natural frequencies below this fraction of the highest belong to what no mount holds back [-].
+# Natural frequencies below this fraction of the highest belong to motions without a mount's stiffness [-].
 STILL = 1e-3
 BRANCHES, SWEEPS = "branches.parquet", "sweeps.parquet"
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseOptions:
-    """Levels, method and range of a frequency response; `checked` fills in what is left open."""
+    """Levels, method and range of a frequency response; `checked` fills in defaults."""
 
     accelerations: tuple[float, ...]  # levels of the base's acceleration [m/s^2]
     method: Method = "continuation"  # "continuation", "sweep" or "both"
     direction: Direction = "z"
     payload: str | None = None  # body whose acceleration is the amplitude; None: the first payload
-    response_direction: Direction | None = None  # along which it is taken; None: that of the base
+    response_direction: Direction | None = None  # direction of that acceleration; None: that of the base
     # start, stop: range [Hz]; None: from the system's natural frequencies
     start: float | None = None
     stop: float | None = None
     rate: float = 1.0  # of the sweeps [octaves/min]
-    periods: int = 1  # of the base after which the motions repeat themselves
+    periods: int = 1  # number of the base's periods after which the motions repeat themselves
     # largest_step, smallest_step: of the continuation, relative to the frequency
     largest_step: float = 0.02
     smallest_step: float = 1e-5
@@ -57,7 +57,7 @@ class ResponseOptions:
     range_from: str = "given"  # origin of the range as text; set by `checked`
 
     def checked(self, system: System) -> "ResponseOptions":
-        """Check the options and fill in what is left open.
+        """Check the options and fill in the payload, response direction and range if they are None.
 
         Raises:
             ValueError: a level, the range, a step, the payload or a direction is not valid.
@@ -100,7 +100,7 @@ class ResponseOptions:
 
 
 def _range(system: System, start: float | None, stop: float | None) -> tuple[float, float, str]:
-    """Check the range, and say where it comes from."""
+    """Check the range [Hz] or choose it from the natural frequencies; returns also its origin as text."""
     values, source = np.abs(np.imag(eigenvalues(system))) / (2.0 * math.pi), "given"
     # on unloaded mounts, where they are stiffest; each appears with both signs of its imaginary part
     natural = sorted(values[values > STILL * values.max(initial=0.0)].tolist())[::2]
@@ -169,7 +169,7 @@ class FrequencyResponse:
 
 
 def save_tables(result: FrequencyResponse, folder: Path) -> None:
-    """Write the tables of what was computed into `folder`; SI units, float64."""
+    """Write the tables of branches and sweeps into `folder`; SI units, float64."""
     tables: dict[str, list[dict[str, AnyArray]]] = {BRANCHES: [], SWEEPS: []}
     width = max((branch.floquet_multipliers.shape[1] for branch in result.branches), default=0)
     same = ("frequency", "acceleration", "amplitude", "transmissibility", "stable", "neutral", "residual", "steps")
@@ -216,9 +216,9 @@ def frequency_response(
     Args:
         system: the system.
         options: levels, method and range.
-        name: what the result is called.
+        name: name of the result.
         report: called with a text before each step of the work.
-        keep: folder that keeps the points of the branches as they are found, a folder for each level; what was interrupted
+        keep: folder that keeps the points of the branches as they are found, a folder for each level; an interrupted branch
             there is resumed.
         progress: whether bars are shown on standard error.
 
@@ -243,6 +243,7 @@ def _level(
     system: System, options: ResponseOptions, acceleration: float, report: Callable[[str], None], keep: Path | None,
     progress: bool,
 ) -> Level:  # fmt: skip
+    """Compute the branch and the sweeps up and down of one level [m/s^2], by the options' method."""
     (start, stop), payload, along = options.range, options.payload, options.response_direction
     assert payload is not None
     assert along is not None

@@ -1,4 +1,4 @@
-"""What a frequency response says, level by level: resonance peaks, sweeps against branches, orders of a machine's speed."""
+"""Summary of a frequency response, level by level: resonance peaks, sweeps against branches, orders of a machine's speed."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -22,11 +22,11 @@ FRACTIONS = (0.35, 0.7)  # fractions of the highest amplitude at which motions a
 
 @dataclass(frozen=True, kw_only=True)
 class BranchCurve:
-    """A branch as a fine line, in its own order."""
+    """A branch interpolated to a fine curve, in its own order."""
 
     frequency: Array  # [Hz], (n,)
     amplitude: Array  # of the payload [m/s^2], (n,)
-    stable: Booleans  # whether the motions on either side are, (n,)
+    stable: Booleans  # whether the branch's points on either side are stable, (n,)
     point: Array  # position in the branch, an integer at its points, (n,)
 
     @cached_property
@@ -49,7 +49,7 @@ class BranchCurve:
 
 
 def curve_of(branch: Branch) -> BranchCurve:
-    """Draw the curve through the points of a branch.
+    """Interpolate the curve through the points of a branch.
 
     Akima's spline in the length along the branch, of frequency and amplitude in logarithms: it does not ring at the kinks
     that the payload's largest acceleration has where another crest becomes the highest.
@@ -70,12 +70,12 @@ def curve_of(branch: Branch) -> BranchCurve:
 
 
 def relative_steps(f: Array, a: Array) -> Array:
-    """Distances between successive points, both coordinates relative to their ranges, (n - 1,)."""
+    """Compute the distances between successive points, both coordinates relative to their ranges, (n - 1,)."""
     return np.hypot(np.diff(f) / (float(np.ptp(f)) or 1.0), np.diff(a) / (float(np.ptp(a)) or 1.0))
 
 
 def along_resonance(branch: Branch) -> list[int]:
-    """Choose points of a branch: below its highest amplitude on either side, and at it.
+    """Choose points of a branch over its resonance: at its highest amplitude, and at fractions of it on either side.
 
     The order is that along the branch, so that behind a fold the motions which no sweep reaches are among them.
     """
@@ -105,7 +105,7 @@ def along_branch(branch: Branch, curve: BranchCurve, count: int) -> Integers:
 def busiest_loops(response: Response) -> list[tuple[str, int]]:
     """Rank mount and axis (0 roll, 1 shear, 2 axial) of all loops of a periodic motion, most work per repetition first.
 
-    In vibration this says which mounts move: the utilisation of the rated travel is mostly that of the sag.
+    In vibration the work shows which mounts move: the utilisation of the rated travel is mostly that of the sag.
     """
     work = {}
     for name, mount in response.mounts.items():
@@ -116,12 +116,12 @@ def busiest_loops(response: Response) -> list[tuple[str, int]]:
     return sorted(work, key=lambda loop: work[loop], reverse=True)
 
 
-HARMONICS = 9  # highest harmonic that is looked for in a motion
-# Orders whose own harmonic is looked for near that fraction of the highest peak: the whole amplitude may have no peak there.
+HARMONICS = 9  # highest harmonic of a motion that is evaluated
+# Orders n whose harmonic is searched for near 1/n of the peak's frequency: the whole amplitude may have no peak there.
 ORDERS, NEAR = (2, 3), 0.15
-SEEN = 0.01  # that harmonic over the fundamental from which on it is listed; a step may pass its narrow top
+SEEN = 0.01  # least ratio of that harmonic to the fundamental that is listed; a step may pass its narrow top
 AWAY = 0.05  # relative distance from a fold within which a sweep jumps and is not compared
-FASTEST = 1e6  # speed of a shaft [1/min], and order, at the most: ten times what turns and shakes
+FASTEST = 1e6  # highest speed of a shaft [1/min], and highest order: ten times those of real machines
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,8 +132,8 @@ class ResonancePeak:
     amplitude: float  # [m/s^2]
     transmissibility: float  # amplitude over the base's acceleration
     point: int  # nearest point of the branch
-    at_edge: bool  # whether it is no peak but the end of the branch
-    # of the largest harmonic of the payload's acceleration other than the fundamental; below 1 for a subharmonic
+    at_edge: bool  # whether it is not a peak but the end of the branch
+    # order of the largest harmonic of the payload's acceleration other than the fundamental; below 1 for a subharmonic
     order: float
     harmonic: str  # its name
     share: float  # its amplitude over that of the fundamental
@@ -167,7 +167,7 @@ def peaks_of(branch: Branch) -> list[ResonancePeak]:
 
 
 def _superharmonics(branch: Branch, top: float, listed: Sequence[float]) -> Iterator[tuple[int, float, float, bool]]:
-    """Yield the points below the highest peak `top` [Hz] at which harmonic 2 or 3 of the motion itself is largest."""
+    """Yield superharmonic resonances below the highest peak at `top` [Hz]: points where harmonic 2 or 3 is largest."""
     for order in ORDERS:
         near = np.flatnonzero(np.abs(branch.frequency * order / top - 1.0) < NEAR)
         near = near[(near > 0) & (near < branch.frequency.size - 1)]
@@ -181,6 +181,7 @@ def _superharmonics(branch: Branch, top: float, listed: Sequence[float]) -> Iter
 
 
 def _content(branch: Branch, point: int) -> HarmonicContent:
+    """Compute the harmonics of the payload's acceleration at a point of a branch."""
     along = branch.response_direction
     return harmonic_content(branch.orbit(point), payload=branch.payload, direction=along, highest=HARMONICS)
 
@@ -203,15 +204,15 @@ class SweepComparison:
     """A sweep's envelope against the stable motions of a branch, away from jumps."""
 
     largest: float  # largest difference relative to the branch; NaN if nothing can be compared
-    at: float  # frequency of it [Hz]
-    median: float
-    peak_frequency: float  # of the envelope [Hz], [m/s^2]
-    peak: float
-    jumps: tuple[SweepJump, ...]  # of the sweep, one for every fold that it passes in the direction in which it jumps
+    at: float  # frequency of the largest difference [Hz]
+    median: float  # median of the relative differences
+    peak_frequency: float  # frequency of the envelope's peak [Hz]
+    peak: float  # peak of the envelope [m/s^2]
+    jumps: tuple[SweepJump, ...]  # one for every fold that the sweep passes in the direction in which it jumps
 
 
 def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | None) -> SweepComparison:
-    """Compare a sweep with a branch, if there is one: with the nearest stable motion, away from folds, where it jumps."""
+    """Compare a sweep with the nearest stable motion of a branch, if there is one, away from folds, where it jumps."""
     f, a = sweep.frequency, sweep.amplitude
     top, jumps, differences = int(np.argmax(a)), [], np.full(f.size, np.inf)
     if branch is not None and curve is not None:
@@ -258,7 +259,7 @@ def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
 
 
 def plain_summary(summary: LevelSummary) -> Entries:
-    """Write a summary as plain values, SI units, None where there is no number."""
+    """Write a level's summary as plain values, SI units, None for values that are not finite."""
     level, branch = summary.level, summary.level.branch
     content: Entries = {"acceleration": level.acceleration}
     if branch is not None:
@@ -302,23 +303,23 @@ class OrderBand:
 
 
 def order_bands(orders: Sequence[float], speed_rpm: Sequence[float]) -> tuple[OrderBand, ...]:
-    """Bands of orders at speeds [1/min], one or the ends of a range; ValueError unless there are, all above zero."""
+    """Compute the bands of orders at one speed [1/min] or between two; ValueError for other counts or values <= 0."""
     if len(speed_rpm) not in (1, 2):
         raise ValueError(f"`--speed-rpm` takes one speed or two, the lowest and the highest, got {len(speed_rpm)}.")
-    speeds = sorted(_within("--speed-rpm", speed) / 60.0 for speed in speed_rpm)
+    speeds = sorted(_checked_limit("--speed-rpm", speed) / 60.0 for speed in speed_rpm)
     return tuple(
-        OrderBand(order=_within("--orders", order), low=order * speeds[0], high=order * speeds[-1]) for order in orders
+        OrderBand(order=_checked_limit("--orders", order), low=order * speeds[0], high=order * speeds[-1]) for order in orders
     )
 
 
-def _within(name: str, value: float) -> float:
+def _checked_limit(name: str, value: float) -> float:
     if positive(name, value) > FASTEST:
         raise ValueError(f"`{name}` must be at most {FASTEST:g}, got {value!r}.")
     return float(value)
 
 
 def order_statements(bands: Sequence[OrderBand], findings: Sequence[LevelSummary]) -> Iterator[str]:
-    """Say for every band which resonance peaks lie in it."""
+    """Describe for every band the resonance peaks that lie in it."""
     for band in bands:
         inside = [
             f"{peak.frequency:.2f} Hz at {summary.level.acceleration:.4g} m/s²"

@@ -1,4 +1,4 @@
-"""Mode shapes in motion, one after the other, as a response that can be drawn."""
+"""Animation of mode shapes, one after the other, as a response that can be drawn."""
 
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -18,25 +18,25 @@ from wirerope_mj.foundation.arrays import Array
 ROWS = 36  # rows of a period: ten degrees each
 PERIODS = 2  # periods that each mode is shown, one second long each
 FRACTION = 0.5  # fraction of the height of the lowest mount by which the mount that moves most deflects in the picture
-_FLAT = 0.05  # that deflection where no height is known [m]
+_DEFAULT = 0.05  # largest drawn deflection where no height is known [m]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModeAnimation:
-    """Modes in motion."""
+    """Animated modes: their motions as a response, and when each begins."""
 
     modes: Modes
-    starts: Array  # instant at which each begins [s], (n_modes,)
-    amplitude: float  # of the mount that moves most, as drawn [m]
-    response: Response  # the motions, each from its largest displacement on; time is the picture's, not the mode's
+    starts: Array  # instant at which each mode begins [s], (n_modes,)
+    amplitude: float  # drawn deflection amplitude of the mount that moves most [m]
+    response: Response  # the motions, each from its largest displacement on; time is the animation's, not the mode's
 
 
 def animated_modes(system: System, modes: Modes) -> ModeAnimation:
-    """Draw the modes of `system` in motion about the position of rest, large; forces are those of small cycles."""
+    """Animate the modes of `system` about the position of rest, enlarged; forces are those of small cycles."""
     rest = linearise(system, modes.equilibrium)
     heights = [m.isolator.geometry.height for m in system.mounts.values() if m.isolator.geometry is not None]
     known = [height for height in heights if height is not None]
-    amplitude = FRACTION * min(known) if known else _FLAT
+    amplitude = FRACTION * min(known) if known else _DEFAULT
     subjects = system.assembly.subjects
     mounted = [(name, ()) for name in system.mounts]
     plan = ColumnPlan(bodies=subjects.body_names, points=subjects.point_names, mounts=mounted)
@@ -69,7 +69,7 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
 
 
 def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplitude: float) -> Array:
-    """Sample all modes one after the other, (n_t, n_columns)."""
+    """Sample the animation of all modes one after the other in the plan's columns, (n_t, n_columns)."""
     model = system.model.__copy__()
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, modes.equilibrium.state.values, STATE)
@@ -80,8 +80,7 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
         return slice(columns[name], columns[name] + size)
 
     values = np.zeros((modes.frequencies.size * PERIODS * ROWS, len(plan.names)))
-    none = np.zeros(3)
-    stiffness = {name: mount.cycles(none, 1.0).real for name, mount in rest.mounts.items()}
+    stiffness = {name: mount.cycles(amplitude=np.zeros(3), frequency=1.0).real for name, mount in rest.mounts.items()}
     for row, line in enumerate(values):
         mode, phase = divmod(row, PERIODS * ROWS)
         swing = amplitude * np.cos(2.0 * np.pi * phase / ROWS)
@@ -103,11 +102,11 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
 
 
 def _peak(values: Array) -> Peak:
-    """Read the extremes over all rows; their instants say nothing."""
+    """Find the extremes over all rows, with instants of zero."""
     sizes = np.linalg.norm(values, axis=1)
     at = int(np.argmax(sizes))
-    never = np.zeros(3)
+    zero = np.zeros(3)
     return Peak(
         value=float(sizes[at]), time=0.0, vector=values[at],
-        minimum=values.min(axis=0), minimum_time=never, maximum=values.max(axis=0), maximum_time=never,
+        minimum=values.min(axis=0), minimum_time=zero, maximum=values.max(axis=0), maximum_time=zero,
     )  # fmt: skip

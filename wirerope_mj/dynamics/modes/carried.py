@@ -19,22 +19,22 @@ from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.mounts.isolator import travel
 from wirerope_mj.mounts.laws import Law, LoopBoucWen
 
-# Relative difference of the frequencies about rest and about where the weight is carried, from which on they are apart.
+# Least relative difference of the frequencies about rest and about the carrying deflection that is reported.
 APART = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
-    """Modes of an amplitude about where every axis of every mount carries on average what it carried at rest."""
+    """Frequencies at an amplitude about the deflections at which every mount axis has the mean force of rest."""
 
     frequencies: Array  # [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found
     shift: Array  # largest distance of such a deflection from rest [m], (n_modes,)
-    mounts: tuple[str, ...]  # name of the mount that moves by it, (n_modes)
+    mounts: tuple[str, ...]  # name of the mount with that distance, (n_modes)
     apart: Integers  # indices of the modes whose frequency is not that about rest
 
 
 def carried(system: System, modes: Modes) -> Carried:
-    """Move modes at an amplitude to the deflections that carry the weight, the shapes as they are.
+    """Compute the frequencies of modes at an amplitude about the deflections that carry the weight, with unchanged shapes.
 
     Each axis is taken alone, with the force that its law has at rest: for one mount of independent axes that is exact, else an
     estimate.
@@ -48,19 +48,21 @@ def carried(system: System, modes: Modes) -> Carried:
         for mount, load in modes.equilibrium.mounts.items():
             sizes = modes.amplitude * np.abs(modes.mounts[mount][mode])
             isolator, deflections, forces = system.mounts[mount].isolator, load.deflection.copy(), load.force.copy()
-            if isinstance(coupled := isolator.coupled, LoopBoucWen):  # a loop's elastic energy is none of the axes' laws
+            if isinstance(coupled := isolator.coupled, LoopBoucWen):  # the loop's elastic energy is not in the axes' laws
                 axes, brackets = list(isolator.coupled_axes), np.array(coupled.brackets or (np.inf, np.inf))
-                of_loop = coupled.loop.force(load.deflection[axes] - load.force[axes] / brackets)
-                forces[axes] -= of_loop
-                deflections[axes] -= of_loop / brackets
+                loop_force = coupled.loop.force(load.deflection[axes] - load.force[axes] / brackets)
+                forces[axes] -= loop_force
+                deflections[axes] -= loop_force / brackets
             for axis, law in enumerate(isolator.axes.values()):
                 if law is None or is_neutral(law) or sizes[axis] < SMALL or not math.isfinite(frequency):
                     continue
                 rest, force = float(deflections[axis]), float(forces[axis])
                 if law.initial_stiffness == 0.0 and force == 0.0:
-                    continue  # an open stop carries nothing, and where it would go is up to the others
-                moved = _carrying(law, rest, force, float(sizes[axis]), frequency)
-                gain = _stiffness(law, moved, sizes[axis], frequency) - _stiffness(law, rest, sizes[axis], frequency)
+                    continue  # an open stop carries no force, and the other mounts determine its deflection
+                moved = _carrying_deflection(law, rest, force, float(sizes[axis]), frequency)
+                gain = _cycle_stiffness(law, moved, sizes[axis], frequency) - _cycle_stiffness(
+                    law, rest, sizes[axis], frequency
+                )
                 stiffness += modes.mounts[mount][mode, axis] ** 2 * gain
                 if abs(moved - rest) > largest:
                     largest, name = abs(moved - rest), mount
@@ -73,11 +75,12 @@ def carried(system: System, modes: Modes) -> Carried:
     return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names), apart=np.flatnonzero(apart))
 
 
-def _stiffness(law: Law, deflection: float, amplitude: float, frequency: float) -> float:
+def _cycle_stiffness(law: Law, deflection: float, amplitude: float, frequency: float) -> float:
+    """Evaluate the stiffness of a closed cycle about a deflection [N/m]; NaN for a deflection of NaN."""
     return closed_cycle(law, deflection, amplitude, frequency=frequency).real if math.isfinite(deflection) else math.nan
 
 
-def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: float) -> float:
+def _carrying_deflection(law: Law, rest: float, force: float, amplitude: float, frequency: float) -> float:
     """Find the deflection about which the mean force of a cycle is `force` [m]; NaN if there is none."""
 
     def excess(deflection: float) -> float:
@@ -89,10 +92,10 @@ def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: 
     before, step = rest, -at_rest / law.closed_stiffness
     for _ in range(30):
         beyond = before + step
-        gap = excess(beyond)
-        if not math.isfinite(gap):
+        at_beyond = excess(beyond)
+        if not math.isfinite(at_beyond):
             break
-        if gap * at_rest <= 0.0:
+        if at_beyond * at_rest <= 0.0:
             return float(scipy.optimize.brentq(excess, before, beyond, xtol=1e-6 * abs(beyond - rest)))
         before, step = beyond, 1.5 * step
     return math.nan
@@ -106,6 +109,6 @@ def reached_in(modes: Modes, mount: str) -> tuple[Array, Array]:
 
 
 def travel_utilisation(system: System, modes: Modes, mount: str) -> float:
-    """Find the largest utilisation of a rated travel of a mount in any of the modes, sag included [-]; 0 if none is rated."""
+    """Find the largest utilisation of a mount's rated travels in any of the modes, sag included [-]; 0 without a rating."""
     reached = travel.travel_reached(*reached_in(modes, mount))
     return max(travel.travel_utilisation(reached, system.mounts[mount].isolator.limits.travel.stated).values(), default=0.0)

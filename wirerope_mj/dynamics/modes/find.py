@@ -28,21 +28,21 @@ from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError, ModelWarning
 
 CLOSE = 1e-6  # relative distance of eigenvalues whose shapes may turn into one another
-# Relative change of the eigenvalue at which an iterated mode is found, and at which it leads on to the next amplitude.
+# Relative change of the eigenvalue at which an iterated mode has converged, at the last amplitude and at those before.
 TOLERANCE, LEADING = 1e-9, 1e-5
-# Iterations of a mode, those in which its shape may change, and those that are not damped.
+# Most iterations of a mode, those in which its shape may change, and those without damping.
 ROUNDS, DISTINCT, DIRECT = 100, 40, 15
-# Share of the largest eigenvalue below which one is rounding: nothing holds that motion.
+# Fraction of the largest eigenvalue below which an eigenvalue is rounding: the motion has no stiffness.
 FREE = 1e-9
 AnyArray = TypeVar("AnyArray", Array, ComplexArray)
-# Amplitudes, each twice the last, by which a mode is led from the small one to the given one: so it stays itself.
+# Amplitudes, each twice the last, over which a mode is followed from small amplitudes to the given one.
 STEPS = 6
 
 
 def solve(stiffness: Array, mass: Array, motions: Array) -> tuple[Array, Array]:
     """Find the eigenvalues [(rad/s)^2], (n_modes,), from the lowest on, and the shapes, phi^T M phi = 1, as columns.
 
-    Shapes are those of `motions` alone, which equality constraints leave, as columns (n, n_modes).
+    `motions` are the motions that equality constraints allow, as columns (n, n_modes): shapes are combinations of these.
     """
     values, shapes = scipy.linalg.eigh(motions.T @ stiffness @ motions, motions.T @ mass @ motions)
     values[np.abs(values) < FREE * np.abs(values).max(initial=0.0)] = 0.0
@@ -50,16 +50,16 @@ def solve(stiffness: Array, mass: Array, motions: Array) -> tuple[Array, Array]:
 
 
 def frequency_of(values: Array) -> Array:
-    """Frequencies [Hz] of eigenvalues; NaN for those below zero, whose motion runs away."""
+    """Convert eigenvalues [(rad/s)^2] to frequencies [Hz]; NaN for negative ones, whose motion is unstable."""
     with np.errstate(invalid="ignore"):
         return np.asarray(np.sqrt(values) / (2.0 * np.pi))
 
 
 def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -> tuple[float, Array]:
-    """Find eigenvalue and shape of the mode that stands for column `mode` of the shapes `known`, (n, n_known).
+    """Find eigenvalue and shape of the mode that corresponds to column `mode` of the shapes `known`, (n, n_known).
 
-    Each of those is given one of the modes, so that their likeness (phi^T M phi)^2 is largest in all: two modes whose
-    frequencies come close do not become the same one. Modes of one frequency are turned to be as like it as they can be.
+    Each known shape is paired with a mode so that the sum of (phi^T M phi)^2 is largest: two modes whose frequencies come close
+    are not confused. Modes of one frequency are combined to be as like the known shape as possible.
     """
     likeness = shapes.T @ mass @ known
     best = int(np.flatnonzero(paired(likeness**2) == mode)[0])
@@ -72,10 +72,10 @@ def iterate(
     stiffness: Callable[[Array, float], ComplexArray], rest: AtRest, known: Array, mode: int, start: tuple[float, Array],
     tolerance: float = TOLERANCE,
 ) -> tuple[float, Array, ComplexArray]:  # fmt: skip
-    """Iterate eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
+    """Iterate eigenvalue, shape and complex stiffness of a mode, with the stiffness for its own shape and frequency.
 
-    Two modes of nearly one frequency mix in an instant, and may swap without end; then each keeps its known shape,
-    whose Rayleigh quotient is right to the second order of what the shape lacks. `known` are the shapes of all modes for small
+    Two modes of nearly one frequency mix easily, and may swap without end; then each keeps its known shape, whose Rayleigh
+    quotient is right to the second order of the shape's error. `known` are the shapes of all modes for small
     amplitudes, phi^T M phi = 1, as columns; column `mode` is followed, from an eigenvalue and a shape, until the eigenvalue
     changes by less than `tolerance` of itself.
     """
@@ -91,12 +91,12 @@ def iterate(
         renewed = stiffness(shape, value)
         if abs(value - before) <= tolerance * max(abs(value), abs(before)):
             return value, shape, renewed
-        matrix = renewed if count < DIRECT else 0.5 * (matrix + renewed)  # what alternates is damped
+        matrix = renewed if count < DIRECT else 0.5 * (matrix + renewed)  # damps an alternating iteration
     return value, shape, matrix
 
 
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
-    """Judge the stability by the stiffness of the mounts that holds, in small cycles or what lasts, and on further loading."""
+    """Judge the stability against tipping by the mounts' stiffness `tangent`, and also by that on further `loading`, (n, n)."""
     model, stiffness = system.model, rest.other + rest.weight + tangent
     values, _ = solve(stiffness, rest.mass, rest.motions)
 
@@ -118,7 +118,7 @@ def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -
             turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
             mujoco.mj_jacBody(model, rest.data, unused, turn, body)
             tilt = level @ turn[:, rest.free]
-            # what its weight takes from the stiffness against tilting per metre of height [N]
+            # reduction of the stiffness against tilting by the body's weight per metre of height [N]
             rise = min(rise, critical(stiffness, float(model.body_subtreemass[body]) * size * tilt.T @ tilt))
     return TippingStability(
         smallest_eigenvalue=float(values.min(initial=np.inf)), gravity_factor=critical(rest.other + tangent, -rest.weight),
@@ -127,7 +127,7 @@ def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -
 
 
 def modes(system: System, *, history: History = "virgin", amplitude: float | None = None) -> Modes:
-    """Find the modes of `system` about the position where it sags to, the base at rest.
+    """Find the modes of `system` about its sagged position, the base at rest.
 
     Stiffness is that of closed cycles of every mount about its deflection there; weight, preload, joint springs and contacts
     count too. Without `amplitude` it is the limit of small amplitude, in which the hysteretic force of a Bouc-Wen law has faded
@@ -161,7 +161,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     small = held.real - rest.other - rest.weight
     values, shapes = solve(held.real, rest.mass, rest.motions)
     if rest.pressed.names:
-        # No frequency with contacts and limits at rest taken as rigid is to be another one as they are.
+        # The frequencies with contacts and limits at rest taken as rigid must agree with those of their own softness.
         rigid, soft = held_rigidly(rest, held.real), frequency_of(values)
         rigid = rigid[rigid > 0.0]
         nearest = soft[[int(np.nanargmin(np.abs(soft - frequency))) for frequency in rigid]]
@@ -175,7 +175,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
                 ModelWarning, stacklevel=2,
             )  # fmt: skip
     tangents, bracket = springs.tangents(), []
-    for part in tangents:  # each frequency for the shape that its own is most like
+    for part in tangents:  # frequencies in the order of the modes, paired by shape
         squares, others = solve(rest.other + rest.weight + part, rest.mass, rest.motions)
         bracket.append(frequency_of(squares[paired((shapes.T @ rest.mass @ others) ** 2)]))
     sizes = [0.0] if amplitude is None else [amplitude * 0.5**step for step in range(STEPS - 1, -1, -1)]
@@ -213,45 +213,48 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
 
 
 class _Springs:
-    """The mounts of a system at rest as complex springs, by shape, amplitude and frequency."""
+    """Complex stiffness of a system at rest and of its mounts, by shape, amplitude and frequency."""
 
     def __init__(self, rest: AtRest) -> None:
         self.rest = rest
         laws = {name: mount.isolator.axes.values() for name, mount in rest.mounts.items()}
         steady = [name for name, of in laws.items() if all(law is None or law.rate_independent for law in of)]
-        # Of vanishing amplitude: neither the shape nor the frequency matters to these.
-        self.small = {name: self._of(name, np.zeros(3), 1.0) for name in steady}
+        # Stiffness at vanishing amplitude of rate-independent mounts, for any shape and frequency.
+        self.small = {name: self._mount_stiffness(name, np.zeros(3), frequency=1.0) for name in steady}
 
     def held(self, shape: Array, amplitude: float, frequency: float) -> ComplexArray:
-        """Complex stiffness of the free coordinates [N/m, ...], (n, n), when the motion is amplitude * shape."""
+        """Evaluate the complex stiffness of the free coordinates [N/m, ...], (n, n), in the motion amplitude * shape."""
         total = (self.rest.other + self.rest.weight).astype(np.complex128)
         for name, mount in self.rest.mounts.items():
             small = amplitude == 0.0 and name in self.small
-            total += self.small[name] if small else self._of(name, amplitude * (mount.jacobian @ shape), frequency)
+            if small:
+                total += self.small[name]
+            else:
+                total += self._mount_stiffness(name, amplitude * (mount.jacobian @ shape), frequency)
         return total
 
-    def _of(self, name: str, moved: Array, frequency: float) -> ComplexArray:
-        """Complex stiffness that a mount adds in cycles of amplitudes with signs [m], (3,)."""
+    def _mount_stiffness(self, name: str, amplitude: Array, frequency: float) -> ComplexArray:
+        """Evaluate the complex stiffness that a mount adds in cycles of amplitudes with signs [m], (3,), as (n, n)."""
         mount = self.rest.mounts[name]
-        return np.asarray(mount.jacobian.T @ _finite(name, mount.cycles(moved, frequency)) @ mount.jacobian)
+        return np.asarray(mount.jacobian.T @ _finite(name, mount.cycles(amplitude, frequency)) @ mount.jacobian)
 
     def at(self, amplitude: float, shape: Array, value: float) -> ComplexArray:
-        """Complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at its eigenvalue."""
-        frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # what does not swing has no frequency
+        """Evaluate the complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at an eigenvalue."""
+        frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # an eigenvalue <= 0 has no frequency
         return self.held(self.scaled(shape), amplitude, frequency)
 
     def lasting(self) -> Array:
-        """Stiffness of the mounts that is left after long vibration, (n, n)."""
+        """Evaluate the stiffness of the mounts after long vibration, without hysteretic forces, (n, n)."""
         parts = [mount.jacobian.T @ mount.lasting() @ mount.jacobian for mount in self.rest.mounts.values()]
         return np.asarray(np.sum(parts, axis=0))
 
     def tangents(self) -> tuple[Array, Array]:
-        """Stiffness of the mounts on further loading and on unloading, (n, n) each."""
+        """Evaluate the stiffness of the mounts on further loading and on unloading, (n, n) each."""
         loading, unloading = np.zeros_like(self.rest.mass), np.zeros_like(self.rest.mass)
         for name, mount in self.rest.mounts.items():
-            on, off = (_finite(name, part) for part in mount.tangents())
-            loading += mount.jacobian.T @ on @ mount.jacobian
-            unloading += mount.jacobian.T @ off @ mount.jacobian
+            on_loading, on_unloading = (_finite(name, part) for part in mount.tangents())
+            loading += mount.jacobian.T @ on_loading @ mount.jacobian
+            unloading += mount.jacobian.T @ on_unloading @ mount.jacobian
         return loading, unloading
 
     def scaled(self, shape: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Stiffness of a mount in its three axes, two of them coupled where the isolator couples them."""
+"""Stiffness of a mount at rest along its three axes, on loading and in closed cycles; also of coupled axes."""
 
 import math
 from collections.abc import Sequence
@@ -26,12 +26,13 @@ def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[floa
 
     Exact for every rate-independent law: dF/dx = F_x + F_z dz/dx, with the law's own dz/dx for either direction.
     """
-    elastic, force = elastic_slope(law, deflection, states), _force(law, deflection, 0.0, states)[0]
+    elastic, (force, _) = elastic_slope(law, deflection, states), _force_and_rates(law, deflection, 0.0, states)
 
     def slope(direction: float) -> float:
-        rates = _force(law, deflection, direction, states)[1]
-        # Forces are linear in the states, but for sliders at their slip force: a step towards where they go is exact.
-        return elastic + (_force(law, deflection, 0.0, states + _STEP * rates)[0] - force) / (_STEP * direction)
+        _, rates = _force_and_rates(law, deflection, direction, states)
+        # Forces are linear in the states, but for sliders at their slip force: a step along the rates is exact.
+        moved, _ = _force_and_rates(law, deflection, 0.0, states + _STEP * rates)
+        return elastic + (moved - force) / (_STEP * direction)
 
     return slope(-1.0), slope(1.0)
 
@@ -43,7 +44,7 @@ def loading_and_unloading(law: Law, deflection: float, states: Array) -> tuple[f
     hysteretic force the sense is that of the deflection. A law that depends on the rate has one slope at rest.
     """
     if len(law.components) > 1:
-        pairs = [loading_and_unloading(part, deflection, z) for part, z in _parts(law, states)]
+        pairs = [loading_and_unloading(part, deflection, z) for part, z in _component_states(law, states)]
         return sum(on for on, _ in pairs), sum(back for _, back in pairs)
     if not law.rate_independent:
         slope = elastic_slope(law, deflection, states)
@@ -63,7 +64,7 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
     the `states` only wear matters.
     """
     if len(law.components) > 1:
-        parts = _parts(law, states)
+        parts = _component_states(law, states)
         return sum((vanishing_cycle(part, deflection, z, frequency=frequency) for part, z in parts), 0j)
     if law.rate_independent:
         steady, forces = states.copy(), _force_states(law)
@@ -75,7 +76,7 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
 
     def slopes(deflection_step: float, rate_step: float, state_step: Array, size: float) -> tuple[float, Array]:
         (f_up, g_up), (f_down, g_down) = (
-            _force(law, deflection + sign * deflection_step, sign * rate_step, states + sign * state_step)
+            _force_and_rates(law, deflection + sign * deflection_step, sign * rate_step, states + sign * state_step)
             for sign in (1.0, -1.0)
         )
         return (f_up - f_down) / (2.0 * size), (g_up - g_down) / (2.0 * size)
@@ -97,8 +98,8 @@ def balanced_force(law: Law, deflection: float, states: Array, index: int) -> fl
     def gain(z: float) -> float:
         trial = states.copy()
         trial[index] = z
-        up, down = _force(law, deflection, 1.0, trial)[1], _force(law, deflection, -1.0, trial)[1]
-        return float(up[index] + down[index])  # of a step up and one down
+        (_, up), (_, down) = (_force_and_rates(law, deflection, rate, trial) for rate in (1.0, -1.0))
+        return float(up[index] + down[index])  # gain of a step up and a step down
 
     at_zero = gain(0.0)
     if at_zero == 0.0:
@@ -140,7 +141,7 @@ def cycle_samples(law: Law, deflection: float, amplitude: float, frequency: floa
     return angle[:-1], force[:-1]
 
 
-def _force(law: Law, deflection: float, rate: float, states: Array) -> tuple[float, Array]:
+def _force_and_rates(law: Law, deflection: float, rate: float, states: Array) -> tuple[float, Array]:
     """Evaluate the force and the rates of the states."""
     rates = np.zeros(max(law.n_states, 1))
     held = states if law.n_states else np.zeros(1)
@@ -155,12 +156,12 @@ def _force_states(law: Law) -> list[int]:
 
 def elastic_slope(law: Law, deflection: float, states: Array) -> float:
     """Differentiate the force by the deflection with the states held [N/m]."""
-    above, below = (_force(law, deflection + step, 0.0, states)[0] for step in (_STEP, -_STEP))
+    (above, _), (below, _) = (_force_and_rates(law, deflection + step, 0.0, states) for step in (_STEP, -_STEP))
     return (above - below) / (2.0 * _STEP)
 
 
-def _parts(law: Law, states: Array) -> list[tuple[Law, Array]]:
-    """Split the states among the laws in parallel."""
+def _component_states(law: Law, states: Array) -> list[tuple[Law, Array]]:
+    """Pair each of the laws in parallel with its states."""
     ends = np.cumsum([part.n_states for part in law.components])
     return list(zip(law.components, np.split(states, ends[:-1]), strict=True))
 
@@ -170,7 +171,7 @@ Coupled = BiaxialBoucWen | LoopBoucWen
 SMALL = 1e-8
 # Samples of a cycle of the loop's energy, whose stiffness jumps at the ends of its box: a few parts in ten thousand there.
 FINE = 2048
-# Iterations of a cycle on brackets, and the change of its amplitudes, relative to those of both, that ends them.
+# Most iterations of a cycle on brackets, and the change of its amplitudes, relative to the whole amplitude, that ends them.
 ROUNDS, ALIKE = 100, 1e-10
 
 
@@ -192,7 +193,7 @@ def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array
         size = float(np.hypot(*w))
         along = np.outer(w, w) / size**2 if size > 0.0 else np.zeros((2, 2))
         axes = list(zip(scale.laws, x.tolist(), force.tolist(), strict=True))
-        held = np.diag([_held_slope(law, place, push) for law, place, push in axes])
+        held = np.diag([_slope_at_force(law, place, push) for law, place, push in axes])
         factor = np.array([math.exp(asymmetry_of(law) * place) for law, place, _ in axes])
         loop = scale.loop.stiffness(x) if isinstance(scale, LoopBoucWen) else np.zeros((2, 2))
         slopes = [
@@ -205,10 +206,10 @@ def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array
 
 
 def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
-    """Evaluate stiffness + i * loss of both axes in a closed cycle along a straight line [N/m], (2,), the loop's energy aside.
+    """Evaluate stiffness + i * loss of both axes in a closed cycle along a line [N/m], (2,), without the loop's energy.
 
     The closed cycle has w parallel to the scaled motion u = x / x_y, so that the hysteretic force of each axis is that of its
-    own law at the amplitude x_y |u|, as far as it moves; the elastic parts, and F2, stay those of the axes.
+    own law at the amplitude x_y |u|, in proportion to its own motion; the elastic parts, and F2, stay those of the axes.
     """
     if len(coupled.scales) > 1:
         return np.sum([plane_cycle(scale, deflection, amplitude) for scale in coupled.scales], axis=0)
@@ -228,7 +229,7 @@ def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> Comple
         if asymmetry_of(law) != 0.0:
             hysteretic *= math.exp(asymmetry_of(law) * x)
         if moved < SMALL:
-            elastic = _held_slope(law, x, 0.0)
+            elastic = _slope_at_force(law, x, 0.0)
         else:
             elastic = float(2.0 * _elastic_force(law, x + moved * cosine) @ cosine / (SAMPLES * moved))
         stiffness[axis] = hysteretic + elastic
@@ -242,7 +243,7 @@ def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array
     """
     if float(np.hypot(*amplitude)) < SMALL:
         return loop.stiffness(deflection)
-    angle = np.pi * (np.arange(FINE) + 0.5) / FINE  # the way back passes the same deflections
+    angle = np.pi * (np.arange(FINE) + 0.5) / FINE  # half a cycle: the return passes the same deflections
     along = loop.stiffness(deflection + np.cos(angle)[:, None] * amplitude)
     return np.asarray(np.einsum("t,tij->ij", 2.0 / FINE * np.sin(angle) ** 2, along))
 
@@ -250,7 +251,7 @@ def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array
 def plane_stiffness(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
     """Evaluate stiffness + i * loss of both axes in a closed cycle [N/m], (2, 2), amplitudes with signs [m], (2,).
 
-    On brackets the mount's own cycle is taken for a straight line, too, of the amplitudes that its stiffness leaves it.
+    On brackets the mount's own cycle is taken for a straight line, too, with its share of the amplitudes by its stiffness.
     """
     x = coupled.own_deflection(deflection, np.zeros(2 * len(coupled.scales)))
 
@@ -276,7 +277,7 @@ def plane_stiffness(coupled: Coupled, deflection: Array, amplitude: Array) -> Co
 
 
 def in_series(stiffness: AnyArray, brackets: tuple[float, float] | None) -> AnyArray:
-    """Put two axes on brackets [N/m], (2, 2): F = T d and x = d + F / K give T (1 + T / K)^-1."""
+    """Compute the stiffness of two axes on brackets K [N/m], (2, 2): F = T d and x = d + F / K give T (1 + T / K)^-1."""
     if brackets is None:
         return stiffness
     return np.asarray(stiffness @ np.linalg.inv(np.eye(2) + stiffness / np.array(brackets)[:, None]))
@@ -284,17 +285,19 @@ def in_series(stiffness: AnyArray, brackets: tuple[float, float] | None) -> AnyA
 
 @lru_cache(maxsize=64)
 def _without_elastic_part(law: Law) -> Law:
+    """Make the Bouc-Wen law of a law's hysteretic force alone."""
     alpha, beta, gamma, n = (float(value) for value in law.kernel_parameters()[:4])
     return BoucWen(alpha=alpha, beta=beta, gamma=gamma, n=n)
 
 
 def _elastic_force(law: Law, x: Array | float) -> Array:
+    """Evaluate the elastic force F1 = k1 x + k2 x |x| + k3 x^3 [N], shape of x."""
     k1, k2, k3 = elastic_of(law)
     return np.asarray(x * (k1 + k2 * np.abs(x) + k3 * x * x))
 
 
-def _held_slope(law: Law, x: float, z: float) -> float:
-    """Slope of F2 (z + F1) with the hysteretic force held [N/m]."""
+def _slope_at_force(law: Law, x: float, z: float) -> float:
+    """Evaluate the slope of F2 (z + F1) at a fixed hysteretic force z [N/m]."""
     k1, k2, k3 = elastic_of(law)
     slope = float(k1 + 2.0 * k2 * abs(x) + 3.0 * k3 * x * x)
     exponent = asymmetry_of(law)
@@ -305,12 +308,12 @@ def _held_slope(law: Law, x: float, z: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class MountAtRest:
-    """A mount where it rests."""
+    """A mount at rest: its deflection, states and jacobian, from which its stiffness is evaluated."""
 
     isolator: Isolator
     deflection: Array  # roll, shear, axial [m], (3,)
     states: tuple[Array, Array, Array]  # internal states of each axis
-    jacobian: Array  # deflection by free velocity coordinates, (3, n)
+    jacobian: Array  # derivative of the deflection by the free velocity coordinates, (3, n)
 
     def tangents(self) -> tuple[Array, Array]:
         """Evaluate the stiffness on further loading and on unloading of every axis [N/m], (3, 3) each."""
@@ -327,7 +330,7 @@ class MountAtRest:
         return loading, unloading
 
     def lasting(self) -> Array:
-        """Evaluate the stiffness of every axis that is left after long vibration [N/m], (3, 3)."""
+        """Evaluate the stiffness after long vibration, without hysteretic forces [N/m], (3, 3)."""
         stiffness, coupled, axes = np.zeros((3, 3)), self.isolator.coupled, list(self.isolator.coupled_axes)
         for axis, law in enumerate(self.isolator.axes.values()):
             if law is not None:
@@ -342,7 +345,7 @@ class MountAtRest:
         return stiffness
 
     def cycles(self, amplitude: Array, frequency: float) -> ComplexArray:
-        """Evaluate stiffness + i * loss of closed cycles about rest of amplitudes with signs [m], (3,), as [N/m], (3, 3)."""
+        """Evaluate stiffness + i * loss [N/m], (3, 3), of closed cycles about rest with amplitudes with signs [m], (3,)."""
         stiffness, coupled = np.zeros((3, 3), dtype=np.complex128), self.isolator.coupled
         axes = list(self.isolator.coupled_axes)
         for axis, law in enumerate(self.isolator.axes.values()):

@@ -1,4 +1,4 @@
-"""A system linearised where it rests, how its payloads move in a mode, and what holds its strain energy."""
+"""Linearisation of a system at rest, motions of its payloads in a mode, and the shares of its strain energy."""
 
 from dataclasses import dataclass
 
@@ -19,8 +19,8 @@ from wirerope_mj.foundation.arrays import Array, Integers
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 NAMED = 0.15  # fraction of the kinetic energy from which a component of the motion is named
-# Fraction of the model's mass below which what can move along an axis is rounding.
-_NOTHING = 1e-9
+# Fraction of the model's mass, or of the kinetic energy, below which a part of it is rounding.
+_ROUNDING = 1e-9
 SHARES = ("mounts", "deck", "equipment")
 _LIMIT = int(mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT)
 _CONTACT, _PYRAMIDAL = (
@@ -35,46 +35,46 @@ _ROTATIONS = ("rocking about x", "rocking about y", "yaw about z")
 class AtRest:
     """A system at rest in its free velocity coordinates; the base does not move."""
 
-    free: Integers  # which of MuJoCo's velocity coordinates these are, (n,)
+    free: Integers  # indices of the free ones among MuJoCo's velocity coordinates, (n,)
     mass: Array  # mass matrix, with what contacts and limits at rest add, (n, n)
-    # stiffness besides the mounts' tangents: springs, contacts and limits, and what the mounts resist turning with, (n, n)
+    # stiffness besides the mounts' tangents: springs, contacts and limits, and the mounts' rotational stiffness, (n, n)
     other: Array
     # stiffness that weight, the mounts' preload and forces of constraints add, -W h of a centre of mass above its mounts
     # included, (n, n)
     weight: Array
     damping: Array  # of joints, tendons, actuators, contacts and limits, (n, n)
-    motions: Array  # what equality constraints leave, as columns, (n, n_modes); without any the unit matrix
-    pressed: "Pressed"
+    motions: Array  # motions that equality constraints allow, as columns, (n, n_modes); the unit matrix without constraints
+    pressed: "Pressed"  # contacts and limits that act at rest
     mounts: dict[str, MountAtRest]  # mounts by name
     data: mujoco.MjData  # MuJoCo's data in that state
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pressed:
-    """What contacts and limits that act at rest add, as MuJoCo has them: force = -D (J a + b J v + k I d)."""
+    """Mass, damping and stiffness of contacts and limits that act at rest, by MuJoCo's force = -D (J a + b J v + k I d)."""
 
-    names: tuple[str, ...]  # of those that MuJoCo describes by a time constant: no springs, but means to keep things apart
-    rows: Array  # J of those, (n_rows, n)
+    names: tuple[str, ...]  # of those given by a time constant, which stand for rigid contact and not for springs
+    rows: Array  # J of the named ones, (n_rows, n)
     mass: Array  # of all, (n, n)
     damping: Array  # of all, (n, n)
     stiffness: Array  # of all, (n, n)
 
 
 def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
-    """Linearise `system` about `equilibrium`, laws aside; equality constraints are rigid."""
+    """Linearise `system` about `equilibrium`, the mounts' laws left out; equality constraints are rigid."""
     model = system.model.__copy__()
     model.actuator_dynprm[-1, 0] = 0.0  # the callback no longer knows the model: forces are put on it here
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS  # dry friction of joints has no stiffness
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, equilibrium.state.values, STATE)
-    data.xfrc_applied[:] = 0.0  # the mounts' forces, which `_held_at_rest` applies
+    data.xfrc_applied[:] = 0.0  # the mounts' forces, which `_forward_at_rest` applies
     mujoco.mj_fwdPosition(model, data)
     free = np.setdiff1d(np.arange(model.nv), system.assembly.driven_dofs)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     mass = mass[np.ix_(free, free)]
-    loaded = _held(system, data, equilibrium, free)
-    pressed, mounts, first = _pressed(model, data, free), {}, system.assembly.activation
+    loaded = _stiffness_at_rest(system, data, equilibrium, free)
+    pressed, mounts, first = _contacts_at_rest(model, data, free), {}, system.assembly.activation
     for (name, mount), (moves, _) in zip(system.mounts.items(), mount_rates(system, data), strict=True):
         axes = data.site(mount.base_site).xmat.reshape(3, 3)
         roll, shear, axial = (data.act[first + part.start : first + part.stop].copy() for part in mount.states)
@@ -86,23 +86,23 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     damping = np.diag(model.dof_damping)
     gravity = model.opt.gravity.copy()
     model.opt.gravity[:] = 0.0
-    other = _held(system, data, None, free)
+    other = _stiffness_at_rest(system, data, None, free)
     if beyond_joints(model):
         slopes = mujoco.MjData(model)
         slopes.qpos[:] = data.qpos
         _, damping = smooth_slopes(model, slopes)
     model.opt.gravity[:] = gravity
-    _held_at_rest(system, data, equilibrium)
+    _forward_at_rest(system, data, equilibrium)
     return AtRest(
         free=free, mass=mass + pressed.mass, other=other + pressed.stiffness, weight=loaded - other,
         damping=damping[np.ix_(free, free)] + pressed.damping, motions=motions, pressed=pressed, mounts=mounts, data=data,
     )  # fmt: skip
 
 
-def _held_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
-    """Compute forces in the position of `data`, the base held, where the mounts' forces at rest, or none, act.
+def _forward_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
+    """Compute MuJoCo's forces in the position of `data`, the base fixed, with the mounts' forces at rest (None: without them).
 
-    They are turned with the mounts' axes; torques are those of this position.
+    The mounts' forces are turned with their axes; torques are those of this position.
     """
     model, tables = data.model, system.assembly.tables
     rows = tables.rows(at.MOUNTS, at.MOUNT_COLUMNS, tables.user.n_mounts)
@@ -130,18 +130,18 @@ def _held_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibrium 
     mujoco.mj_forward(model, data)
 
 
-def _held(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers) -> Array:
-    """Differentiate -force by q, with mount forces that stay as they are in the mounts' axes (None: without forces).
+def _stiffness_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers) -> Array:
+    """Differentiate -force by q, (n, n), with mount forces that are constant in the mounts' axes (None: without forces).
 
-    Forces of constraints stay as they are along their own directions, too. Torques of mounts that resist turning follow the
+    Forces of constraints are constant along their own directions, too. Torques of mounts that resist turning follow the
     motion, as joint springs do.
 
-    Generalised forces, not M times accelerations: without weight a loaded joint spring accelerates what it holds, and then
-    the mass matrix, which changes with position, would pass for stiffness.
+    Generalised forces are differentiated, not M times accelerations: without weight a loaded joint spring accelerates its
+    body, and the change of the mass matrix with position would appear as stiffness.
     """
     model, rest = data.model, data.qpos.copy()
-    _held_at_rest(system, data, equilibrium)
-    kinds, pushes = (data.efc_type.tolist(), data.efc_id.tolist()), data.efc_force.copy()
+    _forward_at_rest(system, data, equilibrium)
+    contacts, constraint_forces = (data.efc_type.tolist(), data.efc_id.tolist()), data.efc_force.copy()
     at_rest = data.qfrc_constraint.copy()
 
     def forces(dof: int, step: float) -> Array:
@@ -149,27 +149,27 @@ def _held(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None, 
         velocity[dof] = step
         data.qpos[:] = rest
         mujoco.mj_integratePos(model, data.qpos, velocity, 1.0)
-        _held_at_rest(system, data, equilibrium)
-        if equilibrium is not None and pushes.size:
-            if (data.efc_type.tolist(), data.efc_id.tolist()) == kinds:
-                mujoco.mj_mulJacTVec(model, data, along, pushes)
-            else:  # points of contact come and go
+        _forward_at_rest(system, data, equilibrium)
+        if equilibrium is not None and constraint_forces.size:
+            if (data.efc_type.tolist(), data.efc_id.tolist()) == contacts:
+                mujoco.mj_mulJacTVec(model, data, along, constraint_forces)
+            else:  # points of contact appear and vanish
                 along = at_rest
         return np.asarray((data.qfrc_smooth + along)[free])
 
     columns = [(forces(int(dof), STEP) - forces(int(dof), -STEP)) / (2.0 * STEP) for dof in free]
     data.qpos[:] = rest
-    _held_at_rest(system, data, equilibrium)
+    _forward_at_rest(system, data, equilibrium)
     stiffness = -np.stack(columns, axis=1)
     return np.asarray(0.5 * (stiffness + stiffness.T))
 
 
-def _pressed(model: mujoco.MjModel, data: mujoco.MjData, free: Integers) -> Pressed:
-    """Read the contacts and limits that act at rest."""
+def _contacts_at_rest(model: mujoco.MjModel, data: mujoco.MjData, free: Integers) -> Pressed:
+    """Compute the mass, damping and stiffness of the contacts and limits that act at rest."""
     kinds, acts = data.efc_type, data.efc_state
     held = (kinds >= _LIMIT) & (acts != int(mujoco.mjtConstraintState.mjCNSTRSTATE_SATISFIED))
     rates = jacobian(model, data)[:, free] if held.any() else np.zeros((data.nefc, free.size))
-    moves, names, soft = rates.copy(), dict[str, None](), np.zeros(data.nefc, dtype=bool)  # of d, which k brings back
+    moves, names, soft = rates.copy(), dict[str, None](), np.zeros(data.nefc, dtype=bool)  # moves: derivatives of the depth d
     for row in np.flatnonzero(held).tolist():
         number = int(data.efc_id[row])
         if kinds[row] < _CONTACT:
@@ -205,23 +205,23 @@ def held_rigidly(rest: AtRest, stiffness: Array) -> Array:
 
 
 def payload_shapes(system: System, rest: AtRest, shapes: Array) -> dict[str, PayloadShape]:
-    """Describe the motion of every payload in the shapes (n, n_modes)."""
+    """Compute the motion of every payload in the shapes (n, n_modes)."""
     result = {}
     for payload in payloads_of(system):
-        centre, turn = _tree(system.model, rest, payload)
+        centre, turn = _payload_jacobians(system.model, rest, payload)
         result[payload.name] = PayloadShape(
             centre=payload.centre(rest.data, system.model.body_subtreemass), mass=payload.mass,
-            inertia=np.diag(_inertia(system.model, rest, payload)).copy(),
+            inertia=np.diag(_payload_inertia(system.model, rest, payload)).copy(),
             translation=(centre @ shapes).T, rotation=(turn @ shapes).T,
         )  # fmt: skip
     return result
 
 
 def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array, Array]:
-    """Compute fractions of the mass that takes part along x, y, z in each mode, (n_modes, 3), and that mass [kg], (3,).
+    """Compute effective modal mass fractions along x, y, z, (n_modes, 3), and the moving mass along them [kg], (3,).
 
-    With f = M r the inertia forces of a unit acceleration of the base, (phi^T f)^2 / (phi^T M phi m), where m = f^T M^-1 f is
-    what all motions that joints leave can bring along: of a free body its mass, of a guided one nothing across its guide.
+    With f = M r the inertia forces of a unit acceleration of the base, (phi^T f)^2 / (phi^T M phi m), where the moving mass
+    m = f^T M^-1 f is that of all motions that joints allow: of a free body its mass, of a guided one zero across its guide.
     """
     model = system.model
     force = np.zeros((rest.free.size, 3))
@@ -234,7 +234,7 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array
     left = rest.motions.T @ force
     moving = np.einsum("na,na->a", left, np.linalg.solve(rest.motions.T @ rest.mass @ rest.motions, left))
     effective = (shapes.T @ force) ** 2 / modal[:, None]
-    with_mass = moving > _NOTHING * model.body_mass.sum()
+    with_mass = moving > _ROUNDING * model.body_mass.sum()
     return np.where(with_mass, effective / np.where(with_mass, moving, 1.0), 0.0), np.where(with_mass, moving, 0.0)
 
 
@@ -248,10 +248,10 @@ def description_of(system: System, rest: AtRest, shape: Array) -> str:
     movers = movers_of(system)
     ratios: list[tuple[float, str]] = []
     for payload in movers:
-        velocity, turn = (jacobian @ shape for jacobian in _tree(model, rest, payload))
+        velocity, turn = (jacobian @ shape for jacobian in _payload_jacobians(model, rest, payload))
         prefix = f"{payload.name}: " if len(movers) > 1 else ""
         ratios += [(payload.mass * v * v / energy, prefix + w) for v, w in zip(velocity, _TRANSLATIONS, strict=True)]
-        spin = turn * (_inertia(model, rest, payload) @ turn) / energy
+        spin = turn * (_payload_inertia(model, rest, payload) @ turn) / energy
         ratios += [(float(part), prefix + w) for part, w in zip(spin, _ROTATIONS, strict=True)]
         centre = payload.centre(rest.data, model.body_subtreemass)
         for body in payload.bodies:
@@ -259,7 +259,7 @@ def description_of(system: System, rest: AtRest, shape: Array) -> str:
             along = moved - velocity - np.cross(turn, rest.data.xipos[body] - centre)
             about = turned - turn
             inner = model.body_mass[body] * along @ along + about @ _body_inertia(rest.data, model, body) @ about
-            if model.body_weldid[body] != payload.root and inner > _NOTHING * energy:
+            if model.body_weldid[body] != payload.root and inner > _ROUNDING * energy:
                 ratios.append((float(inner) / energy, f"{model.body(body).name} on {payload.name}"))
     for mode in system.assembly.subjects.modes:
         name = model.body(mode.body).name.split("mode/")[-1].replace("/", " bends in its mode ")
@@ -268,8 +268,8 @@ def description_of(system: System, rest: AtRest, shape: Array) -> str:
     return " + ".join([description for ratio, description in ratios if ratio >= NAMED] or [ratios[0][1]])
 
 
-def _tree(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> tuple[Array, Array]:
-    """Compute the same of a payload: its centre of mass, and its root body's turning."""
+def _payload_jacobians(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> tuple[Array, Array]:
+    """Compute a payload's jacobians, (3, n) each: velocity of its centre of mass, and angular velocity of its root body."""
     centre, part = np.zeros((2, 3, model.nv))
     for root in (payload.root, *payload.joined):
         mujoco.mj_jacSubtreeCom(model, rest.data, part, root)
@@ -278,20 +278,20 @@ def _tree(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> tuple[Array,
 
 
 def _jacobians(model: mujoco.MjModel, rest: AtRest, body: int) -> tuple[Array, Array]:
-    """Compute velocity of a body's centre of mass, and angular velocity, by free coordinates, (3, n) each."""
+    """Compute a body's jacobians, (3, n) each: velocity of its centre of mass, and angular velocity, by free coordinates."""
     centre, turn = np.zeros((3, model.nv)), np.zeros((3, model.nv))
     mujoco.mj_jacBodyCom(model, rest.data, centre, turn, body)
     return centre[:, rest.free], turn[:, rest.free]
 
 
 def _body_inertia(data: mujoco.MjData, model: mujoco.MjModel, body: int) -> Array:
-    """A body's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
+    """Compute a body's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
     axes = data.ximat[body].reshape(3, 3)
     return np.asarray(axes @ np.diag(model.body_inertia[body]) @ axes.T)
 
 
-def _inertia(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Array:
-    """A payload's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
+def _payload_inertia(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Array:
+    """Compute a payload's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
     data, total = rest.data, np.zeros((3, 3))
     centre = payload.centre(data, model.body_subtreemass)
     for body in payload.bodies:
@@ -302,19 +302,19 @@ def _inertia(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Array:
 
 
 def strain_energy(system: System, modes: Modes) -> Array | None:
-    """Compute the shares of `SHARES` in the strain energy of each mode, (n_modes, 3); None where mounts alone are elastic.
+    """Compute the shares of mounts, deck and equipment in the strain energy of each mode, (n_modes, 3); None without springs.
 
-    Of a spring on a coordinate q it is k q^2 over omega^2 phi^T M phi, which is all of it; mounts have the rest, with what
-    weight and contacts do. What stands between base and mounts is deck; NaN of modes that do not swing.
+    The share of a spring on a coordinate q is k q^2 over the whole, omega^2 phi^T M phi; mounts have the rest, with weight and
+    contacts. Springs between base and mounts belong to the deck; shares are NaN for modes without a frequency.
     """
     model, base = system.model, system.base
-    of_part = {mode.dof: mode.part for mode in system.assembly.subjects.modes}
+    part_by_dof = {mode.dof: mode.part for mode in system.assembly.subjects.modes}
     springs = np.zeros((modes.frequencies.size, 2))
     for joint in range(model.njnt):
         dof, stiffness = int(model.jnt_dofadr[joint]), float(model.jnt_stiffness[joint])
         if stiffness > 0.0 and mujoco.mjtJoint(model.jnt_type[joint]) in _SPRUNG and dof in modes.free:
             parents = {model.body(body).name for body in carriers(model, int(model.jnt_bodyid[joint]))}
-            deck = of_part[dof] == base if dof in of_part else base in parents
+            deck = part_by_dof[dof] == base if dof in part_by_dof else base in parents
             springs[:, 0 if deck else 1] += stiffness * modes.shapes[dof] ** 2
     if not springs.any():
         return None

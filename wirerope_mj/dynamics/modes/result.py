@@ -1,4 +1,4 @@
-"""Modes of a system about its sagged position."""
+"""Modes of a system about its sagged position, and its stability against tipping over."""
 
 from dataclasses import dataclass
 
@@ -9,13 +9,13 @@ from wirerope_mj.engine.statics import Equilibrium, History
 from wirerope_mj.foundation.arrays import Array, Entries, Integers
 from wirerope_mj.foundation.summary import Summarised, json_values, quantity
 
-_FAR = 20.0  # gravity factor, and rise [m], from which both say no more than: far
-AMPLE = 3.0  # gravity factor from which a payload stands safely; less is called slender
+_LARGE = 20.0  # gravity factor, and rise [m], above which both are reported as a large margin
+AMPLE = 3.0  # gravity factor from which a payload is called stable; less is called slender
 
 
 def paired(likeness: Array) -> Integers:
     """Pair modes with others so that the sum of their likeness (n, n) is largest: the column of each row, (n,)."""
-    # not `scipy.optimize`, which takes five times as long to import; weights of 0 would be pairs that cannot be
+    # not `scipy.optimize`, which takes five times as long to import; a weight of 0 would exclude a pair
     matched = scipy.sparse.csgraph.min_weight_full_bipartite_matching(scipy.sparse.csr_array(2.0 - likeness))
     return np.asarray(matched[1])
 
@@ -25,14 +25,14 @@ class TippingStability:
     """Distance of the stiffness from being indefinite, with the tangents of the mounts as they are at rest.
 
     About the virgin position these are those of small cycles. About the relaxed one they are those of the elastic parts alone:
-    under lasting vibration the hysteretic forces leak away, and what they hold up keeps sinking.
+    under lasting vibration the hysteretic forces leak away, and the weight that they carried keeps sinking.
     """
 
-    # of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it
+    # of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero a motion has no stiffness
     smallest_eigenvalue: float
-    gravity_factor: float  # times the weight, preload included, at which it tips over; infinite if it never does
-    # by which the centre of mass of a payload, or of a part of it that is jointed, could stand higher before it tips over [m],
-    # the smallest of all; infinite if none can, 0 if it does. What stands on a part counts with it
+    gravity_factor: float  # multiple of the weight, preload included, at which it tips over; infinite if it never does
+    # smallest rise of the centre of mass of a payload, or of a jointed part of it, at which it tips over [m]; infinite if none
+    # tips over, 0 if one does already. Bodies on a part count with it
     rise: float
     softest: float  # the gravity factor with the mounts' tangents on further loading instead of small cycles
 
@@ -51,12 +51,12 @@ class TippingStability:
 
     @property
     def description(self) -> str:
-        """Sentence on the margin against tipping over."""
+        """Clause that describes the margin against tipping over."""
         if self.word == "tips over":
             return "it tips over: its mounts do not hold its weight upright."
         if self.word == "not held":
             return "something moves without any stiffness: no mount, joint or stop holds it."
-        if self.gravity_factor > _FAR and self.rise > _FAR:
+        if self.gravity_factor > _LARGE and self.rise > _LARGE:
             return f"{self.word}, large margin."
         limits = []
         if np.isfinite(self.gravity_factor):
@@ -66,7 +66,7 @@ class TippingStability:
         return f"{self.word}; it would tip over {', or '.join(limits)}."
 
     def to_dict(self) -> Entries:
-        """Write plain values; what is infinite is None."""
+        """Write the stability as plain values; infinite ones are None."""
         values: Entries = {
             "word": self.word, "smallest_eigenvalue_1_s2": self.smallest_eigenvalue, "gravity_factor": self.gravity_factor,
             "rise_m": self.rise, "gravity_factor_on_loading": self.softest,
@@ -79,7 +79,7 @@ class PayloadShape:
     """Motion of a payload in every mode, on the scale of `Modes.shapes`."""
 
     centre: Array  # centre of mass at rest [m], world frame, (3,)
-    mass: float  # of all that stands on the payload's root body [kg]
+    mass: float  # mass of the payload's root body and of all bodies on it [kg]
     inertia: Array  # its moments of inertia about the centre of mass at rest [kg m^2], world axes, (3,)
     translation: Array  # of the centre of mass [m], world frame, (n_modes, 3)
     rotation: Array  # of the root body [rad], world frame, (n_modes, 3)
@@ -105,20 +105,20 @@ class Modes(Summarised):
     shapes: Array  #: velocity coordinates of MuJoCo as columns, (n_v, n_modes); the driven base stands still
     payloads: dict[str, PayloadShape]  #: motion of every payload
     mounts: dict[str, Array]  #: deflection of every mount in its axes, (n_modes, 3)
-    #: fraction of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1, or to 0 where joints
-    #: let nothing move along it
+    #: effective modal mass along x, y and z over the moving mass, (n_modes, 3); each column sums to 1, or to 0 where joints
+    #: allow no motion along it
     participation: Array
-    moving_mass: Array  #: what can move along x, y and z [kg], (3,)
-    #: of each mode, such as "rocking about y + sway x"; "(free)" or "(tips over)" ends it where it does
+    moving_mass: Array  #: mass that can move along x, y and z [kg], (3,)
+    #: description of each mode, such as "rocking about y + sway x"; ends in "(free)" or "(tips over)" for such a mode
     descriptions: tuple[str, ...]
-    history: History  #: which equilibrium it is about
+    history: History  #: equilibrium about which the modes are
     amplitude: float | None  #: largest deflection of any mount [m]; None: vanishing
     stability: TippingStability  #: against tipping over
     free: Integers  #: velocity coordinates of MuJoCo that can move, (n,)
-    #: mass, stiffness: of these, (n, n); the stiffness is that of small closed cycles
+    #: mass, stiffness: matrices of the free coordinates, (n, n); the stiffness is that of small closed cycles
     mass: Array
     stiffness: Array
-    equilibrium: Equilibrium  #: where the system rests
+    equilibrium: Equilibrium  #: position, forces and state of rest
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         lines = {
@@ -131,19 +131,19 @@ class Modes(Summarised):
     @property
     def outside_tangents(self) -> Integers:
         """Indices of the modes whose frequency does not lie between those of the tangents on loading and on unloading."""
-        slack = 1e-6  # laws whose tangents are all one differ by the rounding of their differences
+        slack = 1e-6  # equal tangents of a law differ by the rounding of their difference quotients
         tangents = np.nan_to_num(np.stack([self.loading, self.unloading]))  # NaN, a mode that tips over, is below all
         low, high = (1.0 - slack) * tangents.min(axis=0), (1.0 + slack) * tangents.max(axis=0)
         return np.flatnonzero((self.frequencies > high) | (self.frequencies < low))
 
     def indices_in(self, other: "Modes") -> list[int]:
-        """Match each of these modes with the index of the one that it is in `other`: all of the same system."""
+        """Match each mode with the index of the corresponding mode in `other`, modes of the same system."""
         free = (modes.shapes[self.free] for modes in (self, other))
         ours, theirs = (x / np.sqrt(np.einsum("nj,nk,kj->j", x, self.mass, x)) for x in free)
         return [int(index) for index in paired((ours.T @ self.mass @ theirs) ** 2)]
 
     def to_dict(self) -> Entries:
-        """Write the modes as plain values, SI; what is not finite is None."""
+        """Write the modes as plain values, SI; non-finite values are None."""
         modes = [
             {
                 "word": description, "frequency_Hz": json_values(self.frequencies[i]),

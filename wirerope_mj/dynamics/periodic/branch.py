@@ -15,11 +15,11 @@ from wirerope_mj.foundation.directions import Direction, direction_text
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 
-# Relative difference of two amplitudes above which a sweep is seen to jump from one to the other.
+# Relative difference of two amplitudes above which a sweep jumps from one to the other.
 ALIKE = 0.01
 Parameter = Literal["frequency", "acceleration"]
 Kind = Literal["fold", "period doubling", "Neimark-Sacker", "symmetry breaking"]
-PROMINENT = 1.02  # ratio of a peak to the higher of its two adjacent valleys from which on it is one
+PROMINENT = 1.02  # least ratio of a resonance peak to the higher of its two adjacent valleys
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +33,7 @@ class Bifurcation:
     acceleration: float  # of the base [m/s^2]
     amplitude: float  # of the payload [m/s^2]
     index: int  # of its point in the branch
-    multiplier: complex  # the one that passes the unit circle
+    multiplier: complex  # Floquet multiplier that passes the unit circle
     # before, after: number of multipliers outside the unit circle on either side
     before: int
     after: int
@@ -45,7 +45,7 @@ class Bifurcation:
 
     @property
     def description(self) -> str:
-        """One sentence for a reader."""
+        """Description in a line: kind, frequency, acceleration, and whether stability is lost, regained or kept."""
         if self.after == self.before:
             course = "stays lost" if self.after else "is kept"
         else:
@@ -55,12 +55,12 @@ class Bifurcation:
 
 @dataclass(frozen=True, kw_only=True)
 class SideBranch:
-    """A stretch over which two motions exist that are as good as one."""
+    """A stretch of a branch over which two motions of nearly equal amplitude exist."""
 
-    # start, stop: frequencies [Hz] or accelerations [m/s^2] between which it was seen, whichever was followed
+    # start, stop: frequencies [Hz] or accelerations [m/s^2] at its ends, whichever was followed
     start: float
     stop: float
-    difference: float  # of the payload's amplitudes, relative
+    difference: float  # relative difference of the payload's amplitudes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,9 +68,9 @@ class Jump:
     """A fold at which a slow sweep leaves a branch, and the motion on which it lands."""
 
     parameter: float  # frequency [Hz] or acceleration [m/s^2] of the fold, whichever was followed
-    rising: bool  # whether a sweep with rising parameter jumps there; a falling one jumps at the others
+    rising: bool  # whether a sweep with rising parameter jumps there; one with falling parameter jumps at the other folds
     amplitude: float  # at the fold [m/s^2]
-    # amplitude of the stable motion of the branch at the same parameter [m/s^2]; NaN if it has none there
+    # amplitude of the stable motion of the branch at the same parameter [m/s^2]; NaN without such a motion
     landing: float
 
 
@@ -79,14 +79,14 @@ class Branch(Summarised):
     """Periodic motions of a system along the frequency or the level of its base's sine, in the order they were followed."""
 
     system: System = field(repr=False)
-    parameter: Parameter  #: the one that was followed, "frequency" or "acceleration"
+    parameter: Parameter  #: followed parameter, "frequency" or "acceleration"
     frequency: Array  #: of the base [Hz], (n,)
     acceleration: Array  #: amplitude of the base's acceleration [m/s^2], (n,)
     #: largest absolute acceleration of the payload along `response_direction` over a period [m/s^2], (n,)
     amplitude: Array
-    #: whether no multiplier lies outside the unit circle, or what settles is the motion within the accuracy, (n,)
+    #: whether no multiplier lies outside the unit circle, or the system settles on the motion within the accuracy, (n,)
     stable: Booleans
-    #: by falling modulus without the neutral ones, padded with NaN, (n, m)
+    #: multipliers by falling modulus without the neutral ones, padded with NaN, (n, m)
     floquet_multipliers: ComplexArray = field(repr=False)
     neutral: Integers = field(repr=False)  #: number of neutral directions, (n,)
     #: folds and changes of stability in the order of the branch, without those of side branches
@@ -101,12 +101,12 @@ class Branch(Summarised):
     steps: Integers = field(repr=False)  #: model steps of each motion, (n,)
     #: component of the parameter in the branch's unit tangent, positive where it rises, (n,)
     tangents: Array = field(repr=False)
-    residual: Array = field(repr=False)  #: how far each motion is from repeating itself, relative to its ranges, (n,)
+    residual: Array = field(repr=False)  #: largest difference of end and start of each motion, relative to its ranges, (n,)
     history: History  #: equilibrium about which the motions are
     complete: bool  #: whether `stop` was reached
-    #: values of the parameter between which the branch could not be followed and was taken up again
+    #: intervals of the parameter over which the branch could not be followed, and behind which it was taken up again
     gaps: tuple[tuple[float, float], ...]
-    model_steps: int  #: of all integrations
+    model_steps: int  #: model steps of all integrations
     message: str  #: why it ended
     #: stretches with two motions within 1 % of each other, past which the branch goes on
     side_branches: tuple[SideBranch, ...] = ()
@@ -141,7 +141,7 @@ class Branch(Summarised):
 
     @property
     def jumps(self) -> tuple[Jump, ...]:
-        """Jumps of slow sweeps, at the folds whose amplitude differs by more than 1 % from that on which they land."""
+        """Jumps of slow sweeps: folds whose amplitude differs by more than 1 % from that of the motion where they land."""
         jumps = (self._jump(fold) for fold in self.folds)
         return tuple(jump for jump in jumps if not abs(jump.landing / jump.amplitude - 1.0) < ALIKE)
 
@@ -151,7 +151,7 @@ class Branch(Summarised):
         return int(np.argmax(self.amplitude))
 
     def orbit(self, index: int) -> PeriodicOrbit:
-        """Make one of the motions again."""
+        """Make the periodic motion of a point of the branch again."""
         index = range(self.frequency.size)[index]
         coordinates = Coordinates(self.system, direction=self.direction, history=self.history)
         carried = coordinates.carried(float(self.frequency[index]), float(self.acceleration[index]))
@@ -166,6 +166,7 @@ class Branch(Summarised):
         )  # fmt: skip
 
     def _jump(self, fold: Bifurcation) -> Jump:
+        """Find the stable motion of the branch on which a sweep lands that leaves it at a fold."""
         p, a = self.followed, self.amplitude
         value = float(p[fold.index])
         rising = bool(self.tangents[max(fold.index - 1, 0)] > 0.0)
@@ -173,7 +174,7 @@ class Branch(Summarised):
         number = folds.index(fold.index, 1)
         landings = []
         for i in range(p.size - 1):
-            sheet = folds[number - 1] <= i < folds[number + 1]  # the two that meet at this fold
+            sheet = folds[number - 1] <= i < folds[number + 1]  # either stretch that ends at this fold
             crosses = (p[i] - value) * (p[i + 1] - value) <= 0.0
             if sheet or not (crosses and self.stable[i] and self.stable[i + 1]):
                 continue
@@ -219,7 +220,7 @@ def resonances(branch: Branch) -> tuple[Resonance, ...]:
             higher = np.flatnonzero(side > a[i])
             valleys.append(float(side[: higher[0] if higher.size else side.size].min()))
         if a[i] > PROMINENT * max(valleys):
-            peaks.append((i, *_top(branch, i)))
+            peaks.append((i, *_parabola_vertex(branch, i)))
     highest = max(peaks, key=lambda peak: peak[2], default=(0, np.nan, np.nan))
     return tuple(
         Resonance(index=i, frequency=frequency, amplitude=amplitude, ratio=highest[1] / frequency)
@@ -249,7 +250,7 @@ def backbone(branches: Sequence[Branch]) -> Backbone:
     return Backbone(acceleration=acceleration, frequency=frequency, amplitude=amplitude)
 
 
-def _top(branch: Branch, i: int) -> tuple[float, float]:
+def _parabola_vertex(branch: Branch, i: int) -> tuple[float, float]:
     """Fit frequency and amplitude of the parabola's vertex through three points; the point itself at a fold."""
     f, a = np.log(branch.frequency[i - 1 : i + 2]), branch.amplitude[i - 1 : i + 2]
     if not f[0] < f[1] < f[2] and not f[0] > f[1] > f[2]:

@@ -1,8 +1,8 @@
 """Pseudo-arclength continuation of periodic motions in the frequency or the level of the base's sine.
 
 A point of a branch is y = (x, ln p), p the parameter that is followed, in units in which a step of 1 changes p by the largest
-step allowed, or the motion by a quarter of its ranges. Its gap is P(x, p) - x. The least solution is taken in the directions in
-which the motion is neutral, so that they neither stop the corrector nor are wandered along.
+step allowed, or the motion by a quarter of its ranges. Its residuals are P(x, p) - x. The least solution is taken in neutral
+directions, so that they neither stop the corrector nor are stepped along.
 """
 
 import math
@@ -18,7 +18,7 @@ from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, MARGIN, FloquetSt
 from wirerope_mj.foundation.arrays import Array
 
 CHANGE = 0.25  # change of the motion relative to its ranges that counts as one unit of arclength
-UNCLEAR = 0.1  # component of a unit tangent whose sign may change between two points
+UNCLEAR = 0.1  # component of a unit tangent below which its sign may change between two points
 CLOSE = 1e-6  # relative distance in the parameter to which events are located
 # Fraction of the branch's tolerance to which folds are corrected: where a branch is steep, a residual of 1e-6 moves the
 # parameter by 1e-5.
@@ -30,8 +30,8 @@ class Point:
     """A corrected point of a branch."""
 
     shot: Shot
-    parameter: float  # value of what is followed
-    matrix: Array  # derivative of the scaled gap by (scaled x, arclength's unit of ln p), (n_x, n_x + 1)
+    parameter: float  # value of the parameter that is followed
+    matrix: Array  # derivative of the residuals by (scaled x, arclength's unit of ln p), (n_x, n_x + 1)
     tangent: Array  # unit tangent in the units of arclength, (n_x + 1,)
     stability: FloquetStability  # Floquet multipliers
     corrections: int  # corrector iterations that it took
@@ -57,7 +57,7 @@ class Continuation:
     def __init__(
         self, search: OrbitSearch, *, parameter: Parameter, held: float, periods: int, unit: float, tolerance: float
     ) -> None:
-        """Prepare to follow `parameter` with the other one `held`; `unit` of ln p counts as one unit of arclength."""
+        """Prepare to follow `parameter`, the other one held at the value `held`; `unit` of ln p is one unit of arclength."""
         self.search, self.flow, self.parameter = search, search.flow, parameter
         self.held, self.periods, self.unit, self.tolerance = held, periods, unit, tolerance
 
@@ -67,7 +67,7 @@ class Continuation:
         return drive if steps is None else replace(drive, steps=steps)
 
     def point(self, motion: Shot, value: float, *, before: Array | None, corrections: int = 0, sign: float = 1.0) -> Point:
-        """Make the point of a motion that repeats itself, its tangent turned like the one `before` or to `sign`."""
+        """Make the point of a periodic motion, its tangent with the sense of the tangent `before`, or with `sign` along p."""
         matrix, n = self._matrix(motion, value), motion.x.size
         return Point(
             shot=motion, parameter=value, matrix=matrix, corrections=corrections, width=self.flow.width,
@@ -76,12 +76,12 @@ class Continuation:
         )  # fmt: skip
 
     def closed(self, x: Array, value: float) -> Shot | None:
-        """Close the motion near the unknowns at a value of the parameter by Newton's method; None if that fails."""
+        """Find the periodic motion near the unknowns x at a value of the parameter by Newton's method; None if that fails."""
         motion = self.search.closed(shot(self.flow, x, self.drive(value)), self.tolerance)
         return motion if motion.closes(self.tolerance) else None
 
     def _matrix(self, motion: Shot, value: float) -> Array:
-        """Differentiate the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
+        """Differentiate the residuals by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
         variational = self.search.variational
         phi = variational.matrix(motion) if variational is not None else None
         if phi is None:
@@ -91,18 +91,18 @@ class Continuation:
         return np.column_stack([phi - np.eye(phi.shape[0]), (end - motion.track.end) / motion.scale / DIFFERENCE])
 
     def _to_arc(self, n: int) -> Array:
-        """Say what a unit of the scaled unknowns (n_x of them) and of ln p / unit counts in arclength, (n_x + 1,)."""
+        """Return the arclength of a unit of each of n scaled unknowns, and of ln p / unit, (n_x + 1,)."""
         return np.append(np.full(n, 1.0 / (CHANGE * math.sqrt(n))), 1.0)
 
     def turned(self, point: Point, slope: float, change: Array) -> Point:
-        """Turn the tangent of a point in the direction that led there: of the slope in ln p, or of the change of x."""
+        """Turn the tangent of a point in the sense of the branch there: of its slope in ln p, or of the change of x."""
         along = float(point.tangent[-1]) * slope
         if abs(slope) < UNCLEAR:
             along = float(point.tangent[:-1] @ (change / point.shot.scale))
         return replace(point, tangent=point.tangent if along >= 0.0 else -point.tangent)
 
     def step(self, last: Point, length: float, tolerance: float | None = None) -> Point | None:
-        """Take a step of an arclength; None if the corrector does not get there."""
+        """Take a step of an arclength; None if the corrector does not converge."""
         arc = self._to_arc(last.shot.x.size)
         return self._correct(last, length * last.tangent / arc, last.tangent * arc, length, tolerance)
 
@@ -137,11 +137,11 @@ class Continuation:
         return self.point(motion, value(move), before=before, corrections=corrections)
 
     def event(self, a: Point, b: Point, length: float) -> Event | None:
-        """Find the event between two points, an arclength apart; None if there is none.
+        """Find the fold or change of stability between two points, `length` of arclength apart; None without one.
 
         A fold is where the tangent turns, not where the parameter of the points is largest: the tangent is that of the
-        continuous motion, and at the tip of a needle the reversals that pass a step shake the parameter by twice the steps' own
-        error.
+        continuous motion, and at the tip of a narrow resonance the reversals that pass a step change the parameter by twice the
+        steps' own error.
         """
         if turns(a, b):
 

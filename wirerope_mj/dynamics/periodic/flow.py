@@ -28,19 +28,19 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.lanes import WIDTH
 
 STATE_PARTS = ("qpos", "qvel", "act")
-# Copies that there are at least: Newton's trial steps need them; the columns of a matrix need one for each unknown.
+# Least number of copies: Newton's trial steps need them; the columns of a matrix need one for each unknown.
 COPIES = 8
-RATE = 6  # place of the deflection's rate in a mount's record, behind deflection and force
+RATE = 6  # offset of the deflection's rate in a mount's record, behind deflection and force
 
 
 class Flow(ABC):
-    """The map from the unknowns at phase 0 to those some periods later."""
+    """The map from the unknowns at phase 0 of the base's sine to those some periods later."""
 
     def __init__(self, coordinates: Coordinates, system: System) -> None:
         self.coordinates = coordinates
-        # That of the coordinates, or one with the same states and smoothed laws.
+        # The system of the coordinates, or one with the same states and smoothed laws.
         self.system, self.model = system, system.model
-        self.width = 0.0  # velocity over which its laws are smoothed [m/s]; 0 for laws as they are
+        self.width = 0.0  # velocity over which its laws are smoothed [m/s]; 0 for unsmoothed laws
         self.taken, self.passes = 0, 0  # model steps of all copies so far, and single forward passes; a step has four
 
     @property
@@ -54,19 +54,19 @@ class Flow(ABC):
 
     @abstractmethod
     def ready(self) -> AbstractContextManager[None]:
-        """Make the mounts act; everything else of a flow is called within."""
+        """Install the mounts' forces; all other methods of a flow are called within this context."""
 
     @abstractmethod
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Step copies from their starts through the drive's periods, (n, n_x) each; NaN where one went astray."""
+        """Step copies from their starts to their ends through the drive's periods, (n, n_x) each; NaN where one diverged."""
 
     @abstractmethod
     def follow(self, start: Array, drive: Drive) -> Track:
-        """Step one copy from `start`, (n_x,), and keep its track."""
+        """Step one copy from `start`, (n_x,), through the drive's periods and keep its track."""
 
 
 class MujocoFlow(Flow):
-    """The map as MuJoCo steps it, with whatever the model has: contacts, limits, constraints."""
+    """The map stepped by MuJoCo, for models with contacts, limits and constraints, too."""
 
     def __init__(self, coordinates: Coordinates, system: System) -> None:
         super().__init__(coordinates, system)
@@ -93,7 +93,7 @@ class MujocoFlow(Flow):
             yield
 
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Step at most as many copies as there are."""
+        """Step copies as in `Flow.ends`, at most as many as the batch holds."""
         copies = np.arange(len(starts))
         carried = self._begin(starts, drive)
         for _ in self._tables(copies, drive):
@@ -115,7 +115,7 @@ class MujocoFlow(Flow):
         return Track(end=end, sensors=sensors, qpos=qpos, qvel=qvel, act=act, drive=drive)
 
     def _begin(self, starts: Array, drive: Drive) -> Array:
-        """Put the copies at their starts, relative to the state that is returned."""
+        """Put the copies at their starts; returns the state that the unknowns are relative to."""
         carried, n = self.coordinates.carried(drive.frequency, drive.acceleration), len(starts)
         self._batch.state[:n] = [self.coordinates.to_state(start, carried) for start in starts]
         self._timestep[:n] = drive.duration / drive.steps
@@ -124,7 +124,7 @@ class MujocoFlow(Flow):
         return carried
 
     def _tables(self, copies: Integers, drive: Drive) -> Iterator[None]:
-        """Prepare the steps of one stage table after the other; `_table_steps` says how many there are in it."""
+        """Prepare the base's motion for one block of steps after the other; `_table_steps` is the number of its steps."""
         done, motion, n = 0, drive.sine(self.coordinates.direction), copies.size
         step, table = drive.duration / drive.steps, self.system.assembly.tables.drive
         origin = self.model.qpos0[self._driven_qpos]
@@ -142,10 +142,11 @@ class MujocoFlow(Flow):
         self.taken += drive.steps * n
 
     def _finish(self, carried: Array, copies: Integers) -> Array:
-        self._batch.forward(copies)  # takes out of the states what the last step carried beyond a slider's slip force
+        """Read the unknowns at the copies' ends, (n, n_x); NaN where the engine warned."""
+        self._batch.forward(copies)  # limits the states that the last step carried beyond a slider's slip force
         ends = np.array([self.coordinates.from_state(self._batch.state[i], carried) for i in copies])
-        astray = self._batch.warning[: copies.size, :, 1].any(axis=1)
-        ends[astray] = np.nan
+        diverged = self._batch.warning[: copies.size, :, 1].any(axis=1)
+        ends[diverged] = np.nan
         return cast(Array, ends)
 
 
@@ -154,69 +155,69 @@ def flow_of(coordinates: Coordinates, system: System) -> Flow:
 
 
 class KernelFlow(Flow):
-    """The map as the kernel steps it; a copy that touches something or comes to a limit is MuJoCo's."""
+    """The map stepped by the kernel; a copy that comes to a contact or a limit is stepped by MuJoCo."""
 
     def __init__(self, coordinates: Coordinates, system: System) -> None:
         super().__init__(coordinates, system)
         self._equations: Equations = equations(system)
         self._axes = self._equations.rows(kernel.AXES, kernel.AXIS_COLUMNS, 3 * len(system.mounts))
-        self._beyond: MujocoFlow | None = None
-        self._within = ExitStack()
-        # States that are carried in closed form, as `go` wants them, (n, 4).
+        self._fallback: MujocoFlow | None = None
+        self._contexts = ExitStack()
+        # States that are carried in closed form: the argument `carried` of `go`, (n, 4).
         lay, scaled = self._equations.lay, ScaledStates(system)
         chosen = np.flatnonzero(scaled.steep & ~scaled.smoothed)
         states = scaled.states[chosen]
         record, parameters = self._records(states)
         rows = lay[kernel.NQ] + lay[kernel.NV] + states
-        self._carried = np.column_stack([record, record + RATE, parameters + scaled.offsets[chosen], rows])
-        self._nowhere = np.zeros((0, coordinates.carried(1.0, 1.0)[coordinates.moving].size))
+        self._closed_form = np.column_stack([record, record + RATE, parameters + scaled.offsets[chosen], rows])
+        self._no_track = np.zeros((0, coordinates.carried(1.0, 1.0)[coordinates.moving].size))
 
     @property
     def steps(self) -> int:
-        """Model steps, also by MuJoCo."""
-        return super().steps + (self._beyond.steps if self._beyond is not None else 0)
+        """Model steps taken so far, those by MuJoCo included."""
+        return super().steps + (self._fallback.steps if self._fallback is not None else 0)
 
     def smooth(self, width: float) -> None:
         super().smooth(width)
         num, first = self._equations.num.copy(), int(self._equations.lay[kernel.PARAMETERS])
         num[first + widths_of(self._axes[:, :2], num[first:])] = width
         self._equations = replace(self._equations, num=num)
-        if self._beyond is not None:
-            self._beyond.smooth(width)
+        if self._fallback is not None:
+            self._fallback.smooth(width)
 
     @contextmanager
     def ready(self) -> Iterator[None]:
-        """Let MuJoCo take over within, should it have to."""
-        with self._within:
-            if self._beyond is not None:
-                self._within.enter_context(self._beyond.ready())
+        """Install MuJoCo's callback, too, should it have to take over within this context."""
+        with self._contexts:
+            if self._fallback is not None:
+                self._contexts.enter_context(self._fallback.ready())
             yield
 
     def ends(self, starts: Array, drive: Drive) -> Array:
-        ends, why = np.empty_like(starts), np.empty(len(starts))
+        ends, cause = np.empty_like(starts), np.empty(len(starts))
         for first in range(0, len(starts), WIDTH):
             lanes = slice(first, first + WIDTH)
-            ends[lanes], why[lanes] = self._go(starts[lanes], drive, self._nowhere, self._nowhere)
-        beyond = why > kernel.WILD
-        if beyond.any():
-            ends[beyond] = self._by_mujoco().ends(starts[beyond], drive)
+            ends[lanes], cause[lanes] = self._step_lanes(starts[lanes], drive, self._no_track, self._no_track)
+        unsupported = cause > kernel.WILD
+        if unsupported.any():
+            ends[unsupported] = self._mujoco_flow().ends(starts[unsupported], drive)
         return ends
 
     def follow(self, start: Array, drive: Drive) -> Track:
         values = np.empty((drive.steps, self._equations.n_values))
-        track = np.empty((drive.steps, self._nowhere.shape[1]))
-        ends, why = self._go(start[np.newaxis], drive, track, values)
-        if why[0] > kernel.WILD:
-            return self._by_mujoco().follow(start, drive)
+        track = np.empty((drive.steps, self._no_track.shape[1]))
+        ends, cause = self._step_lanes(start[np.newaxis], drive, track, values)
+        if cause[0] > kernel.WILD:
+            return self._mujoco_flow().follow(start, drive)
         qpos, qvel, act = np.split(track, [self.model.nq, self.model.nq + self.model.nv], axis=1)
         return Track(end=ends[0], sensors=values, qpos=qpos, qvel=qvel, act=act, drive=drive)
 
     def look_around(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
-        """Write how accelerations, rates and deflections change beside a motion at the start of every step.
+        """Write the changes of accelerations, rates and deflections beside a motion at the start of every step.
 
         `moves` are displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a);
-        `wanted` the `addresses` of what is kept, with factors, (n_wanted,); `out` takes the changes in its last rows and first
-        columns, (n_t, n_rows, n or more). False if some of these states touch something or stand at a limit.
+        `wanted` the `addresses` of the kept values, with factors, (n_wanted,); `out` takes the changes in its last rows and
+        first columns, (n_t, n_rows, n or more). False if one of these states is at a contact or a limit.
         """
         places = np.column_stack([track.qpos, track.qvel, track.act])
         lanes = np.zeros((out.shape[2], moves.shape[1]))
@@ -235,7 +236,7 @@ class KernelFlow(Flow):
     def addresses(self, free: Integers, deflected: Integers) -> Integers:
         """Locate accelerations of free coordinates and rates of the internal states in the kernel's memory.
 
-        For the states in `deflected` it is the deflection of their axis.
+        For the states in `deflected` the address is that of the deflection of their axis.
         """
         lay = self._equations.lay
         states = lay[kernel.RATES] + np.arange(self.model.na)
@@ -243,7 +244,7 @@ class KernelFlow(Flow):
         return np.concatenate([lay[kernel.RHS] + free, states])
 
     def _records(self, states: Integers) -> tuple[Integers, Integers]:
-        """Locate for some states the deflection of their axis in the record, and the axis' first parameter, (n,) each."""
+        """Locate the deflection of the axis of each state in the record, and the axis' first parameter, (n,) each."""
         lay, axes = self._equations.lay, self._axes
         owner, firsts = np.repeat(np.arange(len(axes)), axes[:, 3]), np.repeat(axes[:, 2], axes[:, 3])
         within = np.arange(owner.size) - np.searchsorted(owner, owner)
@@ -252,31 +253,32 @@ class KernelFlow(Flow):
         mount, axis = np.divmod(row[states], 3)
         return lay[kernel.RECORD] + kernel.RECORD_SIZE * mount + axis, lay[kernel.PARAMETERS] + axes[row[states], 1]
 
-    def _go(self, starts: Array, drive: Drive, track: Array, values: Array) -> tuple[Array, Array]:
-        """Step at most WIDTH copies to their ends, NaN where one went astray; the second says why, 0 if it did not."""
-        part = self.coordinates
-        carried = part.carried(drive.frequency, drive.acceleration)
-        full = np.array([part.to_state(start, carried) for start in starts])
-        e, group = self._equations, group_of([self._equations] * len(starts), full[:, part.moving], [0] * len(starts))
-        h, motion = drive.duration / drive.steps, drive.sine(part.direction)
+    def _step_lanes(self, starts: Array, drive: Drive, track: Array, values: Array) -> tuple[Array, Array]:
+        """Step at most WIDTH copies to their ends, NaN where one diverged; returns also its cause, 0 without one."""
+        coordinates = self.coordinates
+        carried = coordinates.carried(drive.frequency, drive.acceleration)
+        full = np.array([coordinates.to_state(start, carried) for start in starts])
+        e, group = self._equations, group_of([self._equations] * len(starts), full[:, coordinates.moving], [0] * len(starts))
+        h, motion = drive.duration / drive.steps, drive.sine(coordinates.direction)
         half = h * (0.5 * np.arange(2 * drive.steps + 1))
         begins, slides = half[: -1 : 2 * MAX_STEPS], self.system.assembly.tables.drive.T
         positions, rates = motion.displacement(begins) @ slides, motion.velocity(begins) @ slides
         go(
             e.lay, e.fix, group.numbers, group.states, group.memory, positions[np.newaxis], rates[np.newaxis],
-            motion.acceleration(half)[np.newaxis], h, self._carried, len(starts), track, values,
+            motion.acceleration(half)[np.newaxis], h, self._closed_form, len(starts), track, values,
         )  # fmt: skip
         self.taken += drive.steps * len(starts)
-        full[:, part.moving] = group.states[:, : len(starts)].T
-        why = group.memory[e.lay[kernel.FAILED], : len(starts)]
-        ends = np.array([part.from_state(state, carried) for state in full])
-        ends[why != 0.0] = np.nan
-        return ends, why
+        full[:, coordinates.moving] = group.states[:, : len(starts)].T
+        cause = group.memory[e.lay[kernel.FAILED], : len(starts)]
+        ends = np.array([coordinates.from_state(state, carried) for state in full])
+        ends[cause != 0.0] = np.nan
+        return ends, cause
 
-    def _by_mujoco(self) -> MujocoFlow:
-        if self._beyond is None:
-            self._beyond = MujocoFlow(self.coordinates, self.system)
-            self._within.enter_context(self._beyond.ready())
+    def _mujoco_flow(self) -> MujocoFlow:
+        """Return the flow by MuJoCo that takes over, made at the first call."""
+        if self._fallback is None:
+            self._fallback = MujocoFlow(self.coordinates, self.system)
+            self._contexts.enter_context(self._fallback.ready())
             if self.width:
-                self._beyond.smooth(self.width)
-        return self._beyond
+                self._fallback.smooth(self.width)
+        return self._fallback

@@ -1,4 +1,4 @@
-"""A branch while it is followed, from point to point until it ends; kept on disk if a folder is given."""
+"""Following a branch of periodic motions from point to point until it ends; kept on disk if a folder is given."""
 
 import itertools
 import math
@@ -32,15 +32,15 @@ FIRST = 0.2  # first step in units of the largest
 AIM = 4  # corrector iterations that the step length is steered to
 # Steps, in units of the largest, by which a branch that cannot be followed is taken up again.
 LEAPS = (0.02, 0.25, 0.5, 1.0, 2.0, 4.0)
-RIPPLE = 5.0  # distance of two folds in units of the accuracy within which they may be the steps': three were seen
-# Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend.
+RIPPLE = 5.0  # distance of two folds in units of the accuracy within which the steps may have made them: 3 was observed
+# Angle between the tangents of two points [rad] that the step length is steered to: a curve through the points is smooth.
 BEND = 0.1
 REACHED = 1e-3  # relative change of the parameter within which the rated travel is reached
-SAVE_EVERY = 2.0  # seconds between two looks at the disk: what a killed process loses
+SAVE_EVERY = 2.0  # time between two saves [s]: the points of the last ones are lost if the process is killed
 
 
 class GrowingBranch:
-    """The points of a branch so far and what happened between them."""
+    """A branch while it is followed: its points, events, gaps and side branches so far."""
 
     def __init__(self, search: OrbitSearch, options: BranchOptions, folder: Path | None) -> None:
         self.search, self.options, self.system, self.folder = search, options, search.system, folder
@@ -64,11 +64,11 @@ class GrowingBranch:
             while not self.message and last is not None:
                 update(options.fraction(last.parameter), last.parameter)
                 last, length = self._advance(last, length)
-            # Unstable stretches that nobody would notice are side branches: their events are none.
+            # Unstable stretches beside which the system settles nearby are side branches: their events are left out.
             if last is not None:
                 for part, side in list(unstable_stretches(self.search, options, self.rows, self.events)):
                     self.events = [event for event in self.events if not part.start - 1 <= event.index <= part.stop]
-                    if not self._note(side):
+                    if not self._add_side_branch(side):
                         self.rows[part] = [replace(row, stable=True) for row in self.rows[part]]
         finally:
             self._save()
@@ -89,12 +89,11 @@ class GrowingBranch:
         )  # fmt: skip
 
     def _leap(self, last: Point) -> Point | None:
-        """Find a motion a little further on anew from the last one, None if there is none.
+        """Find a periodic motion a little further on in the parameter by Newton's method from the last one; None without one.
 
-        A stable one is left to itself first: along slow directions a branch collects what the tolerance leaves of every point.
-        Where that leads nowhere, it is left to itself at the new value, too; so is an unstable one that leads on. A motion that
-        is no less stable comes before one that is: where stops are grazed Newton's method finds those of other branches, which
-        lead back.
+        A stable motion settles first: along slow directions a branch accumulates the residuals of its points. If that fails, it
+        settles at the new value, too; so does an unstable one whose branch leads on. A motion that is no less stable is
+        preferred: where stops are grazed Newton's method finds motions of other branches, which lead back.
         """
         options, x, less_stable = self.options, last.shot.x, None
         towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
@@ -109,7 +108,7 @@ class GrowingBranch:
             if motion is None:
                 continue
             point = self.path.point(motion, value, before=None, sign=towards)
-            # The shortest is a step like others, but where the branch has turned back, as at a needle, and is left.
+            # The shortest leap is an ordinary step, but not where the branch has turned back, as at a narrow peak, and is left.
             passed = any((options.followed(row) - last.parameter) * options.sign > 0.0 for row in self.rows)
             gap = (last.parameter, value) if leap > LEAPS[0] or passed else None
             if leap == LEAPS[0] or point.unstable <= last.unstable:
@@ -123,19 +122,19 @@ class GrowingBranch:
         return point
 
     def _advance(self, last: Point, length: float) -> tuple[Point, float]:
-        """Take one step and note what it says; `message` is set where the branch ends."""
+        """Take one step and keep its point and events; `message` is set where the branch ends."""
         options = self.options
         (point, length), leapt = self._next(last, length), False
         past = None
         if point is not None and last.tangent[-1] * options.sign > 0.0 and turns(last, point):
-            past = self._past(last, point, length)
+            past = self._pass_fold(last, point, length)
         elif point is not None and point.tangent[-1] * options.sign < 0.0:
-            past = self._taken_up(point)
+            past = self._pass_turn(point)
         if past is not None:
             point, length, leapt = past, FIRST, True
         elif point is None or (turns(last, point) and last.unstable == point.unstable):
-            # A step that fails, or a fold at which no multiplier passes 1: motions with a long memory, as those of axes that
-            # hardly move or of a needle of a resonance, have lost the tangent's direction.
+            # A step that fails, or a fold at which no multiplier passes 1: for slow motions, such as those of axes that hardly
+            # move or of a narrow resonance, the tangent's direction is inaccurate.
             beyond = self._leap(last)
             point, length, leapt = (beyond, FIRST, True) if beyond is not None else (point, length, False)
         if point is None:
@@ -157,7 +156,7 @@ class GrowingBranch:
         elif (point.parameter - options.start) * options.sign < 0.0 and len(self.rows) > 2:
             self.message = f"ended at {self._where(point)}: it passed its start again"
         elif not leapt:
-            self._between(last, point, length)
+            self._add_event(last, point, length)
         self.rows.append(self._row(point))
         self.search.adapt(point.shot)
         if len(self.rows) >= options.most_points and not self.message:
@@ -169,8 +168,8 @@ class GrowingBranch:
         wanted = min(AIM / max(point.corrections, 1), BEND / max(angle, 1e-6))
         return point, min(1.0, length * float(np.clip(wanted, 0.5, 1.6)))
 
-    def _past(self, a: Point, b: Point, length: float) -> Point | None:
-        """Go on past a fold between two points that is no jump; None if it is one."""
+    def _pass_fold(self, a: Point, b: Point, length: float) -> Point | None:
+        """Continue past a fold between two points that is not a jump; None if it is a jump."""
         event = self.path.event(a, b, length)
         assert event is not None
         row = self._row(event.point)
@@ -179,34 +178,35 @@ class GrowingBranch:
             return None
         point, difference = passed
         self.rows.append(row)
-        self._note(SideBranch(start=event.point.parameter, stop=point.parameter, difference=difference))
+        self._add_side_branch(SideBranch(start=event.point.parameter, stop=point.parameter, difference=difference))
         return point
 
-    def _taken_up(self, point: Point) -> Point | None:
-        """Go on beyond the farthest point if the branch goes back on itself; None if it does not."""
+    def _pass_turn(self, point: Point) -> Point | None:
+        """Continue beyond the farthest point if the branch goes back on itself; None if it does not."""
         farthest = back_on_itself(self.options, self.rows, self._row(point))
         if farthest is None or farthest == self._jump:
             return None
         row = self.rows[farthest]
         value = self.options.followed(row)
         passed = pass_by(self.path, self.options, row, self.options.sign)
-        if passed is None:  # the needle of a resonance, whose two sides are as near
+        if passed is None:  # a narrow resonance, whose two sides are as near
             self._jump = farthest
             return None
         del self.rows[farthest + 1 :]
         self.events = [event for event in self.events if event.index < farthest]
         self.gaps = [gap for gap in self.gaps if (gap[1] - value) * self.options.sign < 0.0]
         beyond, difference = passed
-        self._note(SideBranch(start=point.parameter, stop=value, difference=difference))
+        self._add_side_branch(SideBranch(start=point.parameter, stop=value, difference=difference))
         return beyond
 
-    def _note(self, side: SideBranch) -> bool:
-        """Keep a side branch, unless both of its motions are one within the accuracy; say whether it is kept."""
+    def _add_side_branch(self, side: SideBranch) -> bool:
+        """Keep a side branch, unless both of its motions are one within the accuracy; return whether it is kept."""
         apart = side.difference > self.options.accuracy
         self.side_branches += [side] if apart else []
         return apart
 
     def _first(self, guess: State | None) -> Point:
+        """Find the periodic motion at the start of the branch, from a guess or the equilibrium."""
         options = self.options
         drive = self.path.drive(options.start)
         f, a = drive.frequency, drive.acceleration
@@ -222,7 +222,7 @@ class GrowingBranch:
         return self.path.point(motion, value, before=None, sign=self.options.sign)
 
     def _resumed(self) -> Point | None:
-        """Take up the last point of a branch that stands in the folder; None if there is none or it had come to its end."""
+        """Restore the branch stored in the folder and return its last point; None without one, or if the branch had ended."""
         known = load_rows(self.folder, self._content()) if self.folder is not None else None
         if known is None:
             return None
@@ -252,12 +252,12 @@ class GrowingBranch:
             length /= 2.0
         return None, length
 
-    def _between(self, a: Point, b: Point, length: float) -> None:
-        """Note what happens between two points (`a` is the last one kept), and the point where it does.
+    def _add_event(self, a: Point, b: Point, length: float) -> None:
+        """Find the fold or change of stability between two points (`a` is the last one kept), and keep it and its point.
 
-        Two folds hardly farther from each other than the accuracy are none: the derivative of the stepped motion jumps where a
-        mount's reversal passes a stage of a step; where a branch is steep that turns it back and forth by less than the steps'
-        own error.
+        Two folds hardly farther from each other than the accuracy are left out: the derivative of the stepped motion jumps
+        where a mount's reversal passes a stage of a step; where a branch is steep that turns it back and forth by less than
+        the steps' own error.
         """
         event = self.path.event(a, b, length)
         if event is None:
@@ -282,7 +282,7 @@ class GrowingBranch:
         return f"{point.parameter:.5g} {'Hz' if self.options.parameter == 'frequency' else 'm/s^2'}"
 
     def _not_followed(self) -> str:
-        """Name the gaps of a branch, many of them by what they span."""
+        """Describe the gaps of a branch, more than two by their number and range."""
         if len(self.gaps) > 2:
             low, high = min(map(min, self.gaps)), max(map(max, self.gaps))
             return f"; not followed in {len(self.gaps)} places from {low:.5g} to {high:.5g}"

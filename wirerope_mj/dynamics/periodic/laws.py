@@ -1,7 +1,7 @@
-"""The laws of a system as periodic motions need them: smoothed over a velocity, their states scaled by their own slope.
+"""The laws of a system for the search of periodic motions: smoothed over a velocity, their states scaled by their own slope.
 
 Bouc-Wen's equation is zdot = v f(z, s), s = sgn v, f = alpha - |z|^n (beta sgn(s z) + gamma). For n < 1 the derivative of f is
-infinite at z = 0: sampled at steps, or in differences of the stepped map, it scatters for any step that can be paid. With
+infinite at z = 0: sampled at steps, or in differences of the stepped map, it scatters for any affordable step. With
 
     dz = f w        d/dt(f w) = v f f' w + f w'        so that        w' = dv
 
@@ -30,22 +30,22 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.registry import PARALLEL, SMOOTHED
 from wirerope_mj.mounts.laws.wrapped import with_width
 
-# Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f'
-# is infinite, a millionth of it is what stays in the equation.
+# Fraction of alpha in phi: far above the rounding of f, 1e-16 alpha, where the state is saturated; at z = 0, where f' is
+# infinite, a millionth of it remains in the equation.
 SMALL = 1e-6
 NEAREST = 1e-12  # fraction of a state's largest value below which its power is not differentiated
 
 
 def smoothed(system: System, width: float) -> System:
-    """Smooth the system's laws over the velocity `width` [m/s]; ValueError if none of them can be."""
-    if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
+    """Smooth the system's laws over the velocity `width` [m/s]; ValueError if no law can be smoothed."""
+    if all(_with_smoothed_axes(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
         raise ValueError(
             "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state, or several such."
         )
-    return with_other_laws(system, lambda isolator: _smoothed(isolator, width))
+    return with_other_laws(system, lambda isolator: _with_smoothed_axes(isolator, width))
 
 
-def _smoothed(isolator: Isolator, width: float) -> Isolator:
+def _with_smoothed_axes(isolator: Isolator, width: float) -> Isolator:
     axes: Entries = {
         axis: with_width(law, width)
         for index, (axis, law) in enumerate(isolator.axes.items())
@@ -55,7 +55,7 @@ def _smoothed(isolator: Isolator, width: float) -> Isolator:
 
 
 def width_indices(system: System) -> Integers:
-    """Find the widths of a smoothed system's laws in its model's numeric_data."""
+    """Find the indices of the smoothing widths of a system's laws in its model's numeric_data."""
     model = system.model
     numbers = model.actuator_dynprm[-1]
     layout, parameters = int(numbers[1]), int(numbers[2])
@@ -65,7 +65,7 @@ def width_indices(system: System) -> Integers:
 
 
 def widths_of(laws: AnyArray, parameters: Array) -> Integers:
-    """Find the widths of smoothed laws, also those in parallel, among the parameters of (number, first parameter) rows."""
+    """Find the indices of the widths among the parameters, of laws as rows (number, first parameter) and of parallel ones."""
     widths = []
     for law, first in laws.astype(int).tolist():
         widths += [first] if law == SMOOTHED else []
@@ -77,12 +77,12 @@ def widths_of(laws: AnyArray, parameters: Array) -> Integers:
 
 @dataclass(frozen=True, kw_only=True)
 class Slopes:
-    """Factors that scale the states over pairs of steps, all unknowns; a pair has one sign of the rate, that of its path."""
+    """Factors of the scaled equation of all unknowns over pairs of steps; a pair has one sign of the rate, that of its path."""
 
-    scale: Array  # phi / alpha at the three instants of every pair, 1 for what is not scaled, (n_pairs, 3, n)
+    scale: Array  # phi / alpha at the three instants of every pair, 1 for unscaled unknowns, (n_pairs, 3, n)
     gain: Array  # factor of the rate's change, (n_pairs, 3, n)
     decay: Array  # factor of w itself [1/s], (n_pairs, 3, n)
-    turns: Array  # by what w is multiplied before a pair, (n_pairs + 1, n); the last one is behind the last pair
+    turns: Array  # factor of w at reversals before a pair, (n_pairs + 1, n); the last one is behind the last pair
     waits: Array  # time from the pair's start to the reversal, which lies between steps [s], (n_pairs + 1, n)
 
     @property
@@ -95,7 +95,7 @@ class Slopes:
 
 
 class ScaledStates:
-    """The states of a system that follow Bouc-Wen's equation, each alone, and their numbers along a motion."""
+    """The internal states of a system that follow Bouc-Wen's equation uncoupled, and their factors along a motion."""
 
     def __init__(self, system: System) -> None:
         rows, parameters, smoothed, offsets = [], [], [], []
@@ -121,27 +121,27 @@ class ScaledStates:
 
     @property
     def serve(self) -> bool:
-        """True if all of the system's states are scaled, or one is steep.
+        """True if all of the system's states are scaled, or one is steep (n < 1): then the variational equation is preferred.
 
-        The variational equation then knows reversals between steps, which the columns of the stepped map do not.
+        It takes account of reversals between steps, which the columns of the stepped map do not.
         """
         return bool(self.steep.any()) or 0 < self.states.size == self._system.model.na
 
     def along(self, track: Track, width: float, first: int) -> Slopes:
-        """Evaluate the factors along a motion; `first` unknowns stand before the internal states."""
+        """Evaluate the factors along a motion; `first` is the index of the first internal state among the unknowns."""
         x = mount_deflections(self._system, track)[:, self.mounts, self.axes]
         z = track.act[:, self.states]
         pairs, h = len(x) // 2, track.drive.duration / len(x)
         instants = (2 * np.arange(pairs)[:, np.newaxis] + np.arange(3)) % len(x)
         rate = (np.roll(x, -1, axis=0) - np.roll(x, 1, axis=0)) / (2.0 * h)
         sign = np.sign(x[instants[:, 2]] - x[instants[:, 0]])
-        for k in range(-1, pairs - 1):  # a pair that does not move has the sign of the one before
+        for k in range(-1, pairs - 1):  # a pair without motion has the sign of the pair before
             sign[k + 1] = np.where(sign[k + 1] == 0.0, sign[k], sign[k + 1])
         sign = np.where(sign == 0.0, 1.0, sign)
-        scale, gain, decay = self._numbers(z[instants], rate[instants], sign[:, np.newaxis], width)
+        scale, gain, decay = self._factors(z[instants], rate[instants], sign[:, np.newaxis], width)
         # Pair by pair around the circle: phi before and after each start, and when the rate vanished there.
         start = instants[:, 0]
-        before = self._numbers(z[start], rate[start], np.roll(sign, 1, axis=0), width)[0]
+        before = self._factors(z[start], rate[start], np.roll(sign, 1, axis=0), width)[0]
         turned = sign != np.roll(sign, 1, axis=0)
         bend = (np.roll(x, -1, axis=0) - 2.0 * x + np.roll(x, 1, axis=0))[start] / h**2
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -164,8 +164,8 @@ class ScaledStates:
             waits=of_all(waits, 0.0),
         )  # fmt: skip
 
-    def _numbers(self, z: Array, v: Array, sign: Array, width: float) -> tuple[Array, Array, Array]:
-        """Evaluate phi / alpha, the gain and the decay of the scaled states at rates `v` in segments of a sign."""
+    def _factors(self, z: Array, v: Array, sign: Array, width: float) -> tuple[Array, Array, Array]:
+        """Evaluate phi / alpha, gain and decay of the scaled states z at rates `v`, in segments with the given sign of v."""
         n, size = self._n, np.abs(z)
         side, power = np.where(z >= 0.0, 1.0, -1.0), size**n
         with np.errstate(divide="ignore"):

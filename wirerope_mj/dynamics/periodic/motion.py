@@ -1,4 +1,4 @@
-"""A periodic motion: its unknowns, the base's sine, the track of a system through its periods, and what is read from it."""
+"""A periodic motion: its unknowns, the base's sine, the track of a system through its periods, and quantities read from it."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,7 +18,7 @@ from wirerope_mj.mounts.isolator.travel import travel_reached, travel_utilisatio
 
 
 class Coordinates:
-    """Unknowns x = (configuration, velocity, internal states) of a system at phase 0 of its base's sine.
+    """Coordinates of the shooting unknowns x = (configuration, velocity, internal states) at phase 0 of the base's sine.
 
     Configuration and velocity are those of the free coordinates relative to the equilibrium carried along by the base, the
     configuration in the tangent space of MuJoCo's. The base is prescribed and not among them.
@@ -33,7 +33,7 @@ class Coordinates:
         self._carry = moving_with_base(system, slow, rest).values - self._rest.values
         self.free = np.setdiff1d(np.arange(self.model.nv), system.assembly.driven_dofs)
         n = self.free.size
-        self.size = 2 * n + self.model.na  # number of unknowns
+        self.size = 2 * n + self.model.na  # number of unknowns, n_x
         self.configuration, self.velocity, self.internal = slice(0, n), slice(n, 2 * n), slice(2 * n, self.size)
         parts = (mujoco.mjtState.mjSTATE_TIME, mujoco.mjtState.mjSTATE_QPOS, mujoco.mjtState.mjSTATE_QVEL)
         time, nq, nv = (mujoco.mj_stateSize(self.model, part) for part in parts)
@@ -48,7 +48,7 @@ class Coordinates:
         return x
 
     def carried(self, frequency: float, acceleration: float) -> Array:
-        """Engine's state of the equilibrium moving with the base at phase 0 of the sine, (n_state,).
+        """Evaluate the engine's state of the equilibrium moving with the base at phase 0 of the sine, (n_state,).
 
         The base then stands where it is modelled and moves with its largest velocity, -acceleration / (2 pi frequency).
         """
@@ -86,19 +86,19 @@ class Coordinates:
 
 @dataclass(frozen=True, kw_only=True)
 class Ranges:
-    """Half ranges over a period, each the largest: of mount deflection [m], of its rate [m/s], of internal states."""
+    """Largest half ranges over a period: of mount deflection [m], of its rate [m/s], of internal states."""
 
     deflection: float
     rate: float
-    internal: Array  # of every state that of its kind, (n_a,)
+    internal: Array  # for every state the largest of its kind, (n_a,)
 
 
 def scales(coordinates: Coordinates, ranges: Ranges) -> Array:
     """Choose the unit of every unknown, (n_x,).
 
-    Lengths and speeds are those of the mounts. A coordinate with the inertia M_ii has sqrt(M / M_ii) of them, M
+    Units of lengths and speeds are the mounts' half ranges. A coordinate with the inertia M_ii has sqrt(M / M_ii) of them, M
     the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration. Internal states
-    of one kind have one, too: in its own range a state of friction that hardly slips would count for more than what it does.
+    of one kind share a unit: in its own range the state of a slider that hardly slips would weigh more than its effect does.
     """
     ratio, internal = coordinates.ratios, np.where(ranges.internal > 0.0, ranges.internal, 1.0)
     return np.concatenate([ranges.deflection * ratio, ranges.rate * ratio, internal])
@@ -123,7 +123,7 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """One copy's unknowns at its end, (n_x,), and values of the engine at the start of every step.
+    """An integrated motion: unknowns at its end, (n_x,), and values of the engine at the start of every step.
 
     sensors are the system's sensor values (n_steps, n_s); qpos, qvel and act the engine's state, (n_steps, n_q|n_v|n_a).
     """
@@ -143,22 +143,22 @@ def observed_bodies(system: System) -> list[str]:
 
 
 def body_acceleration(system: System, track: Track, body: str) -> Array:
-    """Absolute acceleration of a body's centre of mass at the start of every step [m/s^2], (n_t, 3)."""
+    """Read the absolute acceleration of a body's centre of mass at the start of every step [m/s^2], (n_t, 3)."""
     first = at.KINEMATICS * system.assembly.subjects.body_names.index(body) + at.ACCELERATION
     return track.sensors[:, first : first + 3]
 
 
 def mount_deflections(system: System, track: Track) -> Array:
-    """Deflections of all mounts in their axes [m], (n_t, n_mounts, 3)."""
+    """Read the deflections of all mounts in their axes [m], (n_t, n_mounts, 3)."""
     channels = system.assembly.tables.channels
-    channels = channels[channels.size - 2 * len(system.mounts) :: 2]  # every other of the last
+    channels = channels[channels.size - 2 * len(system.mounts) :: 2]  # the last are deflection and force of each mount
     return np.asarray(track.sensors[:, channels[:, None] + np.arange(3)])
 
 
 def ranges(system: System, track: Track) -> Ranges:
     """Measure the half ranges of deflections, rates and internal states over a track."""
     deflection = mount_deflections(system, track)
-    kinds = np.full(system.model.na, "", dtype="<U1")  # first letters of names: z are forces, others have units of their own
+    kinds = np.full(system.model.na, "", dtype="<U1")  # first letters of names: z are forces, others have other units
     for mount in system.mounts.values():
         for states, law in zip(mount.states, mount.isolator.axes.values(), strict=True):
             kinds[states] = [name[0] for name in law.state_names] if law is not None else []
@@ -171,25 +171,25 @@ def ranges(system: System, track: Track) -> Ranges:
 
 
 def deflection_rates(system: System, track: Track) -> Array:
-    """Largest rates of the deflections of all mounts in their axes [m/s], (n_mounts, 3)."""
+    """Compute the largest deflection rates of all mounts in their axes [m/s], (n_mounts, 3)."""
     moved = np.abs(np.diff(mount_deflections(system, track), axis=0)).max(axis=0)
     return np.asarray(moved * track.drive.steps / track.drive.duration)
 
 
 def largest(values: Array) -> float:
-    """Find the largest value of a periodic series by the parabola through three neighbours."""
+    """Find the largest value of a periodic series (n_t,) by the parabola through its largest sample and the neighbours."""
     i = int(np.argmax(values))
     left, middle, right = values[i - 1], values[i], values[(i + 1) % values.size]
     return float(parabola_extreme(-1.0, left, 0.0, middle, 1.0, right)[1])
 
 
 def amplitude(values: Array) -> float:
-    """Find the largest absolute value of a periodic series in the same way."""
+    """Find the largest absolute value of a periodic series (n_t,), refined as in `largest`."""
     return max(largest(values), largest(-values))
 
 
 def travel_exceeded(system: System, track: Track) -> str:
-    """Name the mount that leaves its rated travel by most and count the others; "" if none does or none is rated."""
+    """Describe the mount that exceeds its rated travel most and count the others; "" without such mounts."""
     deflections = mount_deflections(system, track)
     lowest, highest = deflections.min(axis=0), deflections.max(axis=0)
     exceeded = []

@@ -1,4 +1,4 @@
-"""A motion that repeats itself under a sine of the base: the result of , its harmonics, and the search for it."""
+"""A periodic motion under a sine of the base: the result of `periodic_orbit`, its harmonics, and the search for it."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -38,16 +38,16 @@ class PeriodicOrbit(Summarised):
     direction: Direction  #: along which the base moves
     periods: int  #: number of the base's periods after which the motion repeats itself; above 1 for a subharmonic
     smoothing_width: float  #: velocity over which the laws were smoothed [m/s]; 0 for the laws as they are
-    state: State = field(repr=False)  #: at phase 0 of the base's sine
+    state: State = field(repr=False)  #: state at phase 0 of the base's sine
     steps: int  #: model steps in the whole motion
-    floquet_multipliers: ComplexArray  #: by falling modulus, without the neutral ones
+    floquet_multipliers: ComplexArray  #: multipliers by falling modulus, without the neutral ones
     #: number of neutral directions: those along which the motion can be shifted and still repeats itself (the offset of a law
     #: without an elastic part, the state of an axis that does not move)
     neutral: int
     stable: bool  #: whether no multiplier lies outside the unit circle
     residual: float  #: largest difference of end and start, relative to the ranges of deflections, rates and states
-    iterations: int  #: of Newton's method
-    model_steps: int  #: of all integrations that finding it took
+    iterations: int  #: iterations of Newton's method
+    model_steps: int  #: model steps of all integrations of the search
     message: str  #: residual, iterations and transient
 
     def _summary(self) -> tuple[str, dict[str, str]]:
@@ -72,7 +72,7 @@ class PeriodicOrbit(Summarised):
 
     @cached_property
     def response(self) -> Response:
-        """The motion over its own duration, sampled at every step."""
+        """Response of the system over the motion's duration, sampled at every step."""
         system = smoothed(self.system, self.smoothing_width) if self.smoothing_width else self.system
         step, rate = self.duration / self.steps, self.steps / self.duration
         return simulate(system, self.motion, duration=self.duration, initial=self.state, timestep=step, sample_rate=rate)
@@ -80,7 +80,7 @@ class PeriodicOrbit(Summarised):
     def deflection_rate(self, mount: str) -> Array:
         """Differentiate a mount's deflection, as the periodic cubic spline through its samples [m/s], (n_t, 3)."""
         deflection = self.response.mounts[mount].deflection
-        closed = np.concatenate([deflection[:-1], deflection[:1]])  # without the residual
+        closed = np.concatenate([deflection[:-1], deflection[:1]])  # exactly periodic, without the residual
         return np.asarray(scipy.interpolate.CubicSpline(self.response.time, closed, bc_type="periodic")(self.response.time, 1))
 
 
@@ -113,7 +113,7 @@ class HarmonicContent:
 
     @property
     def distortion(self) -> float:
-        """Root mean square of all but the fundamental and the mean, over the fundamental."""
+        """Root of the sum of squares of all harmonics but the fundamental and the mean, over the fundamental."""
         overtones = [a for order, a in zip(self.order, self.amplitude, strict=True) if order not in (0, 1)]
         return float(np.linalg.norm(overtones) / self.of(1))
 
@@ -141,35 +141,35 @@ def harmonic_content(
 # its resonance to twice it, superharmonic resonances included, and on a floor. The kinks at reversals leave order 2.
 STEPS = 128
 NATURAL = 32  # steps per period of the system's fastest motion: between reversals RK4 has its order 4
-REFERENCE = 1e-4  # accuracy for which these numbers hold
-STABLE = 0.9  # fraction of the stability limit that a step may have
-# Decay of a hysteretic state near its bound over a step at the most: beyond 2.785 RK4 makes it grow, two coupled ones sooner.
+REFERENCE = 1e-4  # accuracy for which STEPS and NATURAL hold
+STABLE = 0.9  # largest step over the stability limit
+# Largest decay of a hysteretic state near its bound over a step: beyond 2.785 RK4 makes it grow, two coupled ones sooner.
 SETTLED = 2.0
-SAME_RATE = 0.1  # relative change of the largest such rate for which the steps are not changed
+SAME_RATE = 0.1  # relative change of the largest decay rate below which the steps are not changed
 # Periods that are simulated before Newton's method starts, and more of them each time it fails.
 SETTLING = (20, 60, 240)
-# Factors on the number of steps if that leads nowhere: where a reversal falls on a step, the motion may wander between two.
+# Factors on the number of steps if that fails: where a reversal falls on a step, the motion may alternate between two.
 FINER = (1.5, 2.0)
 ITERATIONS = 20  # Newton iterations of one attempt: four times what a smooth start takes
 # Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and
 # turn has 12 without its mounts' states.
 MANY = 13
-WIDTHS = 4  # times that the width of smoothed laws is set by the motion that was found with the last one
-SAME_WIDTH = 0.01  # relative change of that width that no longer matters: the motion depends on its square
+WIDTHS = 4  # iterations of the width of smoothed laws, each set by the motion that was found with the last width
+SAME_WIDTH = 0.01  # relative change of that width that is negligible: the motion depends on its square
 
 
 class Steps:
-    """The number of steps in a period of the base of one system, for an accuracy."""
+    """Choice of the number of steps in a period of the base, for a system and an accuracy."""
 
     def __init__(self, system: System, accuracy: float) -> None:
-        self.finer = 1.0  # factor on what the accuracy asks for
+        self.finer = 1.0  # factor on the number of steps for the accuracy
         self._wanted = math.sqrt(REFERENCE / accuracy)
         self._highest = float(np.abs(eigenvalues(system).imag).max(initial=0.0)) / (2.0 * math.pi)
         self._longest = STABLE * stable_step(system)
         self.decay = 0.0  # largest rate at which a hysteretic state of the motion goes back to its bound [1/s]
 
     def per_period(self, frequency: float) -> int:
-        """Choose the number for a frequency [Hz]; BudgetError if a period of so many takes too long.
+        """Choose the number of steps in a period of a frequency [Hz]; BudgetError if so many take too long.
 
         It is even: with a law without an elastic part only the symmetry of the two half periods keeps the mass from drifting,
         and an odd number would break it.
@@ -181,7 +181,7 @@ class Steps:
 
 
 class OrbitSearch:
-    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped."""
+    """Search for periodic motions of a system: its unknowns, steps, flow and variational equation."""
 
     def __init__(
         self, system: System, *, direction: Direction, history: History, accuracy: float, smoothing: float | None = None
@@ -191,12 +191,12 @@ class OrbitSearch:
         self.smoothing = None if smoothing is None else positive("smoothing", smoothing)
         stepped = system if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
         self.flow = flow_of(self.coordinates, stepped)
-        self.scaled = ScaledStates(stepped).serve  # whether derivatives and multipliers are of the variational equation
+        self.scaled = ScaledStates(stepped).serve  # whether derivatives and multipliers are from the variational equation
         self._yield_rates = yield_rates(system, steep=not isinstance(self.flow, KernelFlow) or smoothing is not None)
         self.variational = variational_of(self.flow) if self.scaled or self.coordinates.size >= MANY else None
 
     def adapt(self, motion: Shot) -> bool:
-        """Take steps that hysteretic states settle in, and smooth the laws over their fraction of this motion's velocity.
+        """Adapt the step to the motion's hysteretic decay rate, and the width of smoothed laws to its velocity.
 
         Returns whether either changed much.
         """
@@ -205,8 +205,8 @@ class OrbitSearch:
         changed = False
         if np.isfinite(decay) and abs(decay - before) > SAME_RATE * decay:
             self._steps.decay = decay
-            now = self.drive(steps.frequency, steps.acceleration, steps.periods).steps
-            changed = abs(now - steps.steps) > SAME_RATE * steps.steps
+            adapted = self.drive(steps.frequency, steps.acceleration, steps.periods).steps
+            changed = abs(adapted - steps.steps) > SAME_RATE * steps.steps
         if self.smoothing is None:
             return changed
         width, wanted = self.flow.width, self.smoothing * ranges(self.system, motion.track).rate
@@ -214,12 +214,12 @@ class OrbitSearch:
         return changed or abs(wanted - width) > SAME_WIDTH * wanted
 
     def derivative(self, flow: Flow, at: Shot) -> Array:
-        """Compute the scaled monodromy matrix that Newton's method takes, (n_x, n_x)."""
+        """Compute the scaled monodromy matrix for Newton's method, (n_x, n_x)."""
         phi = self.variational.matrix(at) if self.scaled and self.variational is not None else None
         return monodromy(flow, at) if phi is None else phi
 
     def require_budget(self, frequency: float, periods: int, points: float) -> None:
-        """Raise BudgetError if so many motions at a frequency [Hz] take too long, or one of them too much memory."""
+        """Raise BudgetError if `points` motions at a frequency [Hz] take too long, or a single motion too much memory."""
         steps = float(periods) * self._steps.per_period(frequency)
         remedy = "Take fewer `periods`, a larger `largest_step` or `accuracy`, or a narrower range."
         require_time(f"following {points:.4g} periodic motions of {steps:.4g} steps", points * steps, remedy)
@@ -233,7 +233,7 @@ class OrbitSearch:
     def find(
         self, frequency: float, acceleration: float, periods: int, *, guess: State | None, tolerance: float
     ) -> PeriodicOrbit:
-        """Find the periodic motion, from a guess or from the equilibrium after longer and longer transients."""
+        """Find the periodic motion, from a guess or from the equilibrium, after longer and longer transients."""
         carried = self.coordinates.carried(frequency, acceleration)
         x = self.coordinates.rest() if guess is None else self.coordinates.from_state(guess.values, carried)
         settled, best = 0, math.inf
@@ -265,7 +265,7 @@ class OrbitSearch:
         return close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS, derivative=self.derivative)
 
     def settled(self, x: Array, drive: Drive, number: int) -> Array:
-        """Let the system go on for a number of the base's periods; the error of a simulation where it goes astray."""
+        """Integrate the unknowns x over a number of the base's periods; a diverging motion raises the error of a simulation."""
         long = replace(drive, periods=number, steps=number * (drive.steps // drive.periods))
         end = self.flow.ends(x[np.newaxis], long)[0]
         if np.isfinite(end).all():
@@ -284,19 +284,19 @@ class OrbitSearch:
         return State(values=self.coordinates.to_state(x, carried), time=0.0)
 
     def judged(self, motion: Shot, tolerance: float, settling: str) -> PeriodicOrbit:
-        """Judge a periodic motion's stability; one that leaves a rated travel is a SimulationError."""
+        """Make the result of a converged motion, its stability included; SimulationError beyond a rated travel."""
         drive = motion.track.drive
         over = travel_exceeded(self.system, motion.track)
         if over:
             raise SimulationError(f"{_level(drive)} {over}. Lower the acceleration.")
         phi = self.variational.matrix(motion) if self.scaled and self.variational is not None else None
-        judged = stability(self.flow, motion, wide_monodromy(self.flow, motion) if phi is None else phi)
+        floquet = stability(self.flow, motion, wide_monodromy(self.flow, motion) if phi is None else phi)
         short = f", not the `tolerance` of {tolerance:.1g}: rounding stopped it there" * (motion.residual > tolerance)
         return PeriodicOrbit(
             system=self.system, frequency=drive.frequency, acceleration=drive.acceleration,
             direction=self.coordinates.direction, periods=drive.periods, smoothing_width=self.flow.width,
             state=self._state(motion.x, drive), steps=drive.steps,
-            floquet_multipliers=judged.multipliers, neutral=judged.neutral, stable=judged.stable, residual=motion.residual,
+            floquet_multipliers=floquet.multipliers, neutral=floquet.neutral, stable=floquet.stable, residual=motion.residual,
             iterations=motion.iterations, model_steps=self.flow.steps,
             message=f"residual {motion.residual:.1e} after {motion.iterations} Newton iterations{settling}{short}",
         )  # fmt: skip

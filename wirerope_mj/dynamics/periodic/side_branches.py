@@ -1,9 +1,9 @@
-"""Side branches: motions beside others, so near to them that it matters to nobody on which of them a system is.
+"""Side branches: stretches of a branch beside which a second motion of nearly equal amplitude exists.
 
 Friction that several axes share makes them: two stable motions of one period exist over a range of frequencies, micrometres and
-some hundredths of a percent of their accelerations apart, and the branch turns back and forth between them. A branch goes on
-past such a fold; a stretch whose motions are unstable is one if what settles beside them is as near. Two motions within the
-accuracy of each other are one.
+some hundredths of a percent of their accelerations apart, and the branch turns back and forth between them. A branch is
+continued past such a fold; a stretch of unstable motions is a side branch if the motion on which the system settles is as near.
+Two motions within the accuracy of each other are one.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,21 +18,21 @@ from wirerope_mj.dynamics.periodic.orbit import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.storage import BranchOptions, Row, amplitude_of
 
-# Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for.
+# Steps beyond a fold, in units of the largest, at which a motion is searched for.
 LEAPS = (0.1, 0.25, 0.5, 1.0)
 SETTLE = 60  # periods after which Newton's method is tried again beyond a fold
-# Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read.
-SETTLING, SEEN = 300, 8
-# Fraction of the ranges by which it is moved before: a multiplier of 1.03 makes it as large as the motion in these periods.
-AWAY = 1e-3
+# Periods over which the system leaves an unstable motion, and the periods after them in which its amplitude is read.
+SETTLING, OBSERVED = 300, 8
+# Disturbance of the motion before, over its ranges: a multiplier of 1.03 makes it as large as the motion in these periods.
+DISTURBANCE = 1e-3
 
 
 def pass_by(path: Continuation, options: BranchOptions, farthest: Row, towards: float) -> tuple[Point, float] | None:
-    """Find the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
+    """Find the motion beyond a fold if its branch, at the fold, is within 1 % of the fold's amplitude; None if it is a jump.
 
-    `farthest` is the motion that reaches farthest; `towards` is 1 if the parameter rose up to there, else -1. Motions beyond it
-    are looked for by Newton's method from there, then after letting the system settle. The second is the relative difference of
-    both motions at the fold.
+    `farthest` is the motion at the fold; `towards` is 1 if the parameter rose up to there, else -1. Motions beyond it are
+    searched for by Newton's method from there, then after letting the system settle. Returns also the relative difference of
+    both amplitudes at the fold.
     """
     value, flow = options.followed(farthest), path.flow
     for settling, leap in [(0, leap) for leap in LEAPS] + [(SETTLE, leap) for leap in LEAPS[1:]]:
@@ -55,7 +55,7 @@ def pass_by(path: Continuation, options: BranchOptions, farthest: Row, towards: 
 
 
 def back_on_itself(options: BranchOptions, rows: Sequence[Row], point: Row) -> int | None:
-    """Find the farthest row if a point that leads back is within 1 % of the rows before that; None if it is not.
+    """Find the index of the farthest row if a point beyond it retraces the rows before within 1 % of amplitude; None if not.
 
     Behind most folds that are jumps the amplitude differs by more before the branch has gone back a step.
     """
@@ -76,7 +76,7 @@ def back_on_itself(options: BranchOptions, rows: Sequence[Row], point: Row) -> i
 def unstable_stretches(
     search: OrbitSearch, options: BranchOptions, rows: Sequence[Row], events: Sequence[Bifurcation]
 ) -> Iterator[tuple[slice, SideBranch]]:
-    """Yield the stretches of unstable motions beside which the system settles within 1 % of them, and their rows.
+    """Yield the rows and side branch of each unstable stretch beside which the system settles within 1 % of its amplitude.
 
     A stretch that begins or ends at a fold lies between two jumps and is left as it is.
     """
@@ -88,19 +88,19 @@ def unstable_stretches(
             continue
         worst = max(range(first, behind), key=lambda i: float(np.abs(rows[i].multipliers[0])))
         tried = [rows[i] for i in sorted({(3 * first + behind) // 4, worst, (first + 3 * behind) // 4})]
-        difference = float(np.max([abs(_settled(search, options, row) / row.amplitude - 1.0) for row in tried]))
+        difference = float(np.max([abs(_settled_amplitude(search, options, row) / row.amplitude - 1.0) for row in tried]))
         if difference < ALIKE:
             start, stop = (options.followed(rows[i]) for i in (first, behind - 1))
             yield slice(first, behind), SideBranch(start=start, stop=stop, difference=difference)
 
 
-def _settled(search: OrbitSearch, options: BranchOptions, row: Row) -> float:
-    """Amplitude that is left of an unstable motion, moved a little, after many periods; NaN if it went astray."""
+def _settled_amplitude(search: OrbitSearch, options: BranchOptions, row: Row) -> float:
+    """Compute the amplitude on which the system settles from a disturbed unstable motion [m/s^2]; NaN if it diverges."""
     per_period = row.steps // options.periods
     drive = Drive(frequency=row.frequency, acceleration=row.acceleration, periods=SETTLING, steps=SETTLING * per_period)
     start = shot(search.flow, row.unknowns, replace(drive, periods=options.periods, steps=row.steps))
-    # The same move whenever it is asked for, in no direction of the system's own.
-    moved = start.x + AWAY * start.scale * np.cos(np.arange(start.x.size))
+    # A reproducible disturbance, along no special direction of the system.
+    moved = start.x + DISTURBANCE * start.scale * np.cos(np.arange(start.x.size))
     end = search.flow.ends(moved[np.newaxis], drive)[0]
-    seen = search.flow.follow(end, replace(drive, periods=SEEN, steps=SEEN * per_period))
+    seen = search.flow.follow(end, replace(drive, periods=OBSERVED, steps=OBSERVED * per_period))
     return amplitude_of(search.system, seen, options.payload, options.response_direction)

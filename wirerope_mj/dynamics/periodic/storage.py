@@ -1,4 +1,4 @@
-"""What is asked of a branch and what is kept of it: options, and points in a Parquet file from which one resumes."""
+"""Storage of a branch: its checked options, and its points in a Parquet file from which it is resumed."""
 
 import hashlib
 import json
@@ -21,19 +21,19 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.parquet_files import read_content, read_table, write_columns
 from wirerope_mj.motions import Sine
 
-# Fraction of the base's acceleration below which a payload stands still but for rounding.
+# Fraction of the base's acceleration below which a payload's acceleration is rounding.
 STILL = 1e-12
 FILE = "branch.parquet"
 _KIND = "the table of a branch"
 _REMEDY = "Remove it, and the branch is followed anew, or give another folder."
-# What says how far a branch has come, and does not belong to its question.
+# Stored keys of a branch's progress, which may differ when it is resumed.
 PROGRESS = ("complete", "message", "model_steps", "gaps", "side_branches", "beyond_travel")
 COLUMNS = ("frequency", "acceleration", "amplitude", "stable", "neutral", "smoothing_width", "steps", "tangent", "residual")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """A point of a branch; the attributes are those of `Branch`."""
+    """A point of a branch as it is stored; the attributes are those of `Branch`."""
 
     frequency: float
     acceleration: float
@@ -107,7 +107,7 @@ def branch_options(
 
 
 def check_steps(smallest: float, largest: float) -> None:
-    """Raise ValueError unless the steps along a branch go together."""
+    """Raise ValueError unless smallest < largest < 1 for the relative steps along a branch."""
     if not smallest < largest < 1.0:
         raise ValueError(f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest!r} and {largest!r}.")
 
@@ -122,12 +122,12 @@ def require_motion(amplitude: float, acceleration: float, payload: str, along: D
 
 
 def amplitude_of(system: System, track: Track, payload: str, direction: Direction) -> float:
-    """Largest absolute acceleration of a payload along a direction over a track [m/s^2]."""
+    """Find the largest absolute acceleration of a payload along a direction over a track [m/s^2]."""
     return amplitude(body_acceleration(system, track, payload) @ unit_vector(direction))
 
 
 def row_of(system: System, point: Point, payload: str, direction: Direction) -> Row:
-    """Keep what a branch keeps of a point: the payload's acceleration is taken along `direction`."""
+    """Make the stored row of a point, with the payload's amplitude along `direction`."""
     drive = point.shot.track.drive
     return Row(
         frequency=drive.frequency, acceleration=drive.acceleration,
@@ -158,7 +158,7 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
 
 
 def load_rows(folder: Path, content: Entries) -> tuple[list[Row], list[Bifurcation], Entries] | None:
-    """Read the points of a branch begun in `folder`, None if there is none; RecordError if it is that of another question."""
+    """Read points, events and content of a branch begun in `folder`; None without one, RecordError if its options differ."""
     path = folder / FILE
     if not path.exists():
         return None

@@ -33,7 +33,7 @@ from wirerope_mj.foundation.lanes import WIDTH
 
 # Forward passes that are run at once.
 ROWS = 512
-FASTEST = 2.0  # decay of a state over two steps at the most; RK4 is stable up to 2.78
+FASTEST = 2.0  # largest decay of a state over two steps; RK4 is stable up to 2.78
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +46,7 @@ class _Group:
 
 
 def _groups(system: System) -> list[_Group]:
+    """List the groups of axes of all mounts: the coupled axes of a mount together, others each alone."""
     groups = []
     for number, mount in enumerate(system.mounts.values()):
         coupled = list(mount.isolator.coupled_axes)
@@ -56,7 +57,7 @@ def _groups(system: System) -> list[_Group]:
 
 
 class Variational(ABC):
-    """The matrix A(t) along a motion, and the monodromy matrix it gives."""
+    """The variational equation along a motion: its matrix A(t), and the monodromy matrix."""
 
     def __init__(self, flow: Flow) -> None:
         self._flow, self._free, self._model = flow, flow.coordinates.free, flow.model
@@ -72,7 +73,7 @@ class Variational(ABC):
         a = np.zeros((track.drive.steps, scale.size, -(-scale.size // WIDTH) * WIDTH))
         if not self._fill(at_shot, a):
             return None
-        # States that settle faster than RK4 over two steps can follow do so at its limit, to where they would.
+        # States that decay faster than RK4 is stable over two steps decay at its limit, to the same values.
         decay = -a[:, np.arange(2 * nf, scale.size), np.arange(2 * nf, scale.size)]
         fast = np.maximum(decay * (2.0 * track.drive.duration / track.drive.steps) / FASTEST, 1.0)
         a[:, 2 * nf : scale.size] /= fast[:, :, np.newaxis]
@@ -92,20 +93,20 @@ class Variational(ABC):
         change = (np.roll(gradient, -1, axis=0) - np.roll(gradient, 1, axis=0)) / (2.0 * step)
         a[:, rows, q], a[:, rows, v] = change + gradient @ a[:, q, q], gradient * (scale[v] / scale[q])
         slopes = self.scaled.along(track, self._flow.width, 2 * nf)
-        fast = np.maximum(slopes.decay * (-2.0 * step / FASTEST), 1.0)  # near their bounds scaled states do so, too
+        fast = np.maximum(slopes.decay * (-2.0 * step / FASTEST), 1.0)  # the same for scaled states near their bounds
         slopes = replace(slopes, gain=slopes.gain / fast, decay=slopes.decay / fast)
         return _integrate(a, step, slopes)
 
     @abstractmethod
     def _fill(self, at_shot: Shot, out: Array) -> bool:
-        """Write the rows of velocities and states into the scaled A, (n_steps, n_x, n_x or more); False where it cannot be.
+        """Write rows of velocities and states into the scaled A, (n_steps, n_x, n_x or more); False with active constraints.
 
-        In the rows of scaled states stands how their deflection follows the configuration, G, and nothing else.
+        The rows of scaled states hold the derivative G of their deflection by the configuration alone.
         """
 
 
 class KernelVariational(Variational):
-    """A(t) by the kernel: a lane for each unknown."""
+    """A(t) by forward passes of the kernel around the instants of a motion, a lane for each unknown."""
 
     def __init__(self, flow: KernelFlow) -> None:
         super().__init__(flow)
@@ -173,7 +174,7 @@ class MujocoVariational(Variational):
         self.flow.passes += count
         if self._out["nefc"][:count].any():
             return False
-        # By configuration and velocities: differences of what the passes give.
+        # Columns of configuration and velocities: differences of the forward passes.
         rates = self._out["act_dot"][:count].reshape(shape)
         record = assembly.tables.user.mount_rows(assembly.user(self._out["userdata"][:count].reshape(shape)))
         q, v, z = slice(0, nf), slice(nf, 2 * nf), slice(2 * nf, scale.size)
@@ -181,15 +182,15 @@ class MujocoVariational(Variational):
         moved = slice(1, 1 + 2 * nf)
         for rows, values in ((v, self._out["qacc"][:count, self._free].reshape(shape)), (z, rates)):
             a[:, rows, : 2 * nf] = (values[:, moved] - values[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
-        # By states: the force that one adds, by how its mount's deflection follows the free coordinates.
+        # Columns of states: the force that a state adds, times the gradient of its mount's deflection by the free coordinates.
         inverse = np.stack([self._inverse_mass(track.qpos[i]) for i in instants])
         gradient = (record[:, 1 : 1 + nf, :, 0] - record[:, :1, :, 0]).transpose(0, 2, 3, 1) / step[q]
         for group in self._groups:
             for colour, state in enumerate(group.states):
                 row, unit = 1 + 2 * nf + colour, step[2 * nf + state]
                 force = (record[:, row, group.mount, 1] - record[:, 0, group.mount, 1])[:, group.axes] / unit
-                pull = np.einsum("kaj,ka->kj", gradient[:, group.mount][:, group.axes], force)
-                a[:, v, 2 * nf + state] = -np.einsum("kij,kj->ki", inverse, pull)
+                load = np.einsum("kaj,ka->kj", gradient[:, group.mount][:, group.axes], force)
+                a[:, v, 2 * nf + state] = -np.einsum("kij,kj->ki", inverse, load)
                 gains = (rates[:, row] - rates[:, 0])[:, group.states]
                 a[:, 2 * nf + np.array(group.states), 2 * nf + state] = gains / unit
         a[:, 2 * nf + self.scaled.states] = 0.0

@@ -26,7 +26,7 @@ from wirerope_mj.mounts.laws import Law
 _FIRST, _SMALLEST = 0.02, 1e-6
 _AIM = 7  # corrections that the step length is steered to: Broyden's formula needs five to eight to reach 1e-10
 _CLOSE = 1e-9  # relative distance in the frequency to which folds are located
-_MOST = 4000  # points after which a branch that does not arrive is going round in circles
+_MOST = 4000  # points after which a branch that does not reach its end is given up
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,10 +141,10 @@ def follow_harmonic_balance(
 
 @dataclass(frozen=True)
 class _Tried:
-    """A point off the branch, (n + 1,), and the balance's residual there, (n,)."""
+    """A point off the branch, (n + 1,), and the residuals of the balance there, (n,)."""
 
     y: Array
-    gap: Array
+    residuals: Array
 
 
 @dataclass(frozen=True)
@@ -155,11 +155,11 @@ class _Point:
     scale: Array  # units, (n + 1,)
     matrix: Array  # derivative of the residual in these units, (n, n + 1)
     tangent: Array  # unit tangent, (n + 1,)
-    corrections: int = 0  # that it took
+    corrections: int = 0  # corrector iterations that it took
 
 
 class _Path:
-    """Steps along the solutions of a balance; a point is the unknowns and the logarithm of omega."""
+    """Continuation along the solutions of a balance; a point y is the unknowns and the logarithm of omega, (n + 1,)."""
 
     def __init__(self, balance: Balance, acceleration: float, tolerance: float) -> None:
         self.balance, self.acceleration, self.tolerance = balance, acceleration, tolerance
@@ -171,26 +171,26 @@ class _Path:
     def jacobian(self, y: Array, residual: Array) -> Array:
         """Differentiate the residual at y by the unknowns and by the logarithm of omega, (n, n + 1)."""
         moved = y.copy()
-        moved[-1] += 1e-7  # the residual is smooth in the frequency: rounding and curvature are even near there
+        moved[-1] += 1e-7  # the residual is smooth in the frequency: errors of rounding and curvature are about equal here
         column = (self.residual(moved) - residual) / (moved[-1] - y[-1])
         by_unknowns = self.balance.jacobian(y[:-1], float(np.exp(y[-1])), self.acceleration, residual)
         return np.column_stack([by_unknowns, column])
 
     def point(self, y: Array, like: Array, corrections: int = 0) -> _Point:
-        """Make the point of a solution, its tangent turned like a direction in y."""
+        """Make the point of a solution y, its tangent with the sense of the direction `like` in y."""
         scale = np.append(np.full(y.size - 1, float(np.linalg.norm(y[:-1]))), 1.0)
         matrix = self.jacobian(y, self.residual(y)) * scale
         return _Point(y, scale, matrix, unit_tangent(matrix, like / scale), corrections)
 
     def step(self, last: _Point, length: float) -> _Point | None:
-        """Take a step of an arclength; None if the corrector does not get there."""
+        """Take a step of an arclength; None if the corrector does not converge."""
 
         def at(move: Array) -> _Tried:
             y = last.y + last.scale * move
             return _Tried(y, self.residual(y))
 
         def matrix_at(tried: _Tried, _: Array) -> Array:
-            return self.jacobian(tried.y, tried.gap) * last.scale
+            return self.jacobian(tried.y, tried.residuals) * last.scale
 
         correction = corrected(at, matrix_at, last.matrix, length * last.tangent, last.tangent, length, self.tolerance)
         if correction is None:
@@ -226,7 +226,7 @@ class _Path:
         self.message = f"ended after {_MOST} points"
 
     def between(self, before: Array, after: Array, log_omega: float) -> Array:
-        """Find the point between two with a given frequency."""
+        """Find the point y of a given frequency between two points."""
         guess = before + (log_omega - before[-1]) / (after[-1] - before[-1]) * (after - before)
         solution = newton(self.balance, guess[:-1], float(np.exp(log_omega)), self.acceleration, self.tolerance)
         return np.append(solution.u, log_omega)
