@@ -27,11 +27,11 @@ from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.mounts.laws import Law
 
-# Differences of the Jacobian relative to the deflection: far above rounding, far below what bends the force.
+# Steps of the Jacobian's difference quotients over the deflection: far above rounding, far below the curvature of the force.
 _STEP = 1e-6
-# Newton steps, and halvings of one: a good start needs five steps, and a step cut to 1/256 leads nowhere.
+# Most Newton steps, and halvings of a step: a good start needs five steps, and a step cut to 1/256 is given up.
 _ITERATIONS, _HALVINGS = 40, 8
-# Samples of the cycle whose extremes are read: a smooth one between two of them is missed by 7e-8 of itself.
+# Samples of the cycle whose extremes are read: a smooth extreme between two samples is missed by 7e-8 of itself.
 _FINE = 8192
 # Fraction of the acceleration at which raising it from small excitations begins, where every law is close to a spring.
 _SMALLEST_LEVEL = 1e-3
@@ -54,10 +54,10 @@ class Balance:
         self.harmonics, self.samples = harmonics, samples
         self.neutral = is_neutral(law)
         k = np.arange(1.0, harmonics + 1.0)
-        self.orders = np.concatenate([[0.0], k, k])  # of the unknowns, (2 H + 1,)
+        self.orders = np.concatenate([[0.0], k, k])  # harmonic order of each unknown, (2 H + 1,)
 
     def from_coefficients(self, c: ComplexArray) -> Array:
-        """Write complex coefficients as unknowns, those beyond them zero, (2 H + 1,)."""
+        """Write complex coefficients as unknowns, (2 H + 1,); missing coefficients are zero."""
         full = np.zeros(self.harmonics + 1, dtype=np.complex128)
         count = min(c.size, full.size)
         full[:count] = c[:count]
@@ -85,14 +85,14 @@ class Balance:
         return np.concatenate([[0.5 * spectrum[0].real], spectrum[1:].real, -spectrum[1:].imag])
 
     def residual(self, u: Array, omega: float, acceleration: float) -> Array:
-        """Evaluate R over m a, (2 H + 1,); of a law without a preferred position the first is its mean deflection's."""
+        """Evaluate R over m a, (2 H + 1,); for a law without a preferred position the first is that of zero mean deflection."""
         r = self.force(u, omega) - (self.orders * omega) ** 2 * self.mass * u
         r[self.harmonics + 1] += self.mass * acceleration
         r[0] = u[0] * self.mass * omega**2 if self.neutral else r[0] + self.mass * self.gravity
         return r / (self.mass * acceleration)
 
     def jacobian(self, u: Array, omega: float, acceleration: float, residual: Array) -> Array:
-        """Differentiate the residual by differences, (2 H + 1, 2 H + 1)."""
+        """Differentiate the residual by the unknowns by difference quotients, (2 H + 1, 2 H + 1)."""
         step = _STEP * max(float(np.abs(u[1:]).max()), acceleration / omega**2 * 1e-3)
         matrix = np.empty((u.size, u.size))
         for i in range(u.size):
@@ -103,7 +103,7 @@ class Balance:
 
 
 def newton(balance: Balance, u: Array, omega: float, acceleration: float, tolerance: float) -> Solution:
-    """Run Newton's method with halved steps from `u`, to convergence or as far as it gets."""
+    """Run Newton's method with halved steps from the unknowns `u`, to convergence or until no step reduces the residual."""
     residual = balance.residual(u, omega, acceleration)
     for iteration in range(_ITERATIONS):
         size = float(np.abs(residual).max())
@@ -115,7 +115,7 @@ def newton(balance: Balance, u: Array, omega: float, acceleration: float, tolera
         step = np.linalg.lstsq(jacobian, -residual, rcond=None)[0]
         for _ in range(_HALVINGS):
             trial = balance.residual(u + step, omega, acceleration)
-            # The norm of all of them: the largest alone may have to grow.
+            # The norm decreases; the largest component alone may have to grow.
             if np.linalg.norm(trial) < np.linalg.norm(residual):
                 break
             step *= 0.5
@@ -147,7 +147,7 @@ class HarmonicOrbit(Summarised):
     largest_hysteretic_state: float  #: largest |z| [N]
     dissipated_energy: float  #: work done on the law in the period [J]
     residual: float  #: largest |R_k| of the retained harmonics over m a
-    #: root mean square of the force's harmonics that are not retained, over m a: what they leave unbalanced
+    #: root mean square of the force's harmonics that are not retained, over m a: these are unbalanced
     truncation: float
     iterations: int  #: Newton steps taken
 
@@ -185,14 +185,14 @@ def harmonic_balance(
     its mean deflection is zero.
 
     Args:
-        law: of the axis; none that wears. Masing's sliders enter the first cycle unloaded, at zero deflection.
+        law: of the axis; not one that wears. Masing's sliders enter the first cycle unloaded, at zero deflection.
         mass: [kg].
         frequency: of the base and of the motion [Hz].
         acceleration: amplitude of the base, a [m/s^2].
         gravity: acceleration that acts on the mass towards compression [m/s^2].
         harmonics: retained, H.
         samples: of one period, at least 8 for each harmonic.
-        guess: coefficients to start from, and from nothing else, such as those of a neighbour; (n,) complex, the mean first.
+        guess: the only coefficients to start from, such as those of a neighbouring motion; (n,) complex, the mean first.
         tolerance: of the residual.
 
     Raises:
@@ -208,7 +208,7 @@ def harmonic_balance(
         starts, tried = [balance.from_coefficients(np.asarray(guess, dtype=np.complex128))], "the `guess`"
     best = np.inf
     solutions = (newton(balance, start, omega, acceleration, tolerance) for start in starts)
-    raised = (_raised(balance, omega, acceleration, tolerance) for _ in range(guess is None))
+    raised = (_solve_by_raising(balance, omega, acceleration, tolerance) for _ in range(guess is None))
     for solution in chain(solutions, raised):
         if solution.residual <= tolerance:
             return orbit_of(balance, solution, omega, acceleration)
@@ -221,7 +221,7 @@ def harmonic_balance(
 
 
 def checked_harmonics(harmonics: int, samples: int) -> int:
-    """Check `harmonics`: at least one, with enough samples."""
+    """Check `harmonics` and `samples`: at least one harmonic, and 8 samples for each; returns the harmonics."""
     integer("harmonics", harmonics, least=1)
     if samples < 8 * harmonics or samples % 2:
         raise ValueError(f"`samples` must be even and at least 8 for each of {harmonics} harmonics, got {samples}.")
@@ -229,7 +229,7 @@ def checked_harmonics(harmonics: int, samples: int) -> int:
 
 
 def orbit_of(balance: Balance, solution: Solution, omega: float, acceleration: float) -> HarmonicOrbit:
-    """Describe the motion of converged unknowns."""
+    """Make the periodic motion of converged unknowns."""
     period = 2.0 * np.pi / omega
     x, v = balance.in_time(solution.u, omega, balance.samples)
     cycle = steady_cycle(balance.law, x, v, period=period)
@@ -251,7 +251,7 @@ def orbit_of(balance: Balance, solution: Solution, omega: float, acceleration: f
 
 
 def _estimates(balance: Balance, omega: float, acceleration: float) -> list[Array]:
-    """Estimate the unknowns by equivalent linearisation, the smallest motion first; a smoothed law is near its law."""
+    """Estimate the unknowns by equivalent linearisation of the unsmoothed law, the smallest motion first."""
     frequency = omega / (2.0 * np.pi)
     orbits = linearised_orbits(
         balance.law.unsmoothed, mass=balance.mass, frequency=frequency, acceleration=acceleration, gravity=balance.gravity
@@ -259,8 +259,8 @@ def _estimates(balance: Balance, omega: float, acceleration: float) -> list[Arra
     return [balance.from_coefficients(np.array([orbit.oscillator.offset, orbit.phasor])) for orbit in orbits]
 
 
-def _raised(balance: Balance, omega: float, acceleration: float, tolerance: float) -> Solution:
-    """Raise the acceleration from small ones to the one wanted; steps in it are halved where they fail."""
+def _solve_by_raising(balance: Balance, omega: float, acceleration: float, tolerance: float) -> Solution:
+    """Solve for the unknowns at rising accelerations up to `acceleration`, by smaller factors where one fails."""
     level, factor, before = _SMALLEST_LEVEL, 2.0, 0.0
     estimates = _estimates(balance, omega, level * acceleration)
     u = estimates[0] if estimates else np.zeros(2 * balance.harmonics + 1)

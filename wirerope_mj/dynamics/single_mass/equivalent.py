@@ -27,7 +27,7 @@ from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.laws import Law
 
 _SAMPLES = 256  # samples of a cycle: the area of a loop with a sharp tip is then right to 1e-6
-_ITERATIONS = 200  # amplitudes tried: about 30 bring a smooth spectrum to ten digits
+_ITERATIONS = 200  # most amplitudes tried: with a smooth spectrum about 30 give ten digits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,16 +95,16 @@ def oscillator_at(law: Law, amplitude: float, *, frequency: float, weight: float
 
 
 def _offset(excess: Callable[[float], float], law: Law, amplitude: float, weight: float) -> float:
-    """Find the mean deflection [m] at which a cycle's mean force exceeds the weight's by nothing; NaN without one."""
+    """Find the mean deflection [m] at which a cycle's mean force carries the weight, a zero of `excess`; NaN without one."""
     at_zero = excess(0.0)
     if abs(at_zero) <= 1e-13 * max(abs(weight), law.initial_stiffness * amplitude):  # rounding of a sum over a cycle
         return 0.0
     before, offset = 0.0, -at_zero / law.initial_stiffness
     for _ in range(60):
-        gap = excess(offset)
-        if not np.isfinite(gap):
+        at_offset = excess(offset)
+        if not np.isfinite(at_offset):
             break
-        if gap * at_zero <= 0.0:
+        if at_offset * at_zero <= 0.0:
             return float(scipy.optimize.brentq(excess, before, offset, xtol=1e-14 * abs(offset), rtol=1e-14))
         before, offset = offset, 1.5 * offset
     return float("nan")
@@ -133,7 +133,7 @@ def simplified_peak(
     saturates, the deflection is estimated too low. Source: Demetriades, Constantinou and Reinhorn (1993).
 
     Args:
-        law: of the axis, none that wears. The loop of one that depends on the rate is drawn at the oscillator's period.
+        law: of the axis, not one that wears. The loop of a law that depends on the rate is computed at the oscillator's period.
         mass: [kg].
         spectrum: spectral displacement [m] of the base motion by period [s] and damping ratio [-].
         tolerance: relative change of D at which it has converged.
@@ -167,6 +167,7 @@ def simplified_peak(
 
 
 def _spectral(spectrum: Callable[[float, float], float], period: float, damping_ratio: float) -> float:
+    """Evaluate and check the spectral displacement [m]; ValueError unless it is finite and > 0."""
     value = float(spectrum(period, damping_ratio))
     if not (np.isfinite(value) and value > 0.0):
         raise ValueError(
@@ -175,7 +176,7 @@ def _spectral(spectrum: Callable[[float, float], float], period: float, damping_
     return value
 
 
-# Amplitudes looked at: from a tenth of what the unloaded stiffness would give, finely enough to tell three roots apart.
+# Range and density of the amplitudes tried: from a tenth of that by the unloaded stiffness, fine enough for three roots.
 _DECADES, _PER_DECADE = 6.0, 24
 
 
@@ -210,11 +211,11 @@ def equivalent_linear(
 ) -> EquivalentLinear:
     """Compute the response of one mass on one isolator axis to a sine of base acceleration by equivalent linearisation.
 
-    A linear law is answered exactly. Superharmonics are not seen: a law that saturates or stiffens within the cycle is answered
-    to a few per cent, and near the superharmonic resonances below the first not at all (bounds in the tests).
+    For a linear law it is exact. Superharmonics are left out: for a law that saturates or stiffens within the cycle the error
+    is a few per cent, and near the superharmonic resonances below the first the result is not valid (bounds in the tests).
 
     Args:
-        law: of the axis, none that wears.
+        law: of the axis, not one that wears.
         mass: [kg].
         frequencies: [Hz], (n_f,).
         acceleration: amplitude of the base [m/s^2].
@@ -238,7 +239,7 @@ def linearised_orbits(
 ) -> tuple[LinearisedOrbit, ...]:
     """Estimate the periodic motions under a sine of base acceleration, the smallest first.
 
-    They are what shooting and harmonic balance begin with: deflection, rate and internal states at phase 0. The arguments
+    They are starting values of shooting and harmonic balance: deflection, rate and internal states at phase 0. The arguments
     are those of `equivalent_linear`, for one frequency.
     """
     require_oscillator(law, mass=mass, frequency=frequency, acceleration=acceleration, gravity=gravity)
@@ -255,7 +256,7 @@ def linearised_orbits(
 
 
 def _oscillators(law: Law, weight: float) -> Callable[[float, float], EquivalentOscillator]:
-    """Tabulate `oscillator_at` by amplitude and frequency; a rate-independent law has one loop for all frequencies."""
+    """Make `oscillator_at` a function of amplitude [m] and frequency [Hz], cached by amplitude for rate-independent laws."""
     if not law.rate_independent:
         return lambda amplitude, frequency: oscillator_at(law, amplitude, frequency=frequency, weight=weight)
     at_1_hz = cache(lambda amplitude: oscillator_at(law, amplitude, frequency=1.0, weight=weight))
@@ -265,10 +266,11 @@ def _oscillators(law: Law, weight: float) -> Callable[[float, float], Equivalent
 def _solutions(
     law: Law, oscillator: Callable[[float, float], EquivalentOscillator], mass: float, frequency: float, acceleration: float
 ) -> list[EquivalentOscillator]:
+    """Find the oscillators whose amplitude is that of their own response to the base, the smallest first."""
     omega = 2.0 * np.pi * frequency
 
     def excess(log_amplitude: float) -> float:
-        """Compare the force that the amplitude needs with the excitation's, as the logarithm of their ratio."""
+        """Compute the logarithm of the force that the amplitude needs over the excitation's."""
         o = oscillator(float(np.exp(log_amplitude)), frequency)
         needed = abs(complex(o.stiffness - mass * omega**2, omega * o.damping)) * o.amplitude
         return float(np.log(needed / (mass * acceleration))) if needed > 0.0 else -np.inf
@@ -287,7 +289,7 @@ def _roots(function: Callable[[float], float], grid: Array) -> Iterator[float]:
         if values[i] * values[i + 1] <= 0.0 and np.isfinite(values[i + 1]):
             yield float(scipy.optimize.brentq(function, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-14))
         around = values[i - 1 : i + 2]
-        if i > 0 and np.ptp(np.sign(around)) == 0.0 and np.argmin(np.abs(around)) == 1:  # comes nearest to zero here
+        if i > 0 and np.ptp(np.sign(around)) == 0.0 and np.argmin(np.abs(around)) == 1:  # local minimum of the size
             low, high, side = grid[i - 1], grid[i + 1], np.sign(values[i])
             tip = scipy.optimize.minimize_scalar(
                 lambda x, side=side: side * function(x), bounds=(low, high), method="bounded"

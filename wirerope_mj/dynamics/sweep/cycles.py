@@ -1,4 +1,4 @@
-"""Stepping a system through cycles of its excitation, keeping the extremes of each, also until a sine's response is steady."""
+"""Stepping a system through cycles of its excitation: the extremes of each cycle, and settling under a steady sine."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -35,7 +35,7 @@ class ByMujoco:
         self._memory = system.assembly.tables.user.channel_rows(self.stepper.user)  # a view: the tracker writes it
 
     def remember(self, times: Array, before: Array, last: Array) -> None:
-        """Go on behind an instant that was seen as the last of a cycle.
+        """Continue after an instant that was observed as the last of a cycle.
 
         `times` are those of the last two steps, the later one first [s], `before` and `last` the vectors of all channels then,
         (n_channels, 3).
@@ -44,17 +44,17 @@ class ByMujoco:
         user[at.TIME_1], user[at.TIME_2] = times
         user[at.HISTORY], user[at.OBSERVING] = 2.0, 0.0
         self._memory[:, at.BEFORE : at.BEFORE + 3], self._memory[:, at.LAST : at.LAST + 3] = before, last
-        self._forget()
+        self._clear_extremes()
 
     def go(self, grid: Grid, ends: Integers, minimum: Array, maximum: Array) -> bool:
-        """Step through cycles whose last intervals are `ends`, (n,); takes their extremes, (n, n_channels, 3) each."""
+        """Step through cycles whose last intervals are `ends`, (n,), and write their extremes, (n, n_channels, 3) each."""
         stepper = self.stepper
         stepper.enter(grid)
         cycle, user = 0, stepper.user
         for base in self._tables.segments(grid):
             stepper.begin(base)
             steps = int(grid.steps[base.number])
-            if not user[at.OBSERVING]:  # this instant was seen as the last of the cycle before
+            if not user[at.OBSERVING]:  # this instant was observed as the last of the cycle before
                 mujoco.mj_step(stepper.model, stepper.data)
                 user[at.OBSERVING], steps = 1.0, steps - 1
             mujoco.mj_step(stepper.model, stepper.data, nstep=steps)
@@ -62,7 +62,7 @@ class ByMujoco:
                 mujoco.mj_forward(stepper.model, stepper.data)
                 minimum[cycle] = self._memory[:, at.LOW : at.LOW + 3]
                 maximum[cycle] = self._memory[:, at.HIGH : at.HIGH + 3]
-                self._forget()
+                self._clear_extremes()
                 user[at.OBSERVING] = 0.0
                 cycle += 1
         return True
@@ -77,7 +77,7 @@ class ByMujoco:
     def finish(self) -> State:
         return self.stepper.finish()
 
-    def _forget(self) -> None:
+    def _clear_extremes(self) -> None:
         self._memory[:, at.LOW : at.LOW + 3], self._memory[:, at.HIGH : at.HIGH + 3] = np.inf, -np.inf
 
 
@@ -90,22 +90,22 @@ class ByKernel:
     def __init__(self, system: System, motion: Sine | Sweep, start: State) -> None:
         tables = system.assembly.tables
         self._system, self._motion, self._start = system, motion, start
-        self.time = start.time  # end of the last cycles that went well [s]
+        self.time = start.time  # end of the last cycles without failure [s]
         self._tables = StageTables(motion, tables.drive)
         self._group = group_of([equations(system)], start.values[moving(system)][np.newaxis], [0])
         self._base = np.zeros(at.CHANNEL_MEMORY)
         n = tables.tracked.size
         self._rows = np.full(tables.channels.size, n)  # of every channel among those that are followed, the base's last
         self._rows[tables.tracked] = np.arange(n)
-        self._before = self._moment()
+        self._before = self._snapshot()
 
     def go(self, grid: Grid, ends: Integers, minimum: Array, maximum: Array) -> bool:
-        """Step through cycles whose last intervals are `ends`, (n,); takes their extremes, (n, n_channels, 3) each.
+        """Step through cycles whose last intervals are `ends`, (n,), and write their extremes, (n, n_channels, 3) each.
 
-        Returns whether that went well; if not, `handed_over` goes on before the first of these cycles.
+        Returns whether the kernel did not fail; if it did, `handed_over` continues before the first of these cycles.
         """
         group, e = self._group, self._group.equations
-        self._before = self._moment()
+        self._before = self._snapshot()
         table = np.array([grid.start, grid.stop, grid.steps])
         closes = np.zeros(grid.start.size, dtype=np.bool_)
         closes[ends] = True
@@ -130,9 +130,9 @@ class ByKernel:
         return failure(self._group, 0)
 
     def handed_over(self) -> ByMujoco:
-        """Let MuJoCo go on from where the last cycles that went well ended."""
+        """Make the copy by MuJoCo that continues from the end of the last cycles without failure."""
         states, clock, recent, base = self._before
-        taken = ByMujoco(self._system, self._motion, final_state(self._system, self._start, states, self.time))
+        successor = ByMujoco(self._system, self._motion, final_state(self._system, self._start, states, self.time))
         if clock[HISTORY]:
             turn = int(clock[TURN])
             vectors = recent.reshape(-1, 3, 4)[..., :3].transpose(1, 0, 2)
@@ -140,11 +140,11 @@ class ByKernel:
                 np.concatenate([vectors[(turn + step) % 3], [base[first : first + 3]]])[self._rows]
                 for step, first in ((1, at.BEFORE), (2, at.LAST))
             )
-            taken.remember(clock[[TIME_1, TIME_2]], before, last)
-        return taken
+            successor.remember(clock[[TIME_1, TIME_2]], before, last)
+        return successor
 
     def check(self) -> None:
-        """Do nothing: what fails is handed over."""
+        """Do nothing: cycles that fail are handed over to MuJoCo."""
 
     def finish(self) -> State:
         positions, rates = base_before(self._motion, self._system.assembly.tables.drive, self.time)
@@ -152,24 +152,24 @@ class ByKernel:
         self._group.finish(self.time, *at_end, np.zeros((1, 1, 3)), NO_SAMPLES)
         return final_state(self._system, self._start, self._group.states[:, 0], self.time)
 
-    def _moment(self) -> tuple[Array, Array, Array, Array]:
+    def _snapshot(self) -> tuple[Array, Array, Array, Array]:
         """Copy the state, the clock, the recent vectors of all channels and the base's memory."""
         group, lay = self._group, self._group.equations.lay
         recent = group.memory[lay[kernel.RECENT] : lay[kernel.RECENT] + kernel.RECENT_SIZE * lay[kernel.N_CHANNELS], 0]
         return group.states[:, 0].copy(), group.clock.copy(), recent.copy(), self._base.copy()
 
 
-# Fewest steps in a cycle: the parabola through three of them meets the crest of a sine within 1e-5, of its third harmonic
+# Fewest steps in a cycle: the parabola through three of them finds the crest of a sine within 1e-5, of its third harmonic
 # within 1e-3.
 STEPS_PER_CYCLE = 40
-FEWEST = 16  # cycles before which nothing is judged: four in each quarter
-LOOK_EVERY = 4  # a look is taken whenever the cycles have grown by one part in this
-# Looks that must agree: a slow beat may stand still at one of them. Of 1500 transients with decays of 1e-3 to 1 per cycle and
-# beats of every length 0.6 % were still taken for settled too early, those that turn once within a decay and begin where they
-# stand still; the wait was 1.7 times the shortest possible.
+FEWEST = 16  # least cycles for a check of settling: four in each quarter
+LOOK_EVERY = 4  # settling is checked whenever the number of cycles has grown by 1 / LOOK_EVERY
+# Successive checks that must agree: a slow beat may be stationary at one of them. Of 1500 transients with decays of 1e-3 to 1
+# per cycle and beats of every length 0.6 % were still taken for settled too early, those that turn once within a decay and
+# begin at a stationary point; the wait was 1.7 times the shortest possible.
 IN_A_ROW = 2
 SMALL = 1e-3  # amplitudes smaller than this fraction of the largest are judged relative to that fraction
-# Blocks that a decay may still take. Steady amplitudes repeat within some 1e-12, which is then at most 1e-6.
+# Largest number of quarters that a decay is extrapolated over. Steady amplitudes repeat within some 1e-12: at most 1e-6 then.
 SLOWEST = 1e6
 
 
@@ -187,7 +187,7 @@ class Extremes:
 
 
 class Cycles:
-    """A copy of a system that is stepped through the cycles of its excitation; made by `stepping`.
+    """A system that is stepped through the cycles of its excitation, by the kernel or MuJoCo; made by `stepping`.
 
     The peak tracker of the simulation is read and emptied after every cycle: it sees every step and refines an extreme by the
     parabola through three of them, so that a cycle costs memory for its extremes alone. An extreme in the last half step of a
@@ -195,12 +195,12 @@ class Cycles:
     """
 
     def __init__(self, system: System, motion: Sine | Sweep, start: State, timestep: float, engines: ExitStack) -> None:
-        self.steps, self.largest_step = 0, 0.0  # so far [1, s]
+        self.steps, self.largest_step = 0, 0.0  # number of steps so far, and the largest of them [s]
         self._motion, self._timestep, self._engines = motion, timestep, engines
         self._system, self._mounts = system, Channels.of(system).mounts
         self._n_channels = system.assembly.tables.channels.size
-        self.why = unsupported_run(system, motion)  # why it is not the kernel that steps, "" as long as it is
-        self._by = self._stepped(ByMujoco(system, motion, start)) if self.why else ByKernel(system, motion, start)
+        self.why = unsupported_run(system, motion)  # reason why MuJoCo steps, "" as long as the kernel does
+        self._engine = self._with_callbacks(ByMujoco(system, motion, start)) if self.why else ByKernel(system, motion, start)
 
     def run(self, instants: Array) -> Extremes:
         """Step through the cycles that begin and end at `instants` [s], (n + 1,), and return their extremes.
@@ -211,27 +211,27 @@ class Cycles:
         """
         grid, ends = cycle_grid(instants, self._timestep)
         minimum, maximum = np.empty((2, ends.size, self._n_channels, 3))
-        if not self._by.go(grid, ends, minimum, maximum) and isinstance(self._by, ByKernel):
-            self.why = self._by.failure
-            self._by = self._stepped(self._by.handed_over())
-            self._by.go(grid, ends, minimum, maximum)
+        if not self._engine.go(grid, ends, minimum, maximum) and isinstance(self._engine, ByKernel):
+            self.why = self._engine.failure
+            self._engine = self._with_callbacks(self._engine.handed_over())
+            self._engine.go(grid, ends, minimum, maximum)
         frequencies = frequencies_at(self._motion, (instants[:-1] + instants[1:]) / 2.0)
         require_lawful(self._system, frequencies, minimum[:, self._mounts], maximum[:, self._mounts])
         try:
-            self._by.check()
+            self._engine.check()
         except SimulationError as error:
-            frequency = frequencies_at(self._motion, np.array([self._by.time]))[0]
+            frequency = frequencies_at(self._motion, np.array([self._engine.time]))[0]
             raise SimulationError(f"at {frequency:.5g} Hz: {error}") from None
         self.steps += int(grid.steps.sum())
         self.largest_step = max(self.largest_step, grid.largest_step)
         return Extremes(minimum=minimum, maximum=maximum)
 
     def finish(self) -> State:
-        return self._by.finish()
+        return self._engine.finish()
 
-    def _stepped(self, by: ByMujoco) -> ByMujoco:
-        self._engines.enter_context(installed(by.stepper.model, by.stepper.data))
-        return by
+    def _with_callbacks(self, engine: ByMujoco) -> ByMujoco:
+        self._engines.enter_context(installed(engine.stepper.model, engine.stepper.data))
+        return engine
 
 
 @contextmanager
@@ -247,8 +247,8 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, Integers]:
     Each cycle is cut into equal steps of at most `timestep` [s], at least `STEPS_PER_CYCLE`.
     """
     start, stop, steps, cycle = divided(instants, timestep, least=STEPS_PER_CYCLE)
-    none, smooth = np.zeros(cycle.size, dtype=bool), np.full(cycle.size, at.SMOOTH)
-    grid = Grid(start=start, stop=stop, steps=steps, sampled=none, event=smooth, corner_after=none)
+    never, smooth = np.zeros(cycle.size, dtype=bool), np.full(cycle.size, at.SMOOTH)
+    grid = Grid(start=start, stop=stop, steps=steps, sampled=never, event=smooth, corner_after=never)
     return grid, np.flatnonzero(np.diff(cycle, append=-1))
 
 
@@ -265,7 +265,7 @@ def frequencies_at(motion: Sine | Sweep, times: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Steady:
-    """Motion of a system after many cycles of a sine."""
+    """Response of a system after many cycles of a sine: extremes, state, and whether it has settled."""
 
     # extremes of every channel in the last cycle, or in the last quarter of them if it has not settled, (n_channels, 3)
     minimum: Array
@@ -274,16 +274,16 @@ class Steady:
     cycles: int
     steps: int
     largest_step: float  # of all steps [s]
-    # estimated distance of the amplitudes from their limits, relative to them; `settled` if that is small enough
+    # estimated distance of the amplitudes from their limits, relative to them; `settled` if it is within the tolerance
     remaining: float
     settled: bool
 
 
 def settle(system: System, motion: Sine, start: State, *, timestep: float, settled: float, largest_cycles: int) -> Steady:
-    """Shake a system by a sine until the amplitudes of all bodies are within `settled` of their limits, or `largest_cycles`."""
+    """Step a system under a sine until all bodies' amplitudes are within `settled` of their limits, or `largest_cycles`."""
     bodies = Channels.of(system).bodies
     chunks: list[Extremes] = []
-    cycles, agreeing, remaining = 0, 0, np.inf
+    cycles, agreeing, remaining = 0, 0, np.inf  # agreeing: successive checks that found the amplitudes settled
     with stepping(system, motion, at_start(system, motion, start), timestep) as stepped:
         while agreeing < IN_A_ROW and cycles < largest_cycles:
             more = min(cycles // LOOK_EVERY if cycles else FEWEST, largest_cycles - cycles)
@@ -303,11 +303,11 @@ def settle(system: System, motion: Sine, start: State, *, timestep: float, settl
 
 
 def distance_to_limit(amplitudes: Array) -> float:
-    """Estimate how far the amplitudes of successive cycles, (n, m), are from their limits: the largest relative distance.
+    """Estimate the largest relative distance of the amplitudes of successive cycles, (n, m), from their limits.
 
     The cycles are cut into quarters, and the first, in which transients mix, is left out. If the means of the other three
-    change by d1 and then by d2, an exponential that passes through them has d2 r / (1 - r) left to go, r = d2 / d1, however
-    small d2 is. What beats about the mean in the last quarter is left too. Infinite with fewer than `FEWEST` cycles.
+    change by d1 and then by d2, an exponential through them is d2 r / (1 - r) from its limit, r = d2 / d1, however small d2
+    is. The beat about the mean in the last quarter counts, too. Infinite with fewer than `FEWEST` cycles.
     """
     block = amplitudes.shape[0] // 4
     if 4 * block < FEWEST:
@@ -316,8 +316,8 @@ def distance_to_limit(amplitudes: Array) -> float:
     means = quarters.mean(axis=1)
     scale = np.maximum(means[2], SMALL * means[2].max())
     first, second = np.abs(np.diff(means, axis=0))
-    going = np.minimum(second, first) / np.maximum(first - second, first / SLOWEST + 1e-300)  # r / (1 - r)
-    going = np.where(second >= first, SLOWEST, np.minimum(going, SLOWEST))
-    beating = 0.5 * np.ptp(quarters[2], axis=0)
-    left = np.maximum(second * going, beating)
-    return float(np.max(np.where(left > 0.0, left, 0.0) / np.where(scale > 0.0, scale, 1.0)))
+    tail = np.minimum(second, first) / np.maximum(first - second, first / SLOWEST + 1e-300)  # r / (1 - r)
+    tail = np.where(second >= first, SLOWEST, np.minimum(tail, SLOWEST))
+    beat = 0.5 * np.ptp(quarters[2], axis=0)
+    distance = np.maximum(second * tail, beat)
+    return float(np.max(np.where(distance > 0.0, distance, 0.0) / np.where(scale > 0.0, scale, 1.0)))

@@ -22,32 +22,32 @@ from wirerope_mj.mounts.isolator import AXES as MOUNT_AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_reached
 from wirerope_mj.mounts.laws.law import ROUNDING
 
-RAN_AWAY = 10.0  # finite travels beyond which a deflection is but the overflow of a law that has ended
+RAN_AWAY = 10.0  # deflection over a law's finite travel from which it is an overflow beyond the law's validity
 
 
 @dataclass(frozen=True, kw_only=True)
 class Channels:
-    """Numbers of the peak tracker's channels."""
+    """Indices of the peak tracker's channels."""
 
-    base: int  # acceleration of the driven base
-    names: tuple[str, ...]  # bodies that move and are not fixed to the base, payloads first
-    bodies: Integers  # their accelerations, (n_bodies,)
-    mounts: Integers  # deflections of the mounts, (n_mounts,)
+    base: int  # channel of the driven base's acceleration
+    names: tuple[str, ...]  # names of the bodies that move and are not fixed to the base, payloads first
+    bodies: Integers  # channels of these bodies' accelerations, (n_bodies,)
+    mounts: Integers  # channels of the mounts' deflections, (n_mounts,)
 
     @classmethod
     def of(cls, system: System) -> "Channels":
         assembly = system.assembly
-        every = assembly.subjects.body_names
-        fixed = {every[channel] for channel in assembly.tables.base_channels if channel < len(every)}
-        names = (*system.payloads, *(name for name in every if name not in fixed and name not in system.payloads))
+        body_names = assembly.subjects.body_names
+        fixed = {body_names[channel] for channel in assembly.tables.base_channels if channel < len(body_names)}
+        names = (*system.payloads, *(name for name in body_names if name not in fixed and name not in system.payloads))
         n_channels = assembly.tables.channels.size
-        bodies = np.array([every.index(name) for name in names], dtype=np.int64)
-        mounts = np.arange(n_channels - 2 * len(system.mounts), n_channels, 2)  # deflection, force of each
-        return cls(base=every.index(system.base), names=names, bodies=bodies, mounts=mounts)
+        bodies = np.array([body_names.index(name) for name in names], dtype=np.int64)
+        mounts = np.arange(n_channels - 2 * len(system.mounts), n_channels, 2)  # deflection and force of each mount
+        return cls(base=body_names.index(system.base), names=names, bodies=bodies, mounts=mounts)
 
 
 def require_lawful(system: System, frequency: Array, minimum: Array, maximum: Array) -> None:
-    """Raise SimulationError at the first cycle in which a mount went to where its law does not hold.
+    """Raise SimulationError at the first cycle in which a mount went beyond the finite travel of its law.
 
     The cycles are given by frequencies [Hz], (n,), and extreme deflections [m], (n, n_mounts, 3).
     """
@@ -60,7 +60,7 @@ def require_lawful(system: System, frequency: Array, minimum: Array, maximum: Ar
     row, number, index, side = np.argwhere(beyond)[0]
     name, mount = list(system.mounts.items())[number]
     axis, law = list(mount.isolator.axes.items())[index]
-    assert law is not None  # what has no law has no end of it
+    assert law is not None  # an axis without a law has infinite travel
     far, end = reached[row, number, index, side], law.travel_ends[side]
     went = f"reached {far:.4g} m" if far < RAN_AWAY * end else "ran away"
     raise SimulationError(
@@ -78,7 +78,7 @@ class TravelWatch:
         self._at = np.zeros(self._largest.shape)
 
     def add(self, frequency: Array, minimum: Array, maximum: Array) -> None:
-        """Take extreme deflections [m], (n, n_mounts, 3), at frequencies [Hz], (n,)."""
+        """Update the largest travels by extreme deflections [m], (n, n_mounts, 3), at frequencies [Hz], (n,)."""
         reached = np.stack(list(travel_reached(minimum, maximum).values()), axis=-1)
         row = np.argmax(reached, axis=0)
         largest = np.take_along_axis(reached, row[np.newaxis], axis=0)[0]
@@ -86,7 +86,7 @@ class TravelWatch:
         self._largest, self._at = np.where(grown, largest, self._largest), np.where(grown, frequency[row], self._at)
 
     def warnings(self) -> tuple[str, ...]:
-        """Warn of every rated travel that was exceeded, where it was most."""
+        """Describe every rated travel that was exceeded, with the largest travel and its frequency."""
         return tuple(
             f"mount {name!r} goes {largest:.4g} m in {rating} at {frequency:.5g} Hz, beyond its rated {rated[rating]:.4g} m."
             for (name, rated), row, at in zip(self._rated.items(), self._largest, self._at, strict=True)
@@ -127,26 +127,26 @@ class FrequencySweep(Summarised):
 
     frequency: Array  #: of the excitation [Hz], (n,): in the middle of every cycle of a sweep, or of every steady sine
     base_amplitude: Array  #: largest absolute acceleration of the base along the excitation's direction [m/s^2], (n,)
-    payload: str  #: the body that `amplitude` and `transmissibility` belong to
-    response_direction: str  #: the axis along which they are taken, "x", "y" or "z"
+    payload: str  #: body whose motion `amplitude` and `transmissibility` are
+    response_direction: str  #: axis along which they are taken, "x", "y" or "z"
     envelopes: Mapping[str, BodyEnvelope]  #: of every body that moves relative to the base, by name, payloads first
     mounts: Mapping[str, MountEnvelope]  #: of every mount, by name
     cycles: Array  #: cycles of the excitation behind every frequency, (n,); 1 each for a sweep
     #: estimated distance of the amplitudes from their limits in a steady sine, relative to them, (n,); NaN for a sweep, which
     #: does not wait
     remaining: Array
-    settled: Booleans  #: whether they were within the tolerance, (n,); False for a sweep
+    settled: Booleans  #: whether that distance was within the tolerance, (n,); False for a sweep
     excitation: Entries  #: the excitation as plain values
     timestep: float  #: largest step [s]
-    #: of samples and peaks, estimated before the run relative to the peaks; NaN where the step was given
+    #: error of samples and peaks, estimated before the run relative to the peaks; NaN where the step was given
     estimated_error: float
-    #: steps of all that was simulated for the result, a lead-in included, the pilots that chose the step not
+    #: steps of the simulation, a lead-in included, without the pilots that chose the step
     model_steps: int
-    #: state in which the first cycle began, after the lead-in of a sweep; `simulate` gives the whole history from it:
+    #: state in which the first cycle began, after the lead-in of a sweep; `simulate` computes the whole history from it:
     #: `simulate(system, r.sweep, duration=r.final_state.time, initial=r.initial_state, out=folder)`
     initial_state: State = field(repr=False)
-    final_state: State = field(repr=False)  #: state at the end of the last cycle, from which another sweep may go on
-    warnings: tuple[str, ...]  #: rated travels that were exceeded, and what did not settle, one sentence each
+    final_state: State = field(repr=False)  #: state at the end of the last cycle, from which another sweep may continue
+    warnings: tuple[str, ...]  #: exceeded rated travels, and frequencies that did not settle, one sentence each
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         peak = int(np.argmax(self.amplitude))
@@ -215,7 +215,7 @@ class FrequencySweep(Summarised):
         }  # fmt: skip
 
     def save(self, folder: str | Path) -> None:
-        """Write table and summary into `folder` (made if missing), atomically; those that are there are replaced."""
+        """Write table and summary into `folder` (made if missing), atomically; existing ones are replaced."""
         bodies = [envelope.acceleration for envelope in self.envelopes.values()]
         mounts = [extreme for mount in self.mounts.values() for extreme in (mount.minimum, mount.maximum)]
         rows = np.column_stack([*(getattr(self, name) for name in _FIRST), *bodies, *mounts])
@@ -233,7 +233,7 @@ class FrequencySweep(Summarised):
 
     @classmethod
     def of_rows(cls, rows: Array, content: Entries) -> "FrequencySweep":
-        """Make the sweep of a table's rows, (n, n_columns), and metadata."""
+        """Make the sweep from a table's rows, (n, n_columns), and metadata."""
         vectors = iter(rows[:, len(_FIRST) :].reshape(rows.shape[0], -1, 3).transpose(1, 0, 2))
         first = dict(zip(_FIRST, rows.T, strict=False))
         base = first["base_amplitude"][:, np.newaxis]
@@ -270,14 +270,14 @@ def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:
 
 
 class Collector:
-    """Takes the extremes at frequency after frequency, in memory or to a file, and makes the result of them."""
+    """Collector of the extremes at frequency after frequency, in memory or in a file, for the result of a sweep."""
 
     def __init__(self, system: System, *, direction: Direction, out: str | Path | None) -> None:
-        """Prepare for an excitation along `direction`; `out` is the folder that the table goes to, if any."""
+        """Prepare for an excitation along `direction`; `out` is the folder of the table, None to keep it in memory."""
         self._steps, self._largest_step = 0, 0.0
         self._channels = Channels.of(system)
         unit = np.abs(unit_vector(direction))
-        self._along = int(np.argmax(unit))  # the component that moves most stands for the whole of a straight motion
+        self._along = int(np.argmax(unit))  # the largest component gives the amplitude of the straight motion
         self._component = float(unit[self._along])
         self._watch = TravelWatch(system)
         self._mounts, self._rows, self._writer = list(system.mounts), list[Array](), None
@@ -295,27 +295,27 @@ class Collector:
             self._writer.discard()  # no half-written file
 
     def count(self, steps: int, largest_step: float) -> None:
-        """Add steps, the largest of them in [s]."""
+        """Add a number of steps and the largest of them [s]."""
         self._steps, self._largest_step = self._steps + steps, max(self._largest_step, largest_step)
 
     def add(self, frequency: Array, minimum: Array, maximum: Array, *, cycles: int, remaining: float, settled: bool) -> None:
-        """Take extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and what they have in common."""
-        on = self._channels
-        self._watch.add(frequency, minimum[:, on.mounts], maximum[:, on.mounts])
+        """Add extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and the values common to all of them."""
+        channels = self._channels
+        self._watch.add(frequency, minimum[:, channels.mounts], maximum[:, channels.mounts])
         largest = np.maximum(maximum, -minimum)
-        deflections = np.stack([minimum[:, on.mounts], maximum[:, on.mounts]], axis=2)  # (n, n_mounts, 2, 3)
-        base = largest[:, on.base, self._along] / self._component
+        deflections = np.stack([minimum[:, channels.mounts], maximum[:, channels.mounts]], axis=2)  # (n, n_mounts, 2, 3)
+        base = largest[:, channels.base, self._along] / self._component
         common = np.broadcast_to([cycles, remaining, settled], (frequency.size, 3))
-        vectors = [largest[:, on.bodies].reshape(frequency.size, -1), deflections.reshape(frequency.size, -1)]
+        vectors = [largest[:, channels.bodies].reshape(frequency.size, -1), deflections.reshape(frequency.size, -1)]
         self._rows.append(np.column_stack([frequency, base, common, *vectors]))
         if self._writer is not None and sum(block.shape[0] for block in self._rows) >= STREAM_ROWS:
             self._writer.write(np.concatenate(self._rows))
             self._rows.clear()
 
     def finish(self, question: Entries, *, initial_state: State, final_state: State, warnings: Sequence[str]) -> FrequencySweep:
-        """Make the result.
+        """Make the sweep, in memory or from the file, and write its summary beside the file.
 
-        `question` holds payload, response_direction, excitation and the estimated_error of the step; `warnings` go before those
+        `question` holds payload, response_direction, excitation and the estimated_error of the step; `warnings` precede those
         of travel.
         """
         content = question | {

@@ -1,4 +1,4 @@
-"""A system shaken by a continuous sweep, cycle by cycle, or by one steady sine after another."""
+"""Envelopes of a system under a continuous sweep, cycle by cycle, or under one steady sine after another."""
 
 import math
 from collections.abc import Sequence
@@ -26,12 +26,12 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
 
 # Fewest steps of a cycle, and the accuracy they are for: a peak is refined by a parabola, which misses it where a law without
-# an elastic part turns and its slope jumps. Pilots of two such steps have the same error and do not see it.
+# an elastic part turns and its slope jumps. Pilots of two such steps have the same error and do not detect it.
 STEPS, REFERENCE = 128, 1e-4
-# Samples by which steps are judged before the run, in a cycle of the highest frequency; peaks are judged from every step.
+# Samples in a cycle of the highest frequency by which steps are judged before the run; peaks are judged from every step.
 SAMPLES_PER_CYCLE = 8
-CHUNK = 64  # cycles between two looks at deflections and progress: their base motion is evaluated at once
-# Bytes of a cycle: its instants and how they are found, and its row of extremes, of ten bodies and mounts at the least.
+CHUNK = 64  # cycles between two checks of deflections and progress: their base motion is evaluated at once
+# Memory of a cycle [byte]: its instants and their computation, and its row of extremes, of ten bodies and mounts at least.
 CYCLE = 500.0
 KIND = "stepped sine"
 # Duration of the sweep over the frequencies along which a step is chosen [s]: long compared with the pilots' windows.
@@ -61,7 +61,7 @@ def response_axis(response_direction: str | Sequence[float] | None, base: Direct
 
 
 def starting_state(system: System, *, history: History, initial: State | None) -> State:
-    """Check the state that is given, or compute the equilibrium."""
+    """Check the initial state if it is given, or compute the equilibrium."""
     if initial is None:
         return equilibrium(system, history=history).state
     size = int(mujoco.mj_stateSize(system.model, STATE))
@@ -73,7 +73,7 @@ def starting_state(system: System, *, history: History, initial: State | None) -
 def chosen_step(
     system: System, motion: Sine | Sweep, start: State, *, duration: float, timestep: float | None, accuracy: float
 ) -> ChosenStep:
-    """Check the step that is given, or choose one that keeps the accuracy in pilots along the motion."""
+    """Check the step if it is given, or choose one that keeps the accuracy in pilots along the motion."""
     if timestep is None:
         rate = SAMPLES_PER_CYCLE / motion.shortest_time
         chosen = choose_timestep(
@@ -87,7 +87,7 @@ def chosen_step(
 
 
 def acceleration_of(quantity: str, amplitude: float, frequency: float) -> float:
-    """Acceleration amplitude [m/s^2] of a sine whose amplitude is given in `quantity`."""
+    """Convert the amplitude of a sine, given in `quantity`, to its acceleration amplitude [m/s^2]."""
     omega = 2.0 * math.pi * frequency
     return amplitude * {"acceleration": 1.0, "velocity": omega, "displacement": omega**2}[quantity]
 
@@ -98,12 +98,12 @@ def frequency_sweep(
     timestep: float | None = None, accuracy: float = 1e-4, out: str | Path | None = None, progress: bool = False,
     direction: None = None,
 ) -> FrequencySweep:  # fmt: skip
-    """Compute the envelope of accelerations and deflections that a sweep leaves, cycle by cycle.
+    """Compute the envelope of accelerations and deflections under a sweep, cycle by cycle.
 
     The system first follows a steady sine of the sweep's level at its start frequency until its amplitudes have settled, so
     that the envelope begins on the response and not on the transient of switching on. Then it follows the sweep through its
-    complete cycles; what is left of the last one is not run, so that the final state stands at phase 0 and a sweep in the
-    other direction may start from it. A sweep lags behind the steady response by about rate ln 2 / 60 times the decay time of
+    complete cycles; an incomplete last cycle is not run, so that the final state stands at phase 0 and a sweep in the other
+    direction may start from it. A sweep lags behind the steady response by about rate ln 2 / 60 times the decay time of
     the transients, relative to the frequency: repeat it at half the rate, or in the other direction, to see by how much.
 
     Args:
@@ -170,9 +170,9 @@ def frequency_sweep(
         with stepping(system, sweep, start, step.timestep) as stepped:
             for first in range(0, instants.size - 1, CHUNK):
                 ends = instants[first : first + CHUNK + 1]
-                seen = stepped.run(ends)
+                extremes = stepped.run(ends)
                 frequency = sweep.frequency((ends[:-1] + ends[1:]) / 2.0)
-                collector.add(frequency, seen.minimum, seen.maximum, cycles=1, remaining=math.nan, settled=False)
+                collector.add(frequency, extremes.minimum, extremes.maximum, cycles=1, remaining=math.nan, settled=False)
                 update(float(ends[-1] / instants[-1]), float(frequency[-1]))
             collector.count(stepped.steps, stepped.largest_step)
             final = stepped.finish()
@@ -189,6 +189,7 @@ def frequency_sweep(
 
 
 def check_cycles(sweep: Sweep, timestep: float | None) -> None:
+    """Raise BudgetError if the cycles of a sweep take too much memory or time."""
     cycles = abs(float(sweep.course.phase(np.array([sweep.duration]))[0])) / (2.0 * math.pi)
     what = f"a sweep of {sweep.duration:.4g} s"
     remedy = "Sweep faster (a larger `rate`), or over a narrower range."
@@ -264,15 +265,15 @@ def stepped_sine(
         state = start = at_start(system, sines[0], start)
         unsettled: list[str] = []
         for number, sine in enumerate(sines):
-            at = settle(system, sine, state, timestep=step.timestep, settled=tolerance, largest_cycles=most)
-            state = at.state
-            collector.count(at.steps, at.largest_step)
+            steady = settle(system, sine, state, timestep=step.timestep, settled=tolerance, largest_cycles=most)
+            state = steady.state
+            collector.count(steady.steps, steady.largest_step)
             collector.add(
-                np.array([sine.frequency]), at.minimum[np.newaxis], at.maximum[np.newaxis], cycles=at.cycles,
-                remaining=at.remaining, settled=at.settled,
+                np.array([sine.frequency]), steady.minimum[np.newaxis], steady.maximum[np.newaxis], cycles=steady.cycles,
+                remaining=steady.remaining, settled=steady.settled,
             )  # fmt: skip
-            if not at.settled:
-                unsettled.append(f"{sine.frequency:.5g} Hz ({at.remaining:.2g})")
+            if not steady.settled:
+                unsettled.append(f"{sine.frequency:.5g} Hz ({steady.remaining:.2g})")
             update((number + 1) / len(sines), sine.frequency)
         warning = f"not settled to {tolerance:.2g} after {most} cycles (estimated distance from the limit): "
         result = collector.finish(
