@@ -128,11 +128,11 @@ class Comparison:
 def compare_runs(
     responses: Mapping[str, Response], align: Align = "start", verdicts: Mapping[str, Sequence[Verdict]] | None = None
 ) -> Comparison:
-    """Compare responses by name with the first of them.
+    """Compare named responses: shared components and mounts, and differences of histories from the first response.
 
     `align` "start" lets all begin together, as they were simulated; with "shock" their first events fall together.
-    Verdicts are those that `judge` returns, if none are given. ValueError if `align` is unknown; RecordError if they
-    share nothing, or a run has no shock to align.
+    Verdicts are those that `judge` returns, if they are not given. ValueError if `align` is unknown; RecordError if the
+    responses share no component and no mount, or a run has no shock to align.
     """
     one_of("align", align, get_args(Align))
     subjects = {name: subjects_of(response) for name, response in responses.items()}
@@ -196,7 +196,7 @@ def _shifted(response: Response, by: float) -> Response:
 
 @dataclass(frozen=True, kw_only=True)
 class PeakRow:
-    """A peak in every run, in the order of the runs; None where a run does not have it."""
+    """Peak of a component or mount in every run, in the order of the runs; None for a run without it."""
 
     label: str  # name of the component or mount
     values: tuple[float | None, ...]  # in SI, utilisations as ratios

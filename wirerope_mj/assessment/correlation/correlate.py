@@ -125,7 +125,7 @@ class ChannelCorrelation:
 
     @property
     def worst_band(self) -> Band | None:
-        """Band in which the spectra differ most; None where they nowhere differ by a tenth."""
+        """Band in which the spectra differ most; None if no band differs by a tenth."""
         return self.spectrum.bands[0] if self.spectrum and self.spectrum.bands else None
 
 
@@ -142,7 +142,7 @@ class Correlation(Summarised):
 
     @property
     def responses(self) -> tuple[ChannelCorrelation, ...]:
-        """Channels that are not of the base; those of the base where there are no others."""
+        """Channels of bodies, points and mounts; the base's channels if there are no others."""
         return tuple(row for row in self.channels if row.channel.subject != "base") or self.channels
 
     @cached_property

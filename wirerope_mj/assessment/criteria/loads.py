@@ -38,7 +38,7 @@ AT_REST = 1e-3 * STANDARD_GRAVITY
 
 
 def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Judge the compression every mount carries at the start of the run against its rated static load.
+    """Judge the compression of every mount at the start of the run against its rated static load.
 
     The rating holds for compression. A mount that hangs, or carries more across its axis than along it, is not judged, nor
     is a run that does not begin at rest in equilibrium.
@@ -247,7 +247,7 @@ class BoltLoad:
 
 
 def bolt_loads(response: Response) -> list[BoltLoad]:
-    """Compute the loads of the bolts of every mount whose isolator says how many it has, the largest tension first.
+    """Compute the bolt loads of every mount whose isolator states its number of bolts, the largest tension first.
 
     The plate is rigid. A bolt has its share of the axial tension and of the force across. The force across acts at half the
     height: its moment pulls the bolts of one side by F h / 2 over their distance, shared by half of them; about its own line a

@@ -137,9 +137,9 @@ def fatigue_damage_spectrum(
 
 
 EXAMPLE = "rack 3600 s 5 to 80 Hz z"
-# Points of a density to an octave, at least, lines of damage from one to the next, and ends of the narrowest and widest band
+# Least points of a density to an octave, lines of damage between two points, and ratios of narrowest and widest band
 _PER_OCTAVE, _LINES, _NARROWEST, _WIDEST = 6, 4, 2.0 ** (1 / 3), 2.0**12
-# Playings by which a density is tried, up to so many periods of its highest frequency (a second a playing), and samples in each
+# Playings (seeds) by which a density is tried, most periods of its highest frequency in a playing, and samples to a period
 _PLAYINGS, _LONGEST, _SAMPLES = 8, 4000.0, 40.0
 
 
@@ -147,16 +147,16 @@ _PLAYINGS, _LONGEST, _SAMPLES = 8, 4000.0, 40.0
 class EquivalentVibration:
     """A density of random vibration with the damage spectrum of a history."""
 
-    # subject, along: whose history it is, and along what
+    # subject, along: body, point or base of the history, and its direction
     subject: str
     along: str
     duration: float  # of the vibration [s]
     points: Points  # frequency [Hz] and level [(m/s^2)^2/Hz]; zero outside
-    # frequency [Hz] and damage of the density over that of the history, on finer lines: of the playing that does least there,
-    # or without playings the expected one
+    # frequency [Hz] and damage of the density over that of the history, on finer lines: the least of all playings, or without
+    # playings the expected one
     damage: Points
     ramps: tuple[float, float]  # rise and fall within the duration [s]
-    playings: int  # of the vibration from its rise to its fall, by which it was tried; 0: it takes too long to play
+    playings: int  # number of playings from rise to fall by which it was tried; 0: too long to play
     # exponent, q: of the damage spectrum
     exponent: float
     q: float
@@ -202,7 +202,7 @@ def equivalent_vibration(response: Response, text: str, *, exponent: float) -> E
         points, relative = equivalent_psd(at, damage, exponent=exponent, duration=at_level, q=q, every=_LINES)
         if playings := _PLAYINGS if duration * high <= _LONGEST else 0:
             step = max(float(np.median(np.diff(response.time))), 1.0 / (_SAMPLES * high))
-            points, relative = _raised_as_played(points, duration, step, (at, damage), exponent, q)
+            points, relative = _raise_levels(points, duration, step, (at, damage), exponent, q)
     except ValueError as error_of:
         raise ValueError(f'equivalent vibration "{text}": {error_of} It is written like "{EXAMPLE}".') from None
     return EquivalentVibration(
@@ -212,13 +212,13 @@ def equivalent_vibration(response: Response, text: str, *, exponent: float) -> E
     )  # fmt: skip
 
 
-def _raised_as_played(
+def _raise_levels(
     points: Points, duration: float, step: float, wanted: tuple[Array, Array], exponent: float, q: float
 ) -> tuple[Points, Array]:
-    """Raise levels until each playing does the damage that is wanted at the frequencies; return also the least over the wanted.
+    """Raise a density's levels until each playing does the wanted damage at all frequencies; returns also the ratio.
 
-    A density says what many playings do in the mean. One of seconds has few lines in the width of an oscillator, begins at
-    rest, and its largest cycles come seldom, the more so the larger the exponent is.
+    A density determines the mean damage of many playings. A playing of seconds has few lines in the width of an oscillator,
+    begins at rest, and its largest cycles are rare, the more so the larger the exponent is.
     """
     at, damage = wanted
     time = step * np.arange(math.floor(duration / step) + 1)

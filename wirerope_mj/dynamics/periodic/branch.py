@@ -166,7 +166,7 @@ class Branch(Summarised):
         )  # fmt: skip
 
     def _jump(self, fold: Bifurcation) -> Jump:
-        """Find the stable motion of the branch on which a sweep lands that leaves it at a fold."""
+        """Describe the jump at a fold: its direction, and the amplitude of the stable motion where a sweep lands."""
         p, a = self.followed, self.amplitude
         value = float(p[fold.index])
         rising = bool(self.tangents[max(fold.index - 1, 0)] > 0.0)

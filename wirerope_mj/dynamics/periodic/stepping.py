@@ -1,4 +1,4 @@
-"""The steps of a sine's periods in lanes, accelerations around the instants of a motion, and a linear equation along it."""
+"""Kernels of periodic motions: steps of a sine's periods, accelerations beside a motion, and the linear equation along it."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from wirerope_mj.mounts.laws.power import ORDER, carry_power
 
 @njit
 def go(structure, shared, numbers, states, memory, positions, rates, motion, h, carried, lanes, track, values):
-    """Step all lanes along with a base that moves alike in all of them.
+    """Step all lanes through the periods of the base's sine, which is the same in all of them.
 
     Args:
         structure: `lay` of the equations.
@@ -28,11 +28,11 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
         rates: of the driven slides, alike.
         motion: accelerations of the base at all half steps, (1, 2 n_steps + 1, 3).
         h: length of a step [s].
-        carried: states with n < 1, for each where its deflection stands in the memory, where its rate does, its first
+        carried: states with n < 1: for each the addresses of its deflection and of its rate in the memory, of its first
             parameter in the numbers, and its row among the states, (n_carried, 4). A step's stages sample the slope of these
             states, which has no derivative where they are zero: the map of a period would be rough to 1e-4 of itself. They are
-            carried from the start of a step to its end in closed form, along the deflection between both.
-        lanes: number of those that are looked at.
+            integrated over a step in closed form, along the deflection between its start and end.
+        lanes: number of lanes in use.
         track: takes the first lane's state at the start of the first steps, (n_kept, n_state).
         values: takes its sensor values, (n_kept, n_values).
     """
@@ -75,7 +75,7 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
 
 @njit
 def carried_along(p, x0, v0, x1, v1, h, z0, c, a):
-    """Carry Bouc-Wen's state over a step along the cubic through deflections and rates, from one reversal to the next."""
+    """Integrate Bouc-Wen's state z0 over a step h along the cubic through deflections and rates, from reversal to reversal."""
     z = np.array([z0])
     cubic, first, second = reversals(x0, x1, v0, v1, h)
     last = x0
@@ -90,7 +90,7 @@ def carried_along(p, x0, v0, x1, v1, h, z0, c, a):
 
 @njit
 def look_around(structure, shared, numbers, states, memory, track, moves, motion, wanted, factors, out):
-    """Write how accelerations and rates change beside the instants of a motion.
+    """Write the changes of accelerations and rates for displacements from a motion, at its instants.
 
     Args:
         structure: `lay` of the equations.
@@ -99,9 +99,9 @@ def look_around(structure, shared, numbers, states, memory, track, moves, motion
         states: of the lanes, overwritten.
         memory: of the lanes.
         track: states of the motion, (n_instants, n_state).
-        moves: by how much lanes lie beside it: tangents of configuration, velocities, states, (n_groups, n_tangent, WIDTH).
+        moves: displacements of the lanes: tangents of configuration, velocities, states, (n_groups, n_tangent, WIDTH).
         motion: accelerations of the base at the instants, (1, n_instants, 3).
-        wanted: addresses in the memory of what is looked at, accelerations and rates, (n_wanted,).
+        wanted: addresses in the memory of the accelerations and rates, (n_wanted,).
         factors: of their changes, (n_wanted,).
         out: takes the changes behind other rows, (n_instants, n_others + n_wanted, n_groups, WIDTH).
     """
@@ -129,7 +129,7 @@ def look_around(structure, shared, numbers, states, memory, track, moves, motion
 
 @inlined
 def weigh(n, weights, work, source, target):
-    """Write a column times the weights of its rows."""
+    """Write the column at `source` times the weights of its rows to `target`."""
     for i in range(n):
         work[target + i] = weights[i] * work[source + i]
 
@@ -145,7 +145,7 @@ def slope_of(i, first, column, value, entry, width, work, source):
 
 @inlined
 def add_slope(n, first, column, value, entry, width, scale, gain, decay, work, source, target, start, weight, h):
-    """Add A times the columns at `source` to the sum, weighted; write to `target` where it leads from `start` over h."""
+    """Add the weighted derivative at `source` to the sum of an RK4 step; write `start` plus h times it to `target`."""
     weighed = 4 * n
     weigh(n, scale, work, source, weighed)
     for i in range(n):
@@ -157,7 +157,7 @@ def add_slope(n, first, column, value, entry, width, scale, gain, decay, work, s
 
 @inlined
 def turn_round(n, first, column, value, entry, width, scale, turns, waits, work, here):
-    """Multiply the columns at `here` where states turn round, at the time at which they do: until then and back w' = dv."""
+    """Multiply the columns at `here` by the factors of reversals, at the reversals' times: until then and back w' = dv."""
     weigh(n, scale, work, here, 4 * n)
     for i in range(n):
         if turns[i] != 1.0:
@@ -169,7 +169,7 @@ def turn_round(n, first, column, value, entry, width, scale, turns, waits, work,
 def go_along(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, room):
     """Solve d/dt phi = gain A (scale phi) + decay phi in place by RK4 over pairs of the samples of A, row by row.
 
-    The first sample is behind the last; their number is even. Before each pair rows are multiplied by what they turn by.
+    The first sample follows the last; their number is even. Before each pair rows are multiplied by the factors of reversals.
 
     Args:
         begin: where the rows' entries that are not zero begin in `columns`, (n + 1,).

@@ -39,7 +39,7 @@ _SMALLEST_LEVEL = 1e-3
 
 @dataclass(frozen=True)
 class Solution:
-    """The point at which Newton's method stopped."""
+    """Unknowns at which Newton's method stopped, and their residual."""
 
     u: Array  # unknowns: the mean, the cosines, the sines [m], (2 H + 1,)
     residual: float  # largest |R_k| over m a

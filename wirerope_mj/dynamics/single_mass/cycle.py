@@ -1,7 +1,8 @@
-"""A law along one cycle of a periodic deflection, in its steady state, by the law's own exact steps.
+"""Steady cycles of a law under a periodic deflection, by the law's own exact steps.
 
-A sampled periodic deflection has its turning points between samples. They belong to the path, for a rate-independent law knows
-the path by them alone: without them the loop would lose its tips, and the force would not be smooth in the samples.
+A sampled periodic deflection has its turning points between samples. They belong to the path, for the force of a
+rate-independent law depends on them alone: without them the loop would lose its tips, and the force would not be smooth in the
+samples.
 """
 
 from dataclasses import dataclass
@@ -18,13 +19,13 @@ from wirerope_mj.mounts.laws.registry import PARALLEL, component, evaluate
 from wirerope_mj.mounts.laws.steady import carry, next_start
 from wirerope_mj.mounts.laws.timed import follow_time
 
-_ROUNDS = 200  # cycles after which the states are taken as they are; the secant needs fewer than ten, sliders two
-_CLOSED = 4e-16  # share of the largest state by which it may differ after a cycle: rounding
+_ROUNDS = 200  # most cycles until the states are taken for steady; the secant needs fewer than ten, sliders two
+_CLOSED = 4e-16  # difference of the states after a cycle, over the largest state, that is rounding
 
 
 @njit
 def path_between(deflection, rate, interval):
-    """Complete samples by the turning points between them to a closed path, and find where on it the samples stand.
+    """Insert the turning points between samples into a closed path, and find the samples' indices on it, (n_t,).
 
     Between samples the deflection is the cubic through deflections and rates; the last sample repeats the first.
     """
@@ -45,7 +46,7 @@ def path_between(deflection, rate, interval):
 
 @njit
 def turning_points(path):
-    """Keep the ends of a closed path and the points between them where it turns round."""
+    """Select the ends of a closed path and its turning points between them."""
     turning, count = np.empty(path.size), 1
     turning[0] = path[0]
     for t in range(1, path.size - 1):
@@ -58,7 +59,7 @@ def turning_points(path):
 
 @njit
 def round_path(law, p, turning, z, c, a):
-    """Carry the states in place along the turning points; False where they leave the finite numbers."""
+    """Integrate the states in place along the turning points; False if they are no longer finite."""
     fine = True
     for t in range(1, turning.size):
         fine = fine and carry(law, p, turning[t - 1], turning[t], z, c, a)
@@ -67,9 +68,9 @@ def round_path(law, p, turning, z, c, a):
 
 @njit
 def lead_each(p, start, z, memory, cycle):
-    """Lead the state of each law in parallel that has one to where its cycle closes; False where none moves any more.
+    """Take a secant step towards a closed cycle for each law in parallel with one state; False if all cycles are closed.
 
-    No law sees the states of another. A row of `memory`, (n_states, 6), holds the last two starts and gains, and the bracket.
+    The laws are uncoupled. A row of `memory`, (n_states, 6), holds the last two starts and gains, and the bracket.
     """
     moves = False
     for part in range(int(p[0])):
@@ -89,10 +90,10 @@ def lead_each(p, start, z, memory, cycle):
 
 @njit
 def closed_states(law, p, turning, n_states):
-    """Find the states (n_states,) with which a rate-independent law enters a cycle that it leaves with the same ones.
+    """Find the states (n_states,) of a rate-independent law at the start of a cycle that are the same at its end.
 
-    The law enters unloaded at zero deflection. One state is found by the secant on what it gains in a cycle, within a bracket,
-    as is that of each law in parallel which has one; others by going round. NaN where the force leaves the finite numbers.
+    The law enters unloaded at zero deflection. A single state is found by the secant method on its gain in a cycle, within a
+    bracket, as is that of each law in parallel with one state; others by repeating the cycle. NaN if the force is not finite.
     """
     z, start, before = np.zeros(n_states), np.zeros(n_states), np.zeros(n_states)
     memory = np.zeros((n_states, 6))
@@ -107,7 +108,7 @@ def closed_states(law, p, turning, n_states):
         if not fine or gain <= _CLOSED * max(np.abs(z).max(), np.abs(start).max()):
             break
         if n_states > 1:
-            if cycle > 1 and (z == before).all():  # two ends that alternate by rounding
+            if cycle > 1 and (z == before).all():  # two states that alternate by rounding
                 break
             put(start, 0, before, 0, n_states)
             if law == PARALLEL and not lead_each(p, start, z, memory, cycle) and cycle > 3:
@@ -125,7 +126,7 @@ def closed_states(law, p, turning, n_states):
 
 @njit
 def steady_force(law, p, deflection, rate, interval, n_states):
-    """Evaluate the force of a rate-independent law at the samples of a closed cycle (n_t,); NaN where it is lost."""
+    """Evaluate the force of a rate-independent law at the samples of a closed cycle (n_t,); NaN from where it is not finite."""
     path, place = path_between(deflection, rate, interval)
     z = closed_states(law, p, turning_points(path), n_states)
     c, a, unused = np.empty(ORDER + 1), np.empty(ORDER + 1), np.empty(n_states + 1)
@@ -141,7 +142,7 @@ def steady_force(law, p, deflection, rate, interval, n_states):
 
 @njit
 def closed_states_in_time(law, p, time, deflection, rate, n_states):
-    """Find these states of a law that depends on the rate: `time` [s], `deflection` and `rate` of one closed cycle."""
+    """Find the states at the start of a closed cycle of a law that depends on the rate; `time` [s] is that of its samples."""
     z, start = np.zeros(n_states), np.zeros(n_states)
     starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
     for cycle in range(_ROUNDS if n_states > 0 else 0):
@@ -162,7 +163,7 @@ def closed_states_in_time(law, p, time, deflection, rate, n_states):
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedCycle:
-    """A law along one closed cycle."""
+    """Steady loop of a law over one closed cycle."""
 
     loop: Loop  # the whole path; with a rate-independent law the turning points between the samples are on it
     samples: Integers  # indices on that path, (n_t,)
@@ -175,12 +176,12 @@ def require_steady(law: Law) -> None:
 
 
 def is_neutral(law: Law) -> bool:
-    """Tell whether a shift of the deflection leaves the force of the law's cycles unchanged."""
+    """Check whether a shift of the deflection leaves the force of the law's cycles unchanged."""
     return law.largest_force < np.inf
 
 
 def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> Array:
-    """Compute the steady force [N], (n_t,), along one cycle; NaN where it leaves the finite numbers.
+    """Compute the steady force of a law [N], (n_t,), along one cycle; NaN where it is not finite.
 
     A rate-independent law is followed exactly along the path, from the unloaded state at zero deflection on until its cycle
     closes; one that depends on the rate along the cubic through deflections [m] and rates [m/s], (n_t,), uniform samples over
@@ -195,7 +196,7 @@ def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> A
 
 
 def steady_cycle(law: Law, deflection: Array, rate: Array, *, period: float) -> ClosedCycle:
-    """Compute all of the same cycle, its work included; ValueError if the force leaves the finite numbers on the way."""
+    """Compute force, states and work of the cycle of `cycle_force`; ValueError if the force is not finite on the way."""
     p, n = law.kernel_parameters(), law.n_states
     if law.rate_independent:
         path, samples = path_between(deflection, rate, period / (deflection.size - 1))
@@ -203,12 +204,12 @@ def steady_cycle(law: Law, deflection: Array, rate: Array, *, period: float) -> 
     else:
         time, path, samples = np.linspace(0.0, period, deflection.size), deflection, np.arange(deflection.size)
         states, along = closed_states_in_time(law.kernel, p, time, deflection, rate, n), {"time": time, "rate": rate}
-    held = np.where(np.isfinite(states), states, 0.0)  # from zero the trace says where the force is lost
+    held = np.where(np.isfinite(states), states, 0.0)  # from zero states the trace names where the force is not finite
     return ClosedCycle(loop=law.trace(path, initial_states=held, **along), samples=samples)
 
 
 def largest(values: Array, *, smooth: bool) -> float:
-    """Find the largest of the values at uniform samples of one period; of a smooth curve the tip of the parabola there."""
+    """Find the largest of the values at uniform samples of one period, of a smooth curve by the parabola's vertex there."""
     top = int(np.argmax(values))
     before, tip, after = values[top - 1], values[top], values[(top + 1) % values.size]
     bend = before - 2.0 * tip + after

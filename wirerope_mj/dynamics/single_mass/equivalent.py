@@ -193,7 +193,7 @@ class LinearisedOrbit:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class EquivalentLinear(Brief):
-    """Response curve by equivalent linearisation: one column for each amplitude that a frequency has, the smallest first."""
+    """Response curve by equivalent linearisation: a column for each of up to three amplitudes of a frequency, rising."""
 
     frequency: Array  # [Hz], (n_f,)
     deflection: Array  # amplitude of the deflection D [m], (n_f, 3); NaN where there are fewer solutions
