@@ -69,7 +69,7 @@ def test_commands_execute_nothing_of_a_folder(copy, tmp_path, monkeypatch):
         (folder / "state.pkl").write_bytes(b"cposix\nsystem\n(S'touch executed'\ntR.")
     opened = []
     monkeypatch.setattr(viewer, "has_display", lambda: True)
-    monkeypatch.setattr(viewer, "_run", lambda command, _: opened.append(command))
+    monkeypatch.setattr(viewer, "_run_viewer", lambda command, _: opened.append(command))
     monkeypatch.chdir(copy)
     with AUDIT, redirect_stdout(StringIO()) as screen, redirect_stderr(screen):
         for command in (

@@ -105,6 +105,6 @@ def test_every_view_of_the_layout_finds_its_entities_in_every_case(columns):
 def test_the_viewer_is_given_the_whole_file_as_it_opens_one_recording_of_a_file_that_it_opens_by_name(recorded, monkeypatch):
     calls = []
     monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr(viewer, "_run", lambda command, recording: calls.append((command[-1], recording.read(3))))
+    monkeypatch.setattr(viewer, "_run_viewer", lambda command, recording: calls.append((command[-1], recording.read(3))))
     show(recorded)
     assert calls == [("-", b"RRF")]

@@ -182,7 +182,7 @@ class Document:
         return Table("signatures", "Signatures", left("", "name", "date", "signature"), rows)
 
     def revisions(self) -> Table | None:
-        """Tabulate the history; None without one."""
+        """Tabulate the history; None without revisions."""
         if not self.history:
             return None
         columns = [*left("revision", "date", "author"), Column("change", align="text")]
@@ -199,7 +199,7 @@ Depth = Literal["headline", "summary", "full"]
 
 @dataclass(frozen=True)
 class Statement:
-    """A sentence, and short ones below it."""
+    """A sentence, with a list of short sentences below it."""
 
     id: str = ""  # the same in every output
     text: str = ""  # the sentence; "" where the list says all
@@ -270,7 +270,7 @@ class Content:
         return tuple(section.id for section in self.sections if section.depth in depths)
 
     def table(self, name: str) -> Table | None:
-        """Find a table by its id; None without one."""
+        """Find a table by its id; None if there is no such table."""
         return next((block for block in self.blocks() if isinstance(block, Table) and block.id == name), None)
 
     def to_dict(self, *sections: str) -> Entries:

@@ -72,6 +72,7 @@ def _most_damaged(mission: Mission, damages: Sequence[MountDamage]) -> Statement
 
 
 def _damage_table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table:
+    """Tabulate cycles, equivalent amplitude and damage of mounts along their axes, at most `most`."""
     unit = "mm" if mission.quantity == "deflection" else "kN"
     worst = damages[0] if damages else None
     known, several = mission.constant is not None, len(mission.stages) > 1

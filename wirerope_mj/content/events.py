@@ -24,7 +24,7 @@ _NEGLIGIBLE = 1e-9  # fraction of the largest peak of all axes, below which a pe
 
 @dataclass(frozen=True, kw_only=True, order=True)
 class Event:
-    """An event: instant [s], level "INFO", "WARN" or "ERROR", text, and whether it is one of the few of the run's course."""
+    """An event: instant [s], level "INFO", "WARN" or "ERROR", text, and whether it is a main event of the run."""
 
     time: float
     level: str

@@ -171,6 +171,7 @@ def _worksheet_statement(sheet: Worksheet) -> Statement:
 
 
 def _worksheet_parts(selection: PartSelection, every: bool) -> Iterator[Block]:
+    """Yield the parts that meet the worksheet with remarks, and the rejected parts with reasons."""
     if selection.candidates:
         rows: list[Row] = []
         for part in selection.candidates:

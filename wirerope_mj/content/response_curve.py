@@ -67,6 +67,7 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
 
 
 def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
+    """State the resonance with its transmissibility, or why the branches ended early."""
     branches = [summary.level.branch for summary in findings if summary.level.branch is not None]
     incomplete = [branch for branch in branches if not branch.complete]
     if incomplete:
@@ -315,6 +316,7 @@ def _orbit_chart(motions: Sequence[Sequence[Motion]], mount: str, axis: int, *, 
 
 
 def _orbit_panel(level: Sequence[Motion], mount: str, axis: int, *, portraits: bool) -> Panel:
+    """Draw the loops, or the phase portraits, of a mount in the motions of a level."""
     unit, curves, dots = "m/s" if portraits else _force_unit(level, mount, axis), [], []
     for number, (branch, point, orbit) in enumerate(level):
         loop, highest = orbit.response.mounts[mount], point == branch.peak

@@ -318,6 +318,7 @@ def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary
 
 
 def _job_headline(cases: Mapping[str, StudySummary]) -> Statement:
+    """State in how many variants a limit of any load case is exceeded, and what is not judged."""
     studies = list(cases.values())
     most, sampled, (limits, missing) = any_exceeded(studies), studies[0].result.is_sampled, payload_scope(studies)
     rest = not_counted(most)

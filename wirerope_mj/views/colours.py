@@ -17,7 +17,7 @@ Color = tuple[int, int, int]
 
 @dataclass(frozen=True, kw_only=True)
 class Colours:
-    """Colours on one ground."""
+    """Colours of lines on a dark or a light ground."""
 
     ground: Color  # on which they are read
     # of lines that are distinguished, the most important first: blue, orange, violet, teal, pink, green

@@ -62,6 +62,7 @@ def _full_disk_raised() -> Iterator[None]:
 
 
 def _write_sheets(book: "openpyxl.Workbook", content: Content, samples: Exported | None, path: Path) -> None:
+    """Write a sheet of statements, a sheet of each table, and a sheet of samples."""
     page = _sheet(book, "summary", 2)
     for line in ([content.title], [content.verdict.text], [], *content.facts):
         _append(page, line)

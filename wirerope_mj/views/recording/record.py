@@ -76,7 +76,7 @@ def record_run(
     run: RunResult, path: str | Path, *, title: str = "", scenario_text: str = "", tab: str = "Overview",
     state: bool = False, over_frequency: Panel | None = None, tests: Sequence[Correlation] = (),
 ) -> Path:  # fmt: skip
-    """Write a judged run, and return the path; the rest as `record_rerun`.
+    """Write a judged run as a recording, and return its path; other arguments as for `record_rerun`.
 
     `over_frequency` is the panel over frequency; measured channels of `tests` are ghosts among the curves of the run.
     """

@@ -197,7 +197,7 @@ _COVER = 1.02  # radius of the cover over that of the ball: visible, and hardly 
 
 
 def closed_at(response: Response, stops: tuple[SceneMount, ...]) -> Booleans:
-    """Find whether any of some stops presses at each sample, (n_t,)."""
+    """Find whether any of several stops is pressed at each sample, (n_t,)."""
     pressing = [response.mounts[stop.name].force.any(axis=1) for stop in stops]
     return np.asarray(np.any(pressing, axis=0))
 
@@ -208,7 +208,7 @@ def changes(state: AnyArray) -> Rows:
 
 
 def log_stops(rec: Stream, response: Response, frames: dict[str, Frame], *, extent: float) -> None:
-    """Log every stop as a bumper that changes colour.
+    """Log every stop as a bumper that changes colour when it is pressed.
 
     A ball that the model draws about the stop's point on the payload is covered, so that the colour shows at the contact.
     Without one the bumper is a cylinder about its point on the base; one whose device states no size suits a scene of

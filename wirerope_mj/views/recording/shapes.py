@@ -137,7 +137,7 @@ def draw_geoms(rec: Stream, path: str, geoms: Sequence[Geom], extent: float) -> 
 
 
 def quaternion(orientation: Array) -> rr.Quaternion:
-    """Convert a quaternion (4,), w first, to rerun's."""
+    """Convert a quaternion (4,), w first, to a quaternion of rerun."""
     return rr.Quaternion(xyzw=np.roll(orientation, -1))
 
 
@@ -168,7 +168,7 @@ def _solids(shape: str, geoms: list[Geom]) -> rr.AsComponents:
 
 
 def rgba8(rgba: Array) -> list[int]:
-    """Convert a colour of 0 to 1 to bytes."""
+    """Convert a colour (4,) from 0 to 1 into bytes from 0 to 255."""
     return [int(part) for part in np.round(np.clip(rgba, 0.0, 1.0) * 255)]
 
 

@@ -124,7 +124,7 @@ def free_port(preferred: int) -> int:
 
 
 def join_recordings(recordings: Sequence[Path], target: Path) -> None:
-    """Write recordings into one file, each as it is.
+    """Write recordings into one file, each unchanged.
 
     RecordError if one of them is missing or damaged; WireRopeError if rerun-sdk is incomplete.
     """
@@ -214,7 +214,7 @@ def atomic_recording(target: Path, *, application: str = APPLICATION) -> Iterato
 
 
 class _Recording(Stream):
-    """A recording of rerun's that is written into a file by a thread of this process.
+    """A rerun recording that a thread of this process writes into a file.
 
     If rerun writes the file itself, a full disk ends its writing with a line on standard error, and the end of the recording
     and of the process wait for ever. A pipe takes everything, whether or not there is space.

@@ -27,7 +27,7 @@ _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen i
 
 
 def report_html(content: Content) -> str:
-    """Write the page: styles and pictures are inside it, every text is escaped."""
+    """Write a content as an HTML page that holds its styles and pictures; every text is escaped."""
     # Whatever a user has named reaches the page through the template, which escapes it.
     css = Markup((_FOLDER / "report.css").read_text(encoding="utf-8").strip())
     template = _environment().get_template("report.html.jinja")

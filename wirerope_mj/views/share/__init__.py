@@ -19,7 +19,7 @@ def linked_report(page: str) -> str:
 
 
 def viewer_pages() -> dict[str, bytes]:
-    """Read the files of the viewer's folder by name; nothing in them asks another server for anything.
+    """Read the files of the viewer's folder by name; they request nothing from other servers.
 
     WireRopeError if there is no viewer, or it does not hand out its files.
     """
