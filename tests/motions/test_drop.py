@@ -9,6 +9,7 @@ from house import sdof
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.engine.simulation.simulate import duration_of
 from wirerope_mj.motions.registry import motion_from_phrase
 from wirerope_mj.runs.job_file import load_job
 
@@ -25,6 +26,8 @@ EIGHTH = G / 2 * 0.125**2  # height [m] of which the fall takes 0.125 s, a multi
     ("300 mm onto +y face", (0, -1, 0), "+y"),
     ("300 mm onto bottom and -x", (1, 0, 1), "bottom -x"),
     ("300 mm onto bottom, +x, -y corner", (-1, 1, 1), "bottom +x -y"),
+    ("300 mm onto the Bottom", (0, 0, 1), "bottom"),
+    ("300 mm onto bottom,-X edge", (1, 0, 1), "bottom -x"),
     ("300 mm 1,0,3", (1, 0, 3), "bottom -x, up along (1, 0, 3)"),
 ])  # fmt: skip
 def test_the_face_that_lands_says_the_direction(text, direction, lands):
@@ -40,10 +43,13 @@ def test_the_face_that_lands_says_the_direction(text, direction, lands):
 @pytest.mark.parametrize(("text", "fault"), [
     ("300 mm -z", "may be that of the fall or that of the blow"),
     ("300 mm x", "may be that of the fall or that of the blow"),
-    ("300 mm onto edge", '"onto edge" is no face'),
-    ("300 mm onto -x edge", '"onto -x edge" is no face'),
-    ("300 mm onto bottom top", '"onto bottom top" is no face'),
-    ("300 mm onto floor", '"onto" is no face'),
+    ("300 mm onto edge", '"onto edge" says no face'),
+    ("300 mm onto -x edge", '"onto -x edge" says no face'),
+    ("300 mm onto bottom top", '"onto bottom top" says no face'),
+    ("300 mm onto floor", '"onto floor" says no face'),
+    ("300 mm onto bottom bottom", "says no face"),
+    ("300 mm onto bottom -x -y -z", "says no face"),
+    ("300 mm onto bottom at 50 ms", '"at"'),
     ("onto bottom", "a displacement must stand there"),
     ("300 mm", "a direction must stand there"),
 ])  # fmt: skip
@@ -99,6 +105,19 @@ def test_gravity_is_that_of_the_side_that_lands_and_the_level_that_of_the_height
     assert np.abs(mirrored).max() < 1e-12
     with pytest.raises(ValueError, match="no level but its height"):
         wr.Scaled(drop, 2.0)
+    with pytest.raises(ValueError, match="falls once"):
+        _ = drop + wr.Drop(drop_height=0.2)
+    with pytest.raises(ValueError, match="before the base lands, at 0.2474 s"):
+        duration_of(drop, 0.2, turned)
+    with pytest.raises(wr.ModelError, match="stands on no deck"):
+        wr.simulate(wr.on_deck(wr.load_system("cabinet"), "10 Hz 800 kg 4 %"), wr.Drop(drop_height=0.3), duration=0.5)
+    with pytest.raises(wr.ModelError, match="laid out for the gravity"):
+        wr.with_gravity(wr.on_deck(wr.load_system("cabinet"), "10 Hz 800 kg 4 %"), up="x")
+    with pytest.raises(wr.ModelError, match="it is turned where it is 9.80665"):
+        wr.with_gravity(sdof(wr.KelvinVoigt(k=4e4, c=10.0), gravity=1.62), up="x")
+    for up in ((0, 0, 0), (math.nan, 0, 1)):
+        with pytest.raises(ValueError, match="finite and not zero"):
+            wr.with_gravity(system, up=up)
     assert wr.Turned(drop, direction="x").up.tolist() == [1.0, 0.0, 0.0]
     assert (drop + wr.HalfSine(peak=1.0, duration=0.01, direction="z")).initial == "unloaded"
 

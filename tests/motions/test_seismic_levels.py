@@ -37,6 +37,8 @@ def test_en1998_has_the_numbers_of_its_formulas():
         (0.1, 0.2875 * (1 + 0.5 * 1.5)),
     ):
         assert np.interp(1.0 / period, frequencies, levels) == pytest.approx(expected, rel=3e-3)  # straight between points
+    for period, expected in ((0.6, plateau), (0.2, plateau), (2.0, plateau * 0.3)):  # corners
+        assert np.interp(1.0 / period, frequencies, levels) == pytest.approx(expected, rel=1e-5)
     frequencies, levels = table(files["en1998_vertical.csv"]).T
     for period, expected in ((0.1, 0.675), (0.3, 0.3375), (0.025, 0.225 * 2.0)):
         assert np.interp(1.0 / period, frequencies, levels) == pytest.approx(expected, rel=3e-3)

@@ -32,7 +32,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError as error:
         print(f"wirerope: {error}", file=sys.stderr)
         code = 2
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemError) as error:
+        # A function in C that an interrupt left with its exception set, and a result all the same, is a SystemError.
+        if isinstance(error, SystemError) and not interrupts.interrupted_by():
+            raise
         print(f"wirerope: {interrupts.MESSAGE}", file=sys.stderr)
         code = interrupts.INTERRUPTED
     if number := interrupts.interrupted_by():

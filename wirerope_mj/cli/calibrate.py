@@ -45,7 +45,7 @@ def calibrate(
     predict: Repeated = None,
     limit: Repeated = None,
     baseline: Literal["none", "rest", "mean"] = "none",
-    initial: Literal["settled", "relaxed", "unloaded"] = "settled",
+    initial: Literal["settled", "relaxed", "unloaded"] | None = None,
     start: float = 0.0,
     residuals: Literal["time", "srs", "spectrum"] = "time",
     draws: int = 1000,
@@ -76,7 +76,7 @@ def calibrate(
         predict: another motion that is predicted with bands, its kind first: "half-sine 15 g 11 ms z".
         limit: on a measure of the predictions, "acceleration/rack = 15 g": with which probability is it exceeded?
         baseline: what is taken off the channels: none, their level at rest, or their mean.
-        initial: state in which the tests began.
+        initial: state in which the tests began: settled, relaxed or unloaded; by default that of the run, or settled.
         start: instant of the run at which the tests' first samples were taken [s].
         residuals: what of the channels is compared: their histories, or logarithms of their shock response or amplitude
             spectra.
@@ -92,9 +92,12 @@ def calibrate(
     check_folder(out, force=force, kind=KIND, marks=MARKS)
     if is_run(model):
         motion: BaseMotion | None
-        system, motion = system_and_motion(Path(model), scenario_content(Path(model)))
+        stored = scenario_content(Path(model))
+        system, motion = system_and_motion(Path(model), stored)
+        began = initial or stored["simulate"].get("initial", "settled")
     else:
         system, motion = load_system(model_source(model, folder=None, asker="a calibration")), None
+        began = initial or "settled"
     motions = [motion_from_words(phrase) for phrase in predict or ()]
     limits = [limit_of_text(text, measure_names(system)) for text in limit or ()]
     if limits and not motions:
@@ -108,7 +111,7 @@ def calibrate(
     if measured and not moved and motion is None:
         message = "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
         raise ValueError(message)
-    tests: list[Test] = [MeasuredTest.of(one, None if moved else motion, initial=initial) for one in measured]
+    tests: list[Test] = [MeasuredTest.of(one, None if moved else motion, initial=began) for one in measured]
     for text in frequency_response or ():
         file, sign, phrase = text.rpartition("=")
         if not sign:
@@ -128,7 +131,7 @@ def calibrate(
         ],
         warnings=[text for one in measured for text in one.warnings],
         predictions=[
-            (predicted(result, one, duration=duration_of(one, None, system), initial=initial), limits) for one in motions
+            (predicted(result, one, duration=duration_of(one, None, system), initial=began), limits) for one in motions
         ],
     )  # fmt: skip
     files = write_calibration(result, content, out, force=force)

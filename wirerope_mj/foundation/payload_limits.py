@@ -30,6 +30,8 @@ KINDS = {
     "force": LimitKind((1, 1), "N", FORCE_UNITS, 1e-6, 1e9, "mount with a stop"),
 }
 
+FORCES = ("load", "force")  # kinds of limits on mounts, which runs and jobs judge
+
 # Stands between two points in the name of the clearance between them.
 BETWEEN = " to "
 

@@ -11,16 +11,18 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.motion import Said
-from wirerope_mj.motions.phrases import START, SpokenMotion
+from wirerope_mj.motions.phrases import SpokenMotion
 from wirerope_mj.motions.shock_machines import ShockTableImpact
 
-# outward normals of the faces that land, by the words of a phrase
+# axis and sign of the outward normals of the faces that land, by the words of a phrase
 FACES = {
-    "bottom": (0, 0, -1), "top": (0, 0, 1), "-z": (0, 0, -1), "+z": (0, 0, 1),
-    "-x": (-1, 0, 0), "+x": (1, 0, 0), "-y": (0, -1, 0), "+y": (0, 1, 0),
+    "bottom": (2, -1), "top": (2, 1), "-z": (2, -1), "+z": (2, 1), "-x": (0, -1), "+x": (0, 1), "-y": (1, -1), "+y": (1, 1),
 }  # fmt: skip
-_LANDING = re.compile(r"\bonto\b((?:\s+(?:(?:bottom|top|[-+][xyz])\b,?|and))*)(?:\s+(face|side|edge|corner)\b)?")
+_LANDING = re.compile(
+    r"\bonto\b(?:\s+the\b)?((?:[\s,]+(?:bottom|top|[-+][xyz]|and)\b)*)(?:\s+(face|side|edge|corner)\b)?", re.IGNORECASE
+)
 _FACE_COUNTS = {"face": 1, "side": 1, "edge": 2, "corner": 3}  # number of faces that meet
 _HOW = 'say what lands: "onto bottom", "onto -x", "onto bottom -x" (an edge), "onto bottom -x -y" (a corner)'
 
@@ -33,11 +35,12 @@ def _onto_first(text: str, _: Path) -> tuple[None, str]:
         if signed or set(text.split()) & {"x", "y"}:
             raise ValueError(f'a direction may be that of the fall or that of the blow; {_HOW}. "z" is a drop onto the bottom.')
         return None, text
-    faces = [FACES[word.strip(",")] for word in match[1].split() if word != "and"]
-    x, y, z = (-sum(face[axis] for face in faces) for axis in range(3))
-    if sum(map(abs, (x, y, z))) != len(faces) or len(faces) != _FACE_COUNTS.get(match[2], len(faces) or -1):
-        raise ValueError(f'"{short(match[0].strip())}" is no face, edge of two faces or corner of three; {_HOW}.')
-    return None, f"{text[: match.start()]} {x},{y},{z} {text[match.end() :]}"
+    faces = [FACES[word] for word in match[1].lower().replace(",", " ").split() if word != "and"]
+    normal = dict(faces)  # axis: sign
+    if len(normal) != len(faces) or len(faces) != _FACE_COUNTS.get((match[2] or "").lower(), len(faces) or -1):
+        raise ValueError(f'"{short(text[match.start() :])}" says no face, edge of two faces or corner of three; {_HOW}.')
+    up = ",".join(str(0 - normal.get(axis, 0)) for axis in range(3))
+    return None, f"{text[: match.start()]} {up} {text[match.end() :]}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,15 +59,16 @@ class Drop(ShockTableImpact):
     phrases = (
         SpokenMotion(
             name="drop", example="300 mm onto bottom", summary="height of fall, and what lands: a face, edge or corner.",
-            needs={"displacement": 1}, words=START | {"rebound": ""}, begins=_onto_first,
+            needs={"displacement": 1}, words={"rebound": ""}, begins=_onto_first,
             make=lambda shape, phrase, direction, *_: shape(
                 drop_height=phrase.one("displacement"), rebound=phrase.named.get("rebound", 0.0), direction=direction,
-                start=phrase.start,
             ),
         ),
     )  # fmt: skip
 
     pulse_duration: None = field(init=False, default=None)
+    start: float = field(init=False, default=0.0)  #: an unloaded payload falls at once
+    gravity: float = field(init=False, default=STANDARD_GRAVITY)
     fall: bool = field(init=False, default=True)
 
     @property
@@ -75,11 +79,10 @@ class Drop(ShockTableImpact):
     @cached_property
     def _said(self) -> Said:
         """Describe the drop in a line, such as `drop 0.3 m onto bottom, 2.426 m/s`."""
-        signs = np.sign(self.unit) * (np.abs(self.unit) > 1e-9)
-        lands = [name for name, face in list(FACES.items())[:2] + list(FACES.items())[4:] if np.dot(face, signs) < 0.0]
-        even = np.ptp(np.abs(self.unit[signs != 0.0])) < 1e-9
+        lands = [name for name, (axis, sign) in FACES.items() if sign * self.unit[axis] < -1e-9 and name not in ("-z", "+z")]
+        sizes = np.abs(self.unit[np.abs(self.unit) > 1e-9])
+        even = np.ptp(sizes) < 1e-9
         onto = " ".join(lands) + ("" if even else f", up along {direction_text(self.direction)}")
         back = f", rebound {self.rebound:.4g}" if self.rebound else ""
-        begins = f" at {self.start:.4g} s" if self.start else ""
-        text = f"drop {self.drop_height:.4g} m onto {onto}, {self.velocity_change:.4g} m/s{back}{begins}"
+        text = f"drop {self.drop_height:.4g} m onto {onto}, {self.velocity_change:.4g} m/s{back}"
         return Said(text, ((self.start, "falls"), (self.impact, "lands")), shortest_time=np.inf)

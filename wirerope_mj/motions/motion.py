@@ -240,6 +240,8 @@ class SumOfMotions(AsCall, BaseMotion):
         if not self.terms:
             raise ValueError("`terms` must hold at least one motion, got none.")
         self._set(terms=tuple(part for term in self.terms for part in _terms(term)))
+        if sum(term.up is not None for term in self.terms) > 1:
+            raise ValueError("a base falls once: give one drop, the others are load cases of their own.")
         self._set(duration=max(term.end for term in self.terms))
 
     def _derivative(self, t: Array, order: int) -> Array:

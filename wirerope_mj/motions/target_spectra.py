@@ -194,8 +194,10 @@ def en1998_levels(*, ag: float, ground: str) -> dict[str, str]:
     """Return the texts of the file of levels of EN 1998-1 and its two tables, by file name, for ag [g] and a ground type."""
     one_of("ground", ground, tuple(EN1998_TYPE_1))
     lowest = 1.0 / LONGEST_PERIOD
-    frequencies = np.geomspace(lowest, HIGHEST, int(np.ceil(PER_OCTAVE * np.log2(HIGHEST / lowest))) + 1)
     site = EN1998_TYPE_1[ground]
+    even = np.geomspace(lowest, HIGHEST, int(np.ceil(PER_OCTAVE * np.log2(HIGHEST / lowest))) + 1)
+    corners = [1.0 / period for period in (*site["corner_periods"], *VERTICAL_CORNERS)]  # type: ignore[misc]
+    frequencies = np.unique([*even, *corners]).round(9)
     horizontal = en1998_spectrum(frequencies, ground_acceleration=ag, **site)  # type: ignore[arg-type]
     vertical = en1998_spectrum(
         frequencies, ground_acceleration=VERTICAL * ag, soil_factor=1.0, corner_periods=VERTICAL_CORNERS, plateau=3.0
@@ -204,6 +206,7 @@ def en1998_levels(*, ag: float, ground: str) -> dict[str, str]:
 ag = {ag:g} g, ground {ground}: S = {site["soil_factor"]:g}, TB, TC, TD = {site["corner_periods"]} s; 5 % damping:
 horizontal plateau 2.5 ag S = {horizontal.max():.4g} g (3.2.2.2),
 vertical 3 x {VERTICAL:g} ag = {vertical.max():.4g} g (3.2.2.3).
+Tables end at {HIGHEST:g} Hz, above ag still.
 Of the ground: equipment in a building needs its floor's spectrum. A national annex may have other numbers."""
     return _files("en1998", formulas, "25 s", "", frequencies, [horizontal, vertical])
 

@@ -14,7 +14,7 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, write_json
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.foundation.payload_limits import KINDS, PayloadLimit, limits_by_patterns
+from wirerope_mj.foundation.payload_limits import FORCES, KINDS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.resources import scenarios_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.job_file import Job
@@ -135,13 +135,14 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
     """Return the scenario's limits that a study can judge, as `--limit` takes them, and those that it cannot.
 
     A study has the norm of an acceleration in its table, and how far points move each way; it has no acceleration along an
-    axis, and no clearance of a body's corners or between two points.
+    axis, no clearance of a body's corners or between two points, and no force, whoever limits it.
     """
     system = load_system(scenario.model_source(), isolators=scenario.isolators)
     points, known = payload_points(system), subjects_of(system)
     can: list[str] = []
     cannot: list[str] = []
-    for one in limits_by_patterns(scenario.limits, known):
+    forces = [limit for limit in system.limits if limit.kind in FORCES]
+    for one in (*limits_by_patterns(scenario.limits, known), *forces):
         if one.kind == "acceleration" and set(one.judged) == {""}:
             can.append(_text(one))
         elif one.kind == "clearance" and one.name in points:

@@ -251,6 +251,8 @@ def duration_of(motion: BaseMotion, duration: float | None, system: System) -> f
         if not sweeps:
             duration = math.ceil(10.0 * (motion.end + RING_DOWN * slowest_period(system)) - 1e-6) / 10.0
     check_arguments(duration=duration)
+    if motion.up is not None and duration <= motion.end:
+        raise ValueError(f"`duration` {duration:g} ends the simulation before the base lands, at {motion.end:.4g} s.")
     if motion.events and duration <= motion.events[0][0]:
         raise ValueError(f"`duration` {duration:g} ends the simulation before anything begins, at {motion.events[0][0]:g} s.")
     return duration

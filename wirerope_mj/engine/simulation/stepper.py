@@ -13,6 +13,7 @@ from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
 from wirerope_mj.engine.simulation.stages import Segment, along_slides, loads_at
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System, beyond_laws
+from wirerope_mj.engine.system.on_deck import GRAVITY_ERROR, has_deck
 from wirerope_mj.foundation.arrays import AnyArray, Array, Integers
 from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.errors import ModelError, SimulationError
@@ -243,7 +244,7 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State | Non
 
     The base stands and moves as the motion says just before the start; if the given state's base does not, the whole system
     is carried along (a Galilean change), so that nothing but the motion's own acceleration disturbs it. ModelError if the
-    base falls otherwise than the model's gravity has it.
+    base falls otherwise than the model's gravity has it, or on a deck that bends.
     """
     if motion.up is not None and not falls_by_gravity(system, motion.up):
         up, gravity = (direction_text(tuple(vector.tolist())) for vector in (motion.up, system.model.opt.gravity))
@@ -251,6 +252,8 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State | Non
             f"the base falls with {up} upwards, and gravity of this model is {gravity} m/s^2: "
             "`wirerope_mj.with_gravity(system, up=..)` turns it."
         )
+    if motion.up is not None and has_deck(system):
+        raise ModelError("a case that falls stands on no deck: leave the deck that bends out.")
     initial = motion.initial if initial is None else initial
     if isinstance(initial, State):
         size = mujoco.mj_stateSize(system.model, STATE)
@@ -272,7 +275,7 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State | Non
 
 def falls_by_gravity(system: System, up: Array) -> bool:
     """Return whether gravity of a system is the standard one, against a unit vector."""
-    return bool(np.allclose(system.model.opt.gravity, -STANDARD_GRAVITY * up, rtol=0.0, atol=1e-3))
+    return bool(np.allclose(system.model.opt.gravity, -STANDARD_GRAVITY * up, rtol=0.0, atol=GRAVITY_ERROR))
 
 
 def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:

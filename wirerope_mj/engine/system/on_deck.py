@@ -1,6 +1,6 @@
 """A model's text rewritten: on a deck or with a body that bends, with another part in its mounts' places, turned in gravity."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -13,7 +13,8 @@ from wirerope_mj.engine.flexible.part import add_part
 from wirerope_mj.engine.system.named_files import named_files
 from wirerope_mj.engine.system.system import System, load_system
 from wirerope_mj.engine.system.varied import with_changes
-from wirerope_mj.foundation.arrays import ArrayLike
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import checked_direction, unit_vector
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator import Isolator
@@ -49,7 +50,16 @@ def with_flexible(system: System, part: FlexiblePart, *, body: str) -> System:
     return _as_written(system, _text_of(system, part, body=body, name=body))
 
 
-def with_gravity(system: System, *, up: ArrayLike) -> System:
+GRAVITY_ERROR = 1e-3  # from the standard one [m/s^2] up to which gravity of a model is the earth's
+
+
+def has_deck(system: System) -> bool:
+    """Return whether a deck that bends stands under the mounts of a system: a panel, or modes of the base."""
+    panel = mujoco.mj_name2id(system.model, mujoco.mjtObj.mjOBJ_BODY, NAME) >= 0
+    return panel or any(mode.part == system.base for mode in system.assembly.subjects.modes)
+
+
+def with_gravity(system: System, *, up: Sequence[float] | Array) -> System:
     """Turn standard gravity in the axes of a system, as if it stood on another side; its model is text then.
 
     Args:
@@ -57,13 +67,19 @@ def with_gravity(system: System, *, up: ArrayLike) -> System:
         up: vector against gravity, (3,).
 
     Raises:
-        ModelError: the model names files of its own.
+        ValueError: the vector is zero or not finite.
+        ModelError: the model names files of its own, has a deck or a body that bends, which is laid out for its gravity, or
+            another gravity than the earth's.
     """
-    root, along = model_root(system), np.asarray(up, dtype=float)
-    option = root.find("option")
-    option = ET.SubElement(root, "option") if option is None else option
-    gravity = 0.0 - STANDARD_GRAVITY * along / np.linalg.norm(along)
-    option.set("gravity", " ".join(repr(value) for value in gravity.tolist()))
+    gravity = 0.0 - STANDARD_GRAVITY * unit_vector(checked_direction(up, "up"))
+    own = float(np.linalg.norm(system.model.opt.gravity))
+    if abs(own - STANDARD_GRAVITY) > GRAVITY_ERROR:
+        raise ModelError(f"gravity of this model is {own:.4g} m/s^2: it is turned where it is {STANDARD_GRAVITY:g}.")
+    if system.assembly.subjects.modes or has_deck(system):
+        raise ModelError("gravity is not turned where a deck or a body bends: they are laid out for the gravity of the model.")
+    root = model_root(system)
+    for option in root.findall("option") or [ET.SubElement(root, "option")]:
+        option.set("gravity", " ".join(repr(value) for value in gravity.tolist()))
     return _as_written(system, written(root))
 
 
