@@ -181,7 +181,6 @@ def event_table(findings: Sequence[LevelSummary]) -> Table | None:
 
 
 def _branch_events(branch: Branch) -> Iterator[Row]:
-    """Yield rows of the folds, changes of stability and side branches of a branch."""
     jumps = {jump.parameter: jump for jump in branch.jumps}
     for event in branch.bifurcations:
         jump = jumps.get(event.frequency) if event.kind == "fold" else None
@@ -316,7 +315,6 @@ def _orbit_chart(motions: Sequence[Sequence[Motion]], mount: str, axis: int, *, 
 
 
 def _orbit_panel(level: Sequence[Motion], mount: str, axis: int, *, portraits: bool) -> Panel:
-    """Draw the loops, or the phase portraits, of a mount in the motions of a level."""
     unit, curves, dots = "m/s" if portraits else _force_unit(level, mount, axis), [], []
     for number, (branch, point, orbit) in enumerate(level):
         loop, highest = orbit.response.mounts[mount], point == branch.peak
