@@ -176,7 +176,7 @@ def test_what_is_no_scenario_is_refused(value, tmp_path):
 )
 def test_arguments_of_the_wrong_kind_are_refused_by_name(name, tmp_path):
     right = {"timestep": {"2.5", "3", "None"}, "accuracy": {"2.5", "3", "None"}, "corners": {"[]", "()", "[1]"}}
-    right |= {"duration": {"2.5", "3"}, "sample_rate": {"2.5", "3"}, "initial": {"'text'"}}  # found out when it begins
+    right |= {"duration": {"2.5", "3"}, "sample_rate": {"2.5", "3"}, "initial": {"'text'", "None"}}  # found out when it begins
     for number, value in enumerate(WRONG):
         path = tmp_path / f"a{number}.py"
         path.write_text(FILE.format(returned=f"wr.Scenario(**(good | {{'simulate': {{'duration': 1.0, {name!r}: {value}}}}}))"))

@@ -71,7 +71,7 @@ def test_the_clearances_of_a_run_are_judged_in_its_study(tmp_path, capsys):
     beyond = int((np.asarray(table["displacement/lid/-z"]) > 0.02).sum())
     assert 0 < beyond < 8
     assert f"Beyond displacement/lid/-z = 0.02 m: {beyond} of 8 variants" in printed.out
-    assert "a study does not judge clearance/box = 0.001 0.001 0.001 m, as the run was given it" in printed.err
+    assert "a study does not judge clearance/box = 0.001 0.001 0.001 m: write it into the model" in printed.err
 
 
 ROCKS = '<joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0" stiffness="300"/>'
