@@ -1,10 +1,12 @@
 """Studies on Dask's workers: the table of this machine's processes, whatever happens to a worker or the scheduler."""
 
+import json
 import os
 import signal
 import socket
 import subprocess
 import sys
+import time
 
 import pyarrow as pa
 import pytest
@@ -53,13 +55,16 @@ def bits(table):
 
 
 @pytest.fixture(scope="module")
-def cluster():
-    """Yield the address of a scheduler with one worker, as they stand on another machine."""
+def cluster(tmp_path_factory):
+    """Yield the address of a scheduler with one worker, as they stand on another machine, on a port of their own."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    port = "23786"
-    address = f"tcp://127.0.0.1:{port}"
     dask = [sys.executable, "-m", "dask"]
-    scheduler = subprocess.Popen([*dask, "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"], **quiet)
+    file = tmp_path_factory.mktemp("cluster") / "scheduler.json"
+    where = ["--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file), "--no-dashboard"]
+    scheduler = subprocess.Popen([*dask, "scheduler", *where], **quiet)
+    while not (file.exists() and file.read_text().endswith("}")):  # a file is there before what is written into it
+        time.sleep(0.05)
+    address = json.loads(file.read_text())["address"]
     worker = subprocess.Popen([*dask, "worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard"], **quiet)
     yield address, scheduler, worker
     for process in (worker, scheduler):
