@@ -13,7 +13,7 @@ from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH
 
 
 class LimitKind(NamedTuple):
-    """What limits of a kind are written in."""
+    """Number of values, unit, range and subject of the limits of one kind."""
 
     sizes: tuple[int, int]  # how many values one may have
     unit: str

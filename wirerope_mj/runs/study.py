@@ -121,7 +121,7 @@ def study_of(
 
 
 def what_can_vary(scenario: Scenario) -> str:
-    """Return what can vary in a scenario and how it is said, as lines."""
+    """List the quantities of a scenario that a study can vary, a line each, and how `--vary` is written."""
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
     lines = "\n".join(f"  {line}" for line in available_lines(system, scenario.motion))
     return (

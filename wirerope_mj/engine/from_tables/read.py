@@ -314,7 +314,7 @@ def _mass(row: Row, sign: float) -> Mass:
 
 
 def _sprung(row: Row, name: str) -> Sprung | None:
-    """Return how a subassembly stands in the payload; None of a mass that is part of it."""
+    """Read how a subassembly is attached to the payload; None for a mass that is rigidly part of the payload."""
     if not row.has("frequency"):
         if given := [column for column in ("damping", "along") if row.has(column)]:
             raise row.error(f'"{short(name)}" has a {given[0]} and no "frequency"; fill in both or none.')

@@ -155,7 +155,7 @@ class MeasuredChannel:
 
     @property
     def counts_from_start(self) -> bool:
-        """Whether values count from the start: relative displacements, deflections and forces do."""
+        """Whether values are changes since the start, as relative displacements, deflections and forces are."""
         return self.quantity in ("displacement", "deflection", "force") and not self.absolute
 
     @property

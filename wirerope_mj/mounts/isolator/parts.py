@@ -260,7 +260,7 @@ class MeasuredRange(Part):
 
     @property
     def pace(self) -> str:
-        """How fast the cycles were, as text: "at 1 Hz, 3.1 to 63 mm/s"; "" where that is not known."""
+        """Frequency and speeds of the tested cycles, as "at 1 Hz, 3.1 to 63 mm/s"; "" where they are unknown."""
         texts = [] if self.frequency is None else [f"{_span(self.frequency, 1.0)} Hz"]
         texts += [] if self.rate is None else [f"{_span(self.rate, _MILLI)} mm/s"]
         return f"at {', '.join(texts)}" if texts else ""
