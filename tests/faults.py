@@ -76,12 +76,12 @@ def given(words: list[str], folder: Path, number: int, kind: int) -> tuple[int, 
     return os.waitstatus_to_exitcode(status), said, calls
 
 
-_MINUTE = re.compile(rb"20\d\d-\d\d-\d\d \d\d:\d\d")
+_CLOCK = re.compile(rb"20\d\d-\d\d-\d\d \d\d:\d\d|(?<= model steps, )[\d.]+ s")
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """Return the contents of all files below a folder, by their paths in it, but for compiled modules and a page's minute."""
-    found = {str(path.relative_to(folder)): _MINUTE.sub(b"now", content) for path, content in files(folder).items()}
+    """Return the contents of all files below a folder, by their paths in it, without compiled modules and clock times."""
+    found = {str(path.relative_to(folder)): _CLOCK.sub(b"now", content) for path, content in files(folder).items()}
     return {name: content for name, content in found.items() if "__pycache__" not in name}
 
 

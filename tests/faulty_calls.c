@@ -86,6 +86,11 @@ int renameat(int from_folder, const char *from, int to_folder, const char *to) {
     return REAL(renameat)(from_folder, from, to_folder, to);
 }
 
+int renameat2(int from_folder, const char *from, int to_folder, const char *to, unsigned int how) {
+    if (inside(from) && kind != SHORT && fate() < 0) return -1;
+    return REAL(renameat2)(from_folder, from, to_folder, to, how);
+}
+
 static int opened(const char *path, int flags) { return (flags & (O_WRONLY | O_RDWR)) && inside(path) && kind != SHORT ? fate() : 0; }
 
 int open(const char *path, int flags, ...) {

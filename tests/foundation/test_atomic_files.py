@@ -1,15 +1,17 @@
 """Files and folders that are written whole or not at all, and places where none can be."""
 
+import ctypes
 import errno
 import os
 import signal
 import subprocess
 import sys
+from contextlib import nullcontext
 
 import pytest
 
 from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder, check_writable
-from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.errors import DiskFullError, RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
 
 WRITER = """
@@ -22,7 +24,8 @@ def wait(*_, **__):
     print("here", flush=True)
     sys.stdin.read()
 
-if stage == "between":  # the old folder has gone, and the new one is not there yet
+if stage == "between":  # no names can be exchanged: the old folder has gone, and the new one is not there yet
+    sys.platform = "unknown"
     os.rename = lambda a, b: rename(a, b) if a == folder else wait()
 if stage == "removing":
     shutil.rmtree = wait
@@ -76,6 +79,33 @@ def test_a_folder_that_was_never_finished_is_written_anew_after_a_kill(tmp_path)
         (beside / "mark").write_text("new")
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
     assert sorted(path.name for path in folder.iterdir()) == ["mark"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names are exchanged on Linux alone")
+@pytest.mark.parametrize("full", [True, False])
+def test_a_disk_that_is_full_at_the_exchange_leaves_the_old_folder(full, tmp_path, monkeypatch):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "mark").write_text("old")
+
+    def refuse(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    class System:
+        renameat2 = staticmethod(lambda *_: ctypes.set_errno(errno.ENOSPC) or -1)
+
+    monkeypatch.setattr("os.rename", refuse)  # neither there nor back
+    if full:
+        monkeypatch.setattr("ctypes.CDLL", lambda *_, **__: System)
+
+    def write():
+        with atomic_folder(folder, force=True, kind="run", marks=("mark",)) as new:
+            (new / "mark").write_text("new")
+
+    with pytest.raises(DiskFullError, match="/run: there is no space left") if full else nullcontext():
+        write()
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+    assert (folder / "mark").read_text() == ("old" if full else "new")
 
 
 def test_what_fails_leaves_nothing(tmp_path):

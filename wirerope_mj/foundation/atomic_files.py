@@ -17,6 +17,7 @@ from wirerope_mj.foundation.half_written import (
     is_of_place,
     locked,
     refusal,
+    replaced_by_exchange,
     set_aside,
 )
 from wirerope_mj.foundation.interrupts import interrupts_held
@@ -157,7 +158,9 @@ def _replace(temporary: Path, folder: Path) -> None:
         os.rename(temporary, folder)
         return
     with interrupts_held():
-        aside = set_aside(folder)
+        if replaced_by_exchange(folder, temporary):
+            return
+        aside = set_aside(folder, folder)
         try:
             os.rename(temporary, folder)
         except BaseException:

@@ -5,11 +5,13 @@ FOLDER/.NAME.wirerope.part; what a folder replaces is called .NAME.xxxxxxxx.wire
 writes holds a lock, which ends with its process, however that ends: what can be locked by another one has been left behind.
 """
 
+import ctypes
 import errno
 import os
 import re
 import secrets
 import shutil
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -35,6 +37,8 @@ _ASIDE = re.compile(rf"\.(?P<name>.+)\.[0-9a-f]{{8}}\.{_MARK}\.old")
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 # Errors that say that the place of a file is out of order: its disk, or the way to it.
 _BROKEN = (errno.EIO, errno.EROFS, errno.ENODEV, errno.ENXIO, errno.ESTALE, errno.ETIMEDOUT)
+# AT_FDCWD and RENAME_EXCHANGE of Linux, as fcntl.h and stdio.h have them.
+_HERE, _EXCHANGE = -100, 2
 # Outcomes of locking: it is ours, another process has it, nothing is there to lock, or there are no locks here.
 HELD, TAKEN, GONE, UNKNOWN = "held", "taken", "gone", "unknown"
 
@@ -151,10 +155,31 @@ def _made(folder: Path) -> tuple[Path, str, int | None]:
     return alone, UNKNOWN, None
 
 
-def set_aside(folder: Path) -> Path:
-    """Give a folder that is about to be replaced its hidden name, and return that."""
+def replaced_by_exchange(folder: Path, hidden: Path) -> bool:
+    """Exchange the names of `folder` and of its hidden folder in one step, and remove what was there; False where none can.
+
+    Raises:
+        OSError: the operating system and the file system can, and it failed: nothing has changed.
+    """
+    renameat2 = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if sys.platform == "linux" else None
+    if renameat2 is None:
+        return False
+    with locked(folder):  # with its hidden name nobody else may write into it
+        if renameat2(_HERE, os.fsencode(hidden), _HERE, os.fsencode(folder), _EXCHANGE):
+            if (number := ctypes.get_errno()) in (errno.ENOSYS, errno.EINVAL):
+                return False
+            raise OSError(number, os.strerror(number), str(hidden))
+        aside = hidden
+        with suppress(OSError):
+            aside = set_aside(hidden, folder)
+    shutil.rmtree(aside, ignore_errors=True)  # another process may do the same
+    return True
+
+
+def set_aside(path: Path, folder: Path) -> Path:
+    """Give `path`, which is what `folder` was, a hidden name that says so, and return that."""
     aside = folder.parent / f".{folder.name}.{secrets.token_hex(4)}.{_MARK}.old"
-    os.rename(folder, aside)
+    os.rename(path, aside)
     return aside
 
 

@@ -149,7 +149,7 @@ def viewer_files() -> dict[str, bytes]:
     The page does not use that server itself: any page that is open in the browser could read its recordings.
     WireRopeError if there is no viewer, or it does not hand them out.
     """
-    server, page = free_port(9876), free_port(9090)
+    server, page = free_port(0), free_port(0)  # not the usual ones, which another viewer may be about to take
     command = [str(viewer_binary()), "--bind", "127.0.0.1", "--serve-web"]
     command += ["--port", str(server), "--web-viewer-port", str(page)]
     # With `CI` set the viewer sends no usage data.
