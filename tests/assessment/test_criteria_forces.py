@@ -1,7 +1,10 @@
-"""Limits on the load of a mount and on the force of its stops, and every kind of limit read back from a run's file."""
+"""Limits on the load of a mount, on force, closing speed and gap of its stops; every kind is read back from a run's file."""
+
+from dataclasses import replace
 
 import pytest
 from house import sdof
+from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge
@@ -14,6 +17,8 @@ TEXTS = {
     "clearance": ("clearance/rack_top = 30 30 20 mm", "clearance/rack_top to rack_base_front = 30 30 20 mm"),
     "load": ("load/m* = 50 kN", "load/s1 = 8000 lbf"),
     "force": ("force/c1 = 10 kN",),
+    "closing": ("closing/c1 = 500 mm/s",),
+    "gap": ("gap/c1 = 80 %", "stops = none"),
 }
 
 
@@ -52,10 +57,63 @@ def test_loads_and_forces_of_stops_are_judged_by_their_peaks():
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize("engine", ["kernel", "mujoco"])
+def test_closing_speed_and_travel_to_a_stop_are_those_of_an_own_integration(engine):
+    """A mass of 3.5 kg falls from rest, unloaded, by gravity onto a stop 5 mm below and rebounds."""
+    k, c, stop, gap, mass, g = 1e4, 5.0, 5e5, 0.005, 3.5, 9.80665
+    law = wr.Parallel(laws=(wr.KelvinVoigt(k=k, c=c), wr.Stop(gap_below=gap, k=stop, rounding=1e-4)))
+    limits = [limit_from_text(text) for text in ("closing/m1 = 0.1 m/s", "stops = none")]
+    system = judged_by(sdof(law, gravity=g), combined_travel=True, limits=limits)
+    still = wr.HalfSine(peak=1e-9, duration=0.01, direction="z")
+    response = wr.simulate(system, still, duration=0.2, initial="unloaded", timestep=2e-5, engine=engine)
+
+    def reach(_, y):
+        return y[0] + gap
+
+    reach.terminal, reach.direction = True, -1.0
+    fall = solve_ivp(
+        lambda _, y: [y[1], -g - (k * y[0] + c * y[1]) / mass], (0.0, 0.2), [0.0, 0.0], events=reach, rtol=1e-11, atol=1e-14
+    )
+    touch, (_, speed) = fall.t_events[0][0], fall.y_events[0][0]
+    (contact,) = response.peaks.contacts.values()
+    # the spring slows the mass down at 5 m/s^2 at the touch; what is linear within a step of 20 us misses 1e-9 m/s
+    assert contact.closing_speed == pytest.approx(-speed, rel=1e-6)
+    assert contact.closing_time == pytest.approx(touch, abs=1e-8)
+    rows = {str(row.criterion): row for row in judge(response)}
+    closing, used = rows["closing speed"], rows["stop gap"]
+    assert (closing.value, closing.limit, closing.verdict) == (contact.closing_speed, 0.1, "exceeded")
+    assert (used.value, used.limit, used.verdict) == (-response.peaks.mounts["m1"].deflection.minimum[2], gap, "exceeded")
+    wider = replace(law, laws=(law.laws[0], replace(law.laws[1], gap_below=0.05)))
+    open_stop = wr.simulate(
+        judged_by(sdof(wider, gravity=g), combined_travel=True, limits=limits),
+        still,
+        duration=1.0,
+        initial="unloaded",
+        timestep=1e-4,
+    )
+    rows = {str(row.criterion): row for row in judge(open_stop)}
+    assert (rows["closing speed"].value, rows["closing speed"].verdict) == (0.0, "within")
+    assert 0.0 < rows["stop gap"].utilisation < 1.0
+
+
+@pytest.mark.quick
+def test_a_stop_of_two_sides_is_judged_on_both():
+    law = wr.Parallel(laws=(wr.KelvinVoigt(k=4e4, c=40.0), wr.Stop(gap_below=0.02, gap_above=0.001, k=5e5, rounding=1e-4)))
+    system = judged_by(sdof(law), combined_travel=True, limits=[limit_from_text("gap/* = 50 %")])
+    response = wr.simulate(system, wr.HalfSine(peak=300.0, duration=0.006, direction="z"), duration=0.5)
+    rows = {str(row.criterion): row for row in judge(response)}
+    deflection = response.peaks.mounts["m1"].deflection
+    assert (rows["stop gap, below"].value, rows["stop gap, below"].limit) == (-deflection.minimum[2], 0.01)
+    assert (rows["stop gap, above"].value, rows["stop gap, above"].limit) == (deflection.maximum[2], 0.0005)
+
+
+@pytest.mark.quick
 @pytest.mark.parametrize(("text", "fault"), [
     ("load/m9 = 5 kN", "there is no mount 'm9'"), ("force/m01 = 5 kN", "there is no mount with a stop 'm01'"),
     ("load/m01 = 5 5 5 kN", "must be one number"), ("load/m01 = 5 mm", "is no unit of load"),
-    ("load/rack = 5 kN", "there is no mount 'rack'"),
+    ("load/rack = 5 kN", "there is no mount 'rack'"), ("stops = 3", "a limit is written like"),
+    ("stops/m01 = none", "there is no mount with a stop 'm01'"), ("gap/s1 = 120 %", "from 0.001 to 1"),
+    ("closing/s1 = 5 mm", "is no unit of closing"),
 ])  # fmt: skip
 def test_what_has_no_such_force_is_refused(text, fault):
     with pytest.raises((ValueError, wr.ModelError), match=fault):

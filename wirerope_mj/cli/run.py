@@ -20,7 +20,8 @@ _OWN = (
     own_option(
         "limit", list[str] | None, None, negative=(),
         help_text='"acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm" of the payload, "load/m3 = 5 kN" of a '
-        'mount or "force/s1 = 10 kN" of its stops: a limit in place of the model\'s',
+        'mount, "force/s1 = 10 kN", "closing/s1 = 0.5 m/s" or "gap/s1 = 80 %" of its stops: a limit in place of the model\'s; '
+        'with "stops = none" no stop may be touched',
     ),
 )  # fmt: skip
 _LIST = own_option("list", bool, False, "print the scenarios that ship with the package, and nothing else", negative=())

@@ -87,8 +87,9 @@ def shock(
         sample_rate: of the response [Hz].
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
         timestep: largest step [s], in place of one that is chosen; no error is estimated then.
-        limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm", of the payload, "load/m3 = 5 kN" of a mount or
-            "force/s1 = 10 kN" of its stops, in place of the model's.
+        limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm", of the payload, "load/m3 = 5 kN" of a mount,
+            "force/s1 = 10 kN", "closing/s1 = 0.5 m/s" or "gap/s1 = 80 %" of its stops, in place of the model's; with
+            "stops = none" no stop may be touched.
         combined_travel: judge mounts on all axes at once, by this program's own rule.
         out: folder of the run; runs/shock-MODEL-MOTION-DATE-TIME by default.
     """

@@ -18,7 +18,7 @@ from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
-from wirerope_mj.foundation.payload_limits import FORCES
+from wirerope_mj.foundation.payload_limits import ON_MOUNTS
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, defines, load_scenario, shipped_scenarios
@@ -206,7 +206,7 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
 
 def _warn_of_unjudged(limits: Sequence[str]) -> None:
     if limits:
-        forces = all(limit.startswith(FORCES) for limit in limits)
+        forces = all(limit.startswith(ON_MOUNTS) for limit in limits)
         remedy = "judge single runs by it" if forces else "write it into the model, as limit/KIND/NAME"
         warnings.warn(f"a study does not judge {'; '.join(limits)}: {remedy}.", StudyWarning, stacklevel=3)
 

@@ -144,8 +144,8 @@ def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
 
 _CONTACT_COLUMNS = (
     Column("stop or pair", align="text"), Column("first touch", "s", "z.4f"), Column("touches", form="d"),
-    Column("in all", "ms", "z.1f"), Column("peak force", "kN", "z.2f"), Column("at", "s", "z.4f"),
-    Column("depth", "mm", "z.2f"), Column("energy", "J", "z.2f"), *left("verdict"),
+    Column("in all", "ms", "z.1f"), Column("closing\nspeed", "m/s", 3), Column("peak force", "kN", "z.2f"),
+    Column("at", "s", "z.4f"), Column("depth", "mm", "z.2f"), Column("energy", "J", "z.2f"), *left("verdict"),
 )  # fmt: skip
 
 
@@ -160,7 +160,7 @@ def contact_blocks(run: RunResult) -> Iterator[Block]:
         contact = contacts[verdict.subject]
         if contact.touches:
             touches = contact.first_touch, contact.touches, contact.duration
-            sizes = contact.force, contact.force_time, contact.penetration, contact.energy
+            sizes = contact.closing_speed, contact.force, contact.force_time, contact.penetration, contact.energy
             judged = Mark(verdict.verdict, TONE[verdict.verdict])
             rows.append((contact.called(verdict.subject), *touches, *sizes, judged))
     untouched = f" {len(contacts) - len(rows)} others never touched." if len(contacts) > len(rows) else ""
@@ -168,7 +168,8 @@ def contact_blocks(run: RunResult) -> Iterator[Block]:
         yield Table(
             "contacts", "Stops and contacts that touched", _CONTACT_COLUMNS, rows,
             note="Normal forces of all contact points of a pair together, at steps. Depth: overlap when pressed, as the "
-            "model's stiffness of the contact has it; of a mount's stop the travel beyond its gap. Energy: what it took up, "
+            "model's stiffness of the contact has it; of a mount's stop the travel beyond its gap. Closing speed: the largest "
+            "at which a mount's stop is pressed, that of the touch among them. Energy: what it took up, "
             f"which the motion has lost once it is open again.{untouched}",
         )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Limits of a payload: acceleration of a body or a point, clearance around it, load of a mount, force of its stops."""
+"""Limits of a payload, acceleration and clearance, and of mounts: load, and force, closing speed and gap of their stops."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,7 @@ from typing import NamedTuple
 from wirerope_mj.foundation.arguments import finite, one_of
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.quantities import values_with_unit
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, VELOCITY_UNITS
 
 
 class LimitKind(NamedTuple):
@@ -28,16 +28,19 @@ KINDS = {
     "clearance": LimitKind((3, 6), "m", LENGTH_UNITS, 1e-7, 1e3),
     "load": LimitKind((1, 1), "N", FORCE_UNITS, 1e-6, 1e9, "mount"),
     "force": LimitKind((1, 1), "N", FORCE_UNITS, 1e-6, 1e9, "mount with a stop"),
+    "closing": LimitKind((1, 1), "m/s", VELOCITY_UNITS, 1e-6, 1e3, "mount with a stop"),
+    "gap": LimitKind((1, 1), "", {"%": 0.01}, 1e-3, 1.0, "mount with a stop"),
 }
 
-FORCES = ("load", "force")  # kinds of limits on mounts, which runs and jobs judge
+ON_STOPS = ("force", "closing", "gap")  # kinds of limits on the stops of mounts
+ON_MOUNTS = ("load", *ON_STOPS)  # kinds of limits on mounts, which runs and jobs judge
 
 # Stands between two points in the name of the clearance between them.
 BETWEEN = " to "
 
 _EXAMPLES = (
-    '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g", "clearance/rack_top = 30 30 20 mm", "load/m3 = 5 kN" or '
-    '"force/s1 = 10 kN"'
+    '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g", "clearance/rack_top = 30 30 20 mm", "load/m3 = 5 kN", '
+    '"force/s1 = 10 kN", "closing/s* = 0.5 m/s", "gap/s1 = 80 %" or "stops = none"'
 )
 
 # Ways that a clearance limits, in the order of its six values.
@@ -52,13 +55,15 @@ class PayloadLimit:
 
     # "acceleration" (fragility of what stands there, absolute acceleration), "clearance" (rattle space: how far a point, or
     # any corner of a body, may move from its modelled position relative to the base), "load" (size of the force that a mount
-    # hands on to what it stands on) or "force" (of each stop of a mount)
+    # hands on to what it stands on), "force" and "closing" (force of each stop of a mount, and speed at which it closes) or
+    # "gap" (fraction of its gap, from the unloaded geometry, that a stop's travel may use: with 1 it must not be touched)
     kind: str
     # the body, the point or the mount; of a clearance also two points, "rack_1 to rack_2": how far the first moves relative to
     # the second
     name: str
     # acceleration [m/s^2]: one value for the norm, or three along x, y, z; clearance [m]: three values along x, y, z, both
-    # ways, or six along -x, +x, -y, +y, -z, +z; load and force [N]. Zero: not judged there.
+    # ways, or six along -x, +x, -y, +y, -z, +z; load and force [N], closing speed [m/s], fraction of the gap. Zero: not judged
+    # there.
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -105,11 +110,15 @@ def limits_by_patterns(limits: Sequence[PayloadLimit], known: Mapping[str, Seque
 def limit_from_text(text: str) -> PayloadLimit:
     """Return the limit of a text such as `acceleration/rack = 15 g` or `clearance/rack_top = 30 30 20 mm`.
 
+    `stops = none`, or `stops/NAME = none`, is `gap/NAME = 100 %`: no stop of these mounts may be touched.
+
     Raises:
         ValueError: the text is no limit, its unit is none of its kind, or it has the wrong number of values.
     """
     subject, _, said = text.rpartition("=")
     kind, _, name = (part.strip() for part in subject.partition("/"))
+    if kind == "stops" and said.strip().lower() == "none":
+        kind, name, said = "gap", name or "*", "100 %"
     if not name:
         raise ValueError(f"a limit is written like {_EXAMPLES}; got {short(text)!r}.")
     try:

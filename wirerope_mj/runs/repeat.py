@@ -192,8 +192,8 @@ def _peak_differences(stored: Response, again: Response) -> Iterator[Difference]
     travels, travels_again = mine.pop("travels"), other.pop("travels")
     if contacts is not None:  # older responses have none
         for name, contact in contacts.items():
-            if contact["energy"] is None and name in contacts_again:  # nor its energy
-                contacts_again[name]["energy"] = None
+            if name in contacts_again:  # nor what stands beside them here
+                contacts_again[name] |= {key: contact[key] for key in _ADDED if contact[key] in (None, "")}
         yield from _plain_differences(contacts, contacts_again, "peaks.contacts")
     if travels is not None:
         yield from _plain_differences(travels, travels_again, "peaks.travels")
@@ -207,6 +207,7 @@ def _peak_differences(stored: Response, again: Response) -> Iterator[Difference]
         yield NEGLIGIBLE if same and mine[reached] != other[reached] else ratio, f"peaks.{peak}"
 
 
+_ADDED = ("energy", "axis", "gap_below", "gap_above", "closing_speed", "closing_time")  # Not in older records of contacts
 # Positions of the instants in `Peak.to_list`, and of the values that are reached then.
 _INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
 
@@ -220,7 +221,9 @@ def _rest_differences(stored: Response, again: Response, parts: Sequence[Integer
     for name in ("initial_state", "final_state"):
         a, b = getattr(stored, name), getattr(again, name)
         mine, other = a.values, b.values
-        if stored.peaks.travels is None:  # older states end before the memory of contacts, or of travels
+        # older states end before the memory of contacts, of travels, or of the speeds at which stops close
+        stops = [one for one in (stored.peaks.contacts or {}).values() if one.mount]
+        if stored.peaks.travels is None or any(not one.axis for one in stops):
             other = other[: mine.size]
         if mine.shape != other.shape or a.time != b.time:
             yield np.inf, name

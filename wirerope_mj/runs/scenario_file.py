@@ -21,7 +21,7 @@ from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.foundation.payload_limits import KINDS, PayloadLimit, limits_by_patterns
+from wirerope_mj.foundation.payload_limits import KINDS, ON_STOPS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.structure import Place, Positive, bounds, keys_of, structure
 from wirerope_mj.foundation.toml_file import flat_entries, read_toml
 from wirerope_mj.motions.motion import BaseMotion
@@ -68,7 +68,8 @@ def read_judge_table(content: Entries) -> Entries:
 def subjects_of(system: System) -> dict[str, list[str]]:
     """Name the bodies, points and mounts that a limit of each kind may be on."""
     stops = [name for name, mount in system.mounts.items() if mount.isolator.stops]
-    return limit_subjects(system.model, system.model.body(system.base).id if system.base else 0) | {"force": stops}
+    known = limit_subjects(system.model, system.model.body(system.base).id if system.base else 0)
+    return known | dict.fromkeys(ON_STOPS, stops)
 
 
 _REMEDY = "Put it right, or take the file from another copy of the folder."

@@ -15,7 +15,7 @@ from wirerope_mj.engine.system.on_deck import with_part
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.payload_limits import FORCES, PayloadLimit
+from wirerope_mj.foundation.payload_limits import ON_MOUNTS, PayloadLimit
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
@@ -69,7 +69,7 @@ def equipment(
         raise ValueError('`--shock` must say at least one load case, for instance --shock "half-sine 15 g 11 ms z".')
     judged = {}
     for name, system in systems.items():
-        if forces := [f"{one.kind}/{one.name}" for one in (*system.limits, *limits) if one.kind in FORCES]:
+        if forces := [f"{one.kind}/{one.name}" for one in (*system.limits, *limits) if one.kind in ON_MOUNTS]:
             raise ModelError(f"a selection does not judge {forces[0]}: leave it out, and judge runs of what was chosen by it.")
         own = {(one.kind, one.name): one for one in limits}
         if fragility is not None:

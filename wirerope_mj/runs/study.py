@@ -14,7 +14,7 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, write_json
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.foundation.payload_limits import FORCES, KINDS, PayloadLimit, limits_by_patterns
+from wirerope_mj.foundation.payload_limits import KINDS, ON_MOUNTS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.resources import scenarios_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.job_file import Job
@@ -141,7 +141,7 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
     points, known = payload_points(system), subjects_of(system)
     can: list[str] = []
     cannot: list[str] = []
-    forces = [limit for limit in system.limits if limit.kind in FORCES]
+    forces = [limit for limit in system.limits if limit.kind in ON_MOUNTS]
     for one in (*limits_by_patterns(scenario.limits, known), *forces):
         if one.kind == "acceleration" and set(one.judged) == {""}:
             can.append(_text(one))
@@ -153,9 +153,8 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
 
 
 def _text(limit: PayloadLimit) -> str:
-    accelerates = limit.kind == "acceleration"
-    values = " ".join(f"{value / (STANDARD_GRAVITY if accelerates else 1.0):.12g}" for value in limit.values)
-    return f"{limit.kind}/{limit.name} = {values} {'g' if accelerates else KINDS[limit.kind].unit}"
+    unit, size = {"acceleration": ("g", STANDARD_GRAVITY), "gap": ("%", 0.01)}.get(limit.kind, (KINDS[limit.kind].unit, 1.0))
+    return f"{limit.kind}/{limit.name} = {' '.join(f'{value / size:.12g}' for value in limit.values)} {unit}"
 
 
 def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution], how: Entries, drawn: Entries) -> Content:

@@ -23,6 +23,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     LOAD,
     NOT_JUDGED,
     RATTLE_SPACE,
+    STOP_GAP,
     TRAVEL,
     WITHIN,
     Criterion,
@@ -92,6 +93,10 @@ def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
         deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
         rating = "compression" if criterion == BOTTOMING else criterion.sense
         value = combined_travel(mount, deflection) if criterion == COMBINED else travel_in(rating, deflection)
+    elif criterion.kind == STOP_GAP:
+        stop = (response.peaks.contacts or {})[subject]
+        deflection = read_columns(response, f"mounts/{stop.mount}/deflection/{stop.axis}", 1)[:, 0]
+        value = np.maximum(-deflection if (criterion.sense or next(iter(stop.gaps))) == "below" else deflection, 0.0)
     else:
         return None
     return np.asarray(value / verdict.limit)

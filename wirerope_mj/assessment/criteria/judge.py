@@ -16,14 +16,13 @@ from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (
     BOTTOMING,
+    BY_LIMITS,
     COMBINED,
     EXCEEDED,
-    LOAD,
     RATTLE_SPACE,
     RESTED,
     STATIC_LOAD,
     STOP,
-    STOP_FORCE,
     STRUCK,
     TRAVEL,
     WITHIN,
@@ -132,7 +131,7 @@ def limit_of(criterion: Criterion) -> str:
 
 
 _RATED = (TRAVEL, STATIC_LOAD)
-OF_MOUNTS = (RESTED, *_RATED, COMBINED.kind, BOTTOMING.kind, LOAD, STOP_FORCE)
+OF_MOUNTS = (RESTED, *_RATED, COMBINED.kind, BOTTOMING.kind, *BY_LIMITS)
 
 
 class Verdicts(tuple[Verdict, ...]):

@@ -9,12 +9,14 @@ import numpy as np
 from wirerope_mj.assessment.criteria.sampled import read_start
 from wirerope_mj.assessment.criteria.verdict import (
     CLEAR,
+    CLOSING_SPEED,
     CONTACT,
     LOAD,
     RESTED,
     STATIC_LOAD,
     STOP,
     STOP_FORCE,
+    STOP_GAP,
     STRUCK,
     TOUCHING,
     Criterion,
@@ -27,11 +29,13 @@ from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
-from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.payload_limits import ON_STOPS, PayloadLimit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text, force_text, instant_text
+from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
 AT_STOPS = 0.01  # fraction of the weight that stops may carry at rest: less is a stop that is just reached
+LEAST_GAP = 1e-6  # Taken for the gap of a stop that has none [m], of which nothing can be a fraction
 _NAMED = 4  # stops that a sentence names
 # Acceleration below which the first sample is taken for rest [m/s^2]: an equilibrium leaves far less, a falling payload 1 g.
 AT_REST = 1e-3 * STANDARD_GRAVITY
@@ -112,19 +116,21 @@ def _static_load_verdict(
 
 
 def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
-    """Judge the largest force [N] of the mounts and stops with a limit of force; () without such limits.
+    """Judge the largest force [N] of mounts, and of their stops force, closing speed [m/s] and travel in the gap [m].
+
+    () without such limits.
 
     Args:
         response: of a run.
-        limits: of kind "load" (a mount) and "force" (each stop of a mount); without them the model's own.
+        limits: of kind "load" (a mount) and "force", "closing", "gap" (each stop of a mount); without them the model's own.
 
     Raises:
-        ValueError: a limit names no mount, or one of forces a mount without a stop.
+        ValueError: a limit names no mount, or one of stops a mount without a stop.
     """
     contacts = response.peaks.contacts or {}
     stops = [(contact.mount, name, contact) for name, contact in contacts.items() if contact.mount]
     loads = limits_by_name(response, limits, "load", list(response.peaks.mounts))
-    forces = limits_by_name(response, limits, "force", [mount for mount, _, _ in stops])
+    of_stops = {kind: limits_by_name(response, limits, kind, [mount for mount, _, _ in stops]) for kind in ON_STOPS}
     peaks = ((name, response.peaks.mounts[name].force, limit) for name, limit in loads.items())
     return (
         *(
@@ -132,14 +138,39 @@ def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = N
             for name, peak, limit in peaks
         ),
         *(
-            Verdict(
-                criterion=Criterion(STOP_FORCE), subject=name, value=stop.force, limit=forces[mount].values[0], unit="N",
-                time=stop.force_time,
-            )
+            verdict
+            for kind in ON_STOPS
             for mount, name, stop in stops
-            if mount in forces
+            if mount in of_stops[kind]
+            for verdict in _stop_verdicts(response, kind, of_stops[kind][mount].values[0], name, stop)
         ),
     )  # fmt: skip
+
+
+def _stop_verdicts(response: Response, kind: str, limit: float, name: str, stop: ContactPeak) -> list[Verdict]:
+    """Judge force or closing speed of a stop, or its travel in the gap of each side, by peaks over all steps."""
+    if kind == "force":
+        of_force = Verdict(
+            criterion=Criterion(STOP_FORCE), subject=name, value=stop.force, limit=limit, unit="N", time=stop.force_time
+        )
+        return [of_force]
+    which, unit = (CLOSING_SPEED, "m/s") if kind == "closing" else (STOP_GAP, "m")
+    if not stop.axis:
+        note = "an older version made the run, and recorded neither gaps nor closing speeds"
+        return [Verdict(criterion=Criterion(which), subject=name, value=math.nan, limit=None, unit=unit, note=note)]
+    if kind == "closing":
+        speed, when = stop.closing_speed or 0.0, stop.closing_time
+        return [Verdict(criterion=Criterion(which), subject=name, value=speed, limit=limit, unit=unit, time=when)]
+    peak, axis = response.peaks.mounts[stop.mount].deflection, AXES.index(stop.axis)
+    ends = {"below": (-peak.minimum[axis], peak.minimum_time[axis]), "above": (peak.maximum[axis], peak.maximum_time[axis])}
+    return [
+        Verdict(
+            criterion=Criterion(which, sense=side if len(stop.gaps) > 1 else ""), subject=name, unit=unit,
+            value=max(float(ends[side][0]), 0.0), limit=limit * max(gap, LEAST_GAP), time=float(ends[side][1]),
+            note="travel to the stop, from the unloaded geometry",
+        )
+        for side, gap in stop.gaps.items()
+    ]  # fmt: skip
 
 
 def contact_verdicts(response: Response) -> tuple[Verdict, ...]:

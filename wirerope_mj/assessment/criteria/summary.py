@@ -10,16 +10,15 @@ from wirerope_mj.assessment.criteria.travel import ELLIPSOID, peak_travel_verdic
 from wirerope_mj.assessment.criteria.verdict import (
     ACCELERATION,
     BOTTOMING,
+    BY_LIMITS,
     COMBINED,
     CONTACT,
     EXCEEDED,
-    LOAD,
     NOT_JUDGED,
     RATTLE_SPACE,
     RESTED,
     STATIC_LOAD,
     STOP,
-    STOP_FORCE,
     TRAVEL,
     WITHIN,
     Verdict,
@@ -125,7 +124,7 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     early = too_short(response)  # the reason stands in the headline
     lines = ["What is not exceeded yet is not judged."] if early else []
     kinds = (ACCELERATION, RATTLE_SPACE)
-    elsewhere = set(OF_MOUNTS) - {LOAD, STOP_FORCE}
+    elsewhere = set(OF_MOUNTS) - {*BY_LIMITS}
     rows = [row for row in verdicts if row.criterion.kind not in elsewhere and not row.contact]
     judged = sorted((row for row in rows if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
     lines += [f"{row.verdict.capitalize()}: {against_limit(row)}{_instant(row)}." for row in judged[:_LIMITS]]
@@ -291,6 +290,7 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> Entries:
                 "penetration_time_s": contact.penetration_time,
             }
             | ({} if contact.energy is None else {"energy_J": contact.energy})
+            | ({} if contact.closing_speed is None else {"closing_speed_m_s": contact.closing_speed})
             for name, contact in response.peaks.contacts.items()
         ]  # fmt: skip
     return {

@@ -20,6 +20,9 @@ LARGEST: Final = "largest acceleration"
 AMPLIFIED = 1.005  # Ratio to the base above which an amplification is reported: less would print as 1.00
 LOAD: Final = "load"
 STOP_FORCE: Final = "stop force"
+STOP_GAP: Final = "stop gap"
+CLOSING_SPEED: Final = "closing speed"
+BY_LIMITS: Final = (LOAD, STOP_FORCE, CLOSING_SPEED, STOP_GAP)  # Criteria of mounts whose limits are stated beside ratings
 STATIC_LOAD: Final = "static load in compression"
 RESTED: Final = "weight on stops"
 

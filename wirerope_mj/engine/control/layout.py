@@ -22,8 +22,8 @@ PARAMETERS = "wirerope/parameters"
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
 USER_MOUNTS, USER_RATES, USER_ACCELERATIONS, USER_CHANNELS, USER_CONTACTS, USER_STOPS = range(18, 24)  # see `UserData`
-N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS, N_MODES, MODES, STOPS = range(24, 33)
-HEADER = 33
+N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS, N_MODES, MODES, STOPS, USER_CLOSINGS = range(24, 34)
+HEADER = 34
 
 # columns of the tables
 MOUNT_COLUMNS = 22
@@ -80,6 +80,9 @@ CHANNEL_MEMORY = 23
 TRAVEL_BEFORE, TRAVEL_LAST, WAS_JUDGED, FARTHEST, FARTHEST_TIME, JUDGED, JUDGED_TIME = range(7)
 TRAVEL_MEMORY = 7
 
+# memory of the speed at which a stop closes: of the last step, and the largest while it is closed, with its instant
+LAST_SPEED, CLOSING, CLOSING_TIME, CLOSING_MEMORY = range(4)
+
 # memory of the contacts of one pair of geoms, and of one stop among the mounts' laws (which has no geoms)
 GEOMS, WORK, TOUCHES, FROM_START, FIRST_TOUCH, LAST_TOUCH, TOUCHED_FOR, FORCE_NOW = range(8)
 FORCE_PEAK, FORCE_TIME, DEPTH, DEPTH_TIME = 8, 9, 10, 11
@@ -110,6 +113,7 @@ class UserData:
     # forces and moments on the payload at the half steps of a segment, (2 MAX_STEPS + 1, n_forces, 6)
     forces: int = field(init=False)
     travels: int = field(init=False)  # memory of the mounts' travel along all axes at once, (n_mounts, TRAVEL_MEMORY)
+    closings: int = field(init=False)  # memory of the speeds at which stops close, (n_stops, CLOSING_MEMORY)
     size: int = field(init=False)  # number of entries
 
     def __post_init__(self) -> None:
@@ -118,7 +122,8 @@ class UserData:
             "mounts": STAGES + 3 * half_steps, "rates": 6 * self.n_mounts, "accelerations": self.n_states,
             "channels": 6 * self.n_tree, "contacts": CHANNEL_MEMORY * self.n_channels,
             "stops": CONTACT_MEMORY * self.n_contacts, "forces": CONTACT_MEMORY * self.n_stops,
-            "travels": 6 * self.n_forces * half_steps, "size": TRAVEL_MEMORY * self.n_mounts,
+            "travels": 6 * self.n_forces * half_steps, "closings": TRAVEL_MEMORY * self.n_mounts,
+            "size": CLOSING_MEMORY * self.n_stops,
         }  # fmt: skip
         for part, before in sizes.items():  # what stands between this part's address and the last one's
             address += before
@@ -142,4 +147,8 @@ class UserData:
 
     def travel_rows(self, user: Array) -> Array:
         """Return the memory of the mounts' travel from the system's userdata, a view, (n_mounts, TRAVEL_MEMORY)."""
-        return user[self.travels : self.size].reshape(self.n_mounts, TRAVEL_MEMORY)
+        return user[self.travels : self.closings].reshape(self.n_mounts, TRAVEL_MEMORY)
+
+    def closing_rows(self, user: Array) -> Array:
+        """Return the memory of the stops' closing speeds from the system's userdata, a view, (n_stops, CLOSING_MEMORY)."""
+        return user[self.closings : self.size].reshape(self.n_stops, CLOSING_MEMORY)

@@ -11,7 +11,7 @@ order of mounts, axes and laws. Without any of them a step costs one comparison.
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.mounts import bent, point_velocity, remove_overshoot
-from wirerope_mj.engine.control.peaks import parabola_bounds, touch, track_travel, track_vector
+from wirerope_mj.engine.control.peaks import close, parabola_bounds, touch, track_travel, track_vector
 from wirerope_mj.engine.control.vectors import (
     column,
     cross,
@@ -132,22 +132,25 @@ def rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel):
 def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtree_com, cvel, qvel):
     """Update the memory of all stops with the deflections of this step."""
     n_stops, row = index(lay[i + at.N_STOPS]), i + index(lay[i + at.STOPS])
-    k = w + index(lay[i + at.USER_STOPS])
+    k, closing = w + index(lay[i + at.USER_STOPS]), w + index(lay[i + at.USER_CLOSINGS])
     if u[w + at.HISTORY] == 0.0:
         for c in range(at.CONTACT_MEMORY * n_stops):
             u[k + c] = 0.0
+        for c in range(at.CLOSING_MEMORY * n_stops):
+            u[closing + c] = 0.0
     for _ in range(n_stops):
         mount, c, p = index(lay[row + at.STOP_MOUNT]), index(lay[row + at.STOP_AXIS]), q + index(lay[row + at.STOP_PARAMETER])
         x = u[w + index(lay[i + at.USER_MOUNTS]) + 6 * mount + c]
-        depth = max(-x - par[p + BELOW], x - par[p + ABOVE])
+        below, above = -x - par[p + BELOW], x - par[p + ABOVE]
+        depth, m = max(below, above), i + index(lay[i + at.MOUNTS]) + at.MOUNT_COLUMNS * mount
+        v = rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel)
+        close(u, k, closing, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, -v if below > above else v)
         if depth > 0.0:
-            m = i + index(lay[i + at.MOUNTS]) + at.MOUNT_COLUMNS * mount
             z = row + at.STOP_STATE
-            v = rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel)
             pull = stop_force(par, p, x, v, act[a + index(lay[z])] if lay[z] >= 0.0 else 0.0)
             if pull != 0.0:
                 touch(u, k, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, abs(pull), pull * v, True)
-        row, k = row + at.STOP_COLUMNS, k + at.CONTACT_MEMORY
+        row, k, closing = row + at.STOP_COLUMNS, k + at.CONTACT_MEMORY, closing + at.CLOSING_MEMORY
 
 
 @inlined

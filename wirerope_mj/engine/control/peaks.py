@@ -152,6 +152,23 @@ def track_travel(u, m, rated, p, x, record, bounds, t0, t1, t2):
 
 
 @njit
+def close(u, k, m, history, before, time, depth, speed):
+    """Update the largest speed at which a stop is pressed [m/s], with its depth [m], < 0 while open, and the rate of that.
+
+    `u[k:]` is its memory of touches, before `touch` takes up this step, `u[m:]` that of speeds. At the touch, between two
+    steps, the speed is that of a straight line over time.
+    """
+    last = u[m + at.LAST_SPEED] if history > 0.0 else speed
+    path = 0.5 * (speed + last) * (time - before)  # from the last step to this one
+    fresh = (u[k + at.TOUCHES] == 0.0) | (u[k + at.LAST_TOUCH] < before)
+    passed = where(fresh & (path > depth), over(depth, path), 0.0)  # since the touch
+    higher(u, m + at.CLOSING, m + at.CLOSING_TIME, speed, time, depth > 0.0)
+    touched = speed + passed * (last - speed)
+    higher(u, m + at.CLOSING, m + at.CLOSING_TIME, touched, time - passed * (time - before), depth > 0.0)
+    u[m + at.LAST_SPEED] = speed
+
+
+@njit
 def touch(u, k, history, before, time, depth, force, power, pushes):
     """Update the memory of what touches where it pushes at this step: depth [m], force [N], power that is taken up [W].
 

@@ -121,7 +121,8 @@ def _sections(lay: Integers, *, largest: int) -> None:
         at.START: states, at.SLOPE: tangents, at.SUM: tangents, at.RECORD: at.RECORD_SIZE * lay[at.N_MOUNTS],
         at.VALUES: lay[at.N_VALUES], at.RECENT: at.RECENT_SIZE * lay[at.N_CHANNELS],
         at.MEMORY: control.CHANNEL_MEMORY * lay[at.N_CHANNELS], at.TOUCHED: control.CONTACT_MEMORY * lay[at.N_STOPS],
-        at.TRAVELS: control.TRAVEL_MEMORY * lay[at.N_MOUNTS], at.FAILED: 1, at.LOADS: 18 * lay[at.N_FORCES],
+        at.TRAVELS: control.TRAVEL_MEMORY * lay[at.N_MOUNTS], at.CLOSINGS: control.CLOSING_MEMORY * lay[at.N_STOPS],
+        at.FAILED: 1, at.LOADS: 18 * lay[at.N_FORCES],
     }  # fmt: skip
     total = 0
     for section, size in sizes.items():

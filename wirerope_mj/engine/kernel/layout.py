@@ -12,8 +12,8 @@ N_VALUES, N_RUNS, N_PAIRS, N_MODES, N_FORCES, N_WORK = range(11, 17)
 LINKS, TREES, DOFS, RUNS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, PAIRS, MODES, FORCES = range(17, 29)
 DRIVEN, GRAVITY, PARAMETERS = 29, 30, 31  # addresses in `fix`, and that of the laws' parameters in `num`
 KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY = range(32, 46)
-TOUCHED, TRAVELS, FAILED, LOADS = range(46, 50)  # the last: of now, of a step's middle, of its end
-HEADER = 50
+TOUCHED, TRAVELS, CLOSINGS, FAILED, LOADS = range(46, 51)  # the last: of now, of a step's middle, of its end
+HEADER = 51
 
 # parent (-1: the world), first dof, number of dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4),
 # inertia in `num`

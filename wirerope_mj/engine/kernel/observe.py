@@ -3,7 +3,7 @@
 import math
 
 from wirerope_mj.engine.control import layout as control
-from wirerope_mj.engine.control.peaks import parabola_bounds, touch, track_travel, track_vector
+from wirerope_mj.engine.control.peaks import close, parabola_bounds, touch, track_travel, track_vector
 from wirerope_mj.engine.control.vectors import carried, cross, grow, keep, minus, plus, swung, times, turned, vector
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import bent, orientation
@@ -97,17 +97,21 @@ def tick(clock, time):
 @inlined
 def track_stops(lay, num, y, work, clock, time):
     """Update the memory of all stops with the deflections of this step; of which STOPS has the rows."""
-    k, row, z = lay[at.TOUCHED], lay[at.STOPS], lay[at.NQ] + lay[at.NV]
+    k, row, z, closing = lay[at.TOUCHED], lay[at.STOPS], lay[at.NQ] + lay[at.NV], lay[at.CLOSINGS]
     if clock[HISTORY] == 0.0:
         for c in range(control.CONTACT_MEMORY * lay[at.N_STOPS]):
             work[k + c] = 0.0
+        for c in range(control.CLOSING_MEMORY * lay[at.N_STOPS]):
+            work[closing + c] = 0.0
     for _ in range(lay[at.N_STOPS]):
         x, rate = work[lay[at.RECORD] + lay[row + at.STOP_RECORD]], work[lay[at.RECORD] + lay[row + at.STOP_RECORD] + at.RATE]
         p = lay[at.PARAMETERS] + lay[row + at.STOP_PARAMETER]
-        depth = max(-x - num[p + BELOW], x - num[p + ABOVE])
+        below, above = -x - num[p + BELOW], x - num[p + ABOVE]
+        depth = max(below, above)
+        close(work, k, closing, clock[HISTORY], clock[TIME_1], time, depth, where(below > above, -1.0, 1.0) * rate)
         if some(depth > 0.0):
             w = y[z + lay[row + at.STOP_STATE]] if lay[row + at.STOP_STATE] >= 0 else 0.0 * x
             pull = where(depth > 0.0, stop_force(num, p, x, rate, w), 0.0)
             force = abs(pull)
             touch(work, k, clock[HISTORY], clock[TIME_1], time, depth, force, pull * rate, force > 0.0)
-        k, row = k + control.CONTACT_MEMORY, row + at.STOP_COLUMNS
+        k, row, closing = k + control.CONTACT_MEMORY, row + at.STOP_COLUMNS, closing + control.CLOSING_MEMORY

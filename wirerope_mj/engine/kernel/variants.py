@@ -206,7 +206,11 @@ class Group:
 
     def travels(self, number: int) -> Array:
         """Return the memory of one variant's travels, (n_mounts, ...), as `wirerope_mj.engine.control.layout` has it."""
-        return self._section(at.TRAVELS, at.FAILED)[:, number].reshape(-1, control.TRAVEL_MEMORY)
+        return self._section(at.TRAVELS, at.CLOSINGS)[:, number].reshape(-1, control.TRAVEL_MEMORY)
+
+    def closings(self, number: int) -> Array:
+        """Return the memory of the speeds at which one variant's stops close, (n_stops, ...), as the control layout has it."""
+        return self._section(at.CLOSINGS, at.FAILED)[:, number].reshape(-1, control.CLOSING_MEMORY)
 
     def _section(self, first: int, behind: int) -> Array:
         lay = self.equations.lay

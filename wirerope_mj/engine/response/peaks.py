@@ -32,11 +32,24 @@ class ContactPeak:
     # what it took up from the motion, friction included [J]: dissipated once it is open again; None if they never touch,
     # and in older responses
     energy: float | None = None
+    # of a mount's stop: its axis, the gaps on both sides from the unloaded geometry [m], None on a side without one, and the
+    # largest speed at which it was pressed, that of the touch among them [m/s], and its instant [s]; None in older responses
+    axis: str = ""
+    gap_below: float | None = None
+    gap_above: float | None = None
+    closing_speed: float | None = None
+    closing_time: float | None = None
 
     @property
     def struck(self) -> bool:
         """True if they came together during the run; resting on each other from the start is no strike."""
         return self.touches > int(self.from_start)
+
+    @property
+    def gaps(self) -> dict[str, float]:
+        """Gaps of a mount's stop from the unloaded geometry [m] on the sides that have one, "below" and "above"."""
+        sides = {"below": self.gap_below, "above": self.gap_above}
+        return {side: gap for side, gap in sides.items() if gap is not None}
 
     def called(self, name: str) -> str:
         """Name the contact in a text: a stop of a mount "stop s3", a pair of geoms by its name."""
@@ -44,7 +57,8 @@ class ContactPeak:
 
     def later(self, by: float) -> "ContactPeak":
         """Return the contact on a timeline `by` seconds later."""
-        times = {name: getattr(self, name) for name in ("first_touch", "force_time", "penetration_time")}
+        instants = ("first_touch", "force_time", "penetration_time", "closing_time")
+        times = {name: getattr(self, name) for name in instants}
         return replace(self, **{name: time + by for name, time in times.items() if time is not None})
 
     def to_dict(self) -> Entries:

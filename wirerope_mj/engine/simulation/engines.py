@@ -256,6 +256,7 @@ def run_in_lanes(
             tables.user.channel_rows(user)[tables.tracked] = group.channels(lane)
             tables.user.stop_rows(user)[: len(group.stops(lane))] = group.stops(lane)
             tables.user.travel_rows(user)[:] = group.travels(lane)
+            tables.user.closing_rows(user)[: len(group.closings(lane))] = group.closings(lane)
             results[number] = RunResult(
                 final_state=final_state(system, starts[number], group.states[:, lane], grid.stop),
                 peaks=peaks_of(system, user, done.base_peaks[done.which[number]]), callback="native", steps=done.steps,

@@ -67,15 +67,21 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
             contacts[contact_name(model, pair)] = _touched(untouched(model, pair), row)
     if OTHERS in contacts:
         contacts = {name: contact for name, contact in contacts.items() if contact.touches}
-    stop_rows = iter(addresses.stop_rows(user))
+    stop_rows = iter(zip(addresses.stop_rows(user), addresses.closing_rows(user), strict=True))
     for mount in system.mounts.values():
         axes = mount.isolator.stops
-        open_stop = ContactPeak(geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name)
-        for number, axis in enumerate(axes):
+        laws = [stop for law in mount.isolator.axes.values() if law is not None for stop in law.stops]
+        for number, (axis, law) in enumerate(zip(axes, laws, strict=True)):
             name = mount.name if len(axes) == 1 else f"{mount.name} {axis}"
             name += f" {axes[: number + 1].count(axis)}" if axes.count(axis) > 1 else ""
-            row = next(stop_rows)
-            contacts[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
+            (row, closing) = next(stop_rows)
+            contacts[name] = contact = ContactPeak(
+                geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name, axis=axis,
+                gap_below=law.gap_below, gap_above=law.gap_above,
+            )  # fmt: skip
+            if row[at.TOUCHES]:
+                speed, when = float(closing[at.CLOSING]), float(closing[at.CLOSING_TIME])
+                contacts[name] = replace(_touched(contact, row), closing_speed=speed, closing_time=when if speed else None)
     return contacts
 
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.install import STATE, state_of
-from wirerope_mj.engine.control.layout import TRAVEL_MEMORY
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
 from wirerope_mj.engine.simulation.stages import Segment, along_slides, loads_at
 from wirerope_mj.engine.statics import History, equilibrium
@@ -257,9 +256,11 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State | Non
     initial = motion.initial if initial is None else initial
     if isinstance(initial, State):
         size = mujoco.mj_stateSize(system.model, STATE)
-        added = TRAVEL_MEMORY * len(system.mounts)
-        if initial.values.shape == (size - added,):  # of a version that did not follow travel along all axes
-            initial = State(values=np.append(initial.values, np.zeros(added)), time=initial.time)
+        user = system.assembly.tables.user
+        # of versions that followed neither the speeds at which stops close nor travel along all axes
+        for added in (user.size - user.closings, user.size - user.travels):
+            if initial.values.shape == (size - added,):
+                initial = State(values=np.append(initial.values, np.zeros(added)), time=initial.time)
         if initial.values.shape != (size,):
             raise ValueError(f"`initial` has {initial.values.size} values; a state of this system has {size}.")
         state = initial

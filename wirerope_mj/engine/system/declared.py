@@ -14,7 +14,7 @@ import numpy as np
 
 from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.payload_limits import BETWEEN, KINDS, PayloadLimit
+from wirerope_mj.foundation.payload_limits import BETWEEN, KINDS, ON_MOUNTS, PayloadLimit
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import load_isolator
@@ -255,4 +255,4 @@ def limit_subjects(model: mujoco.MjModel, base: int) -> dict[str, list[str]]:
     tuples = (model.tuple(number).name for number in range(model.ntuple))
     mounts = [name.replace(MOUNT, "", 1) for name in tuples if MOUNT in name]
     corners = [*(model.body(b).name for b in shaped), *points]
-    return dict.fromkeys(KINDS, every) | {"clearance": corners, "load": mounts, "force": mounts, "point": points}
+    return dict.fromkeys(KINDS, every) | {"clearance": corners, "point": points} | dict.fromkeys(ON_MOUNTS, mounts)

@@ -196,7 +196,7 @@ def make_tables(
     )  # fmt: skip
     addresses = user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops
     header[at.USER_MOUNTS : at.USER_STOPS + 1] = addresses
-    header[at.USER_FORCES], header[at.USER_TRAVELS] = user.forces, user.travels
+    header[at.USER_FORCES], header[at.USER_TRAVELS], header[at.USER_CLOSINGS] = user.forces, user.travels, user.closings
     base_channels = _base_channels(model, on)
     tables = Tables(
         layout=np.concatenate([header, *flat]), parameters=np.zeros(0), user=user, drive=drive,
