@@ -64,7 +64,7 @@ def cases(
     if others:
         screen.print(f"  no longer in the job, and left as they are: {escape(', '.join(others))}", soft_wrap=True)
     content = job_content(result.job)
-    show(content, "limits")
+    show(content, "limits", "required-spectra")
     print_headline(content.verdict)
     files = sorted(f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir())
     effect = "opens the view, whose panel on the left switches between the cases"

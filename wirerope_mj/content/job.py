@@ -15,6 +15,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import devices_of, model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.numbers import listed, several, shown, shown_unit, with_unit
+from wirerope_mj.content.required_spectra import pairs_table, spectra_chart, spectra_table
 from wirerope_mj.content.run import START, run_content
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
@@ -72,6 +73,16 @@ def job_content(job: JudgedJob) -> Content:
             yield Statement(f"model-warning-{number}", f"warning: {warning}", tone="unjudged")
         yield Statement("cases-answers", items=tuple(f"{name}: {headline(rows).text}" for name, rows in job.verdicts.items()))
 
+    def required() -> Iterator[Block]:
+        made = {case.name: case for case in job.cases if case.run.achieved}
+        if made:
+            yield spectra_table({name: case.run.achieved for name, case in made.items()})
+        if pairs := {name: case.run.axis_pairs for name, case in made.items() if case.run.axis_pairs}:
+            yield pairs_table(pairs)
+        for name, case in made.items():
+            chart = spectra_chart(case.run.achieved)
+            yield replace(chart, id=f"{case.folder}/{chart.id}", caption=f"{name}. {chart.caption}")
+
     def limits() -> Iterator[Block | None]:
         yield matrix_table(job.verdicts)
         yield governing_table(job.verdicts)
@@ -90,6 +101,7 @@ def job_content(job: JudgedJob) -> Content:
         Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
         Section("limits", "Limits and what governs them", limits, "summary"),
         Section("load-cases", "Load cases", partial(_cases, job)),
+        Section("required-spectra", "Required and achieved spectra", required, "summary"),
         Section("envelope", "Envelope over all load cases", lambda: envelope_blocks(job.runs)),
         Section("conclusion", "Conclusion", lambda: stated("conclusion", texts("conclusion"))),
         Section(

@@ -26,6 +26,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import Absent, WireRopeError
 from wirerope_mj.motions import BaseMotion, Sweep, motion_from_dict
+from wirerope_mj.motions.achieved_spectra import AchievedSpectrum, AxisPair, achieved_spectra, axis_pairs
 from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 from wirerope_mj.mounts.isolator import Validity
@@ -126,6 +127,16 @@ class JudgedRun(RunResult):
     @property
     def record_warnings(self) -> tuple[str, ...]:
         return record_warnings(self.motion)
+
+    @cached_property
+    def achieved(self) -> tuple[AchievedSpectrum, ...]:
+        """What the base's motion achieves, while it is simulated, of the response spectra that it was made for."""
+        return achieved_spectra(self.motion, until=float(self.response.time[-1]))
+
+    @cached_property
+    def axis_pairs(self) -> tuple[AxisPair, ...]:
+        """How far the axes of these spectra are independent."""
+        return axis_pairs(self.motion, self.achieved, until=float(self.response.time[-1]))
 
     @cached_property
     def spectra(self) -> RunSpectra:

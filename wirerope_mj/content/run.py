@@ -15,6 +15,7 @@ from wirerope_mj.assessment.criteria.verdict import RMS, SIGMA, Criterion
 from wirerope_mj.content.base import base_acceleration, base_blocks, warnings_of
 from wirerope_mj.content.blocks import (
     BASE,
+    OTHERS,
     Block,
     Chart,
     Content,
@@ -35,6 +36,7 @@ from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import contact_blocks, contact_history_blocks, mount_blocks, mount_history_blocks
 from wirerope_mj.content.numbers import fixed, listed, number, paragraphs, several, with_unit
+from wirerope_mj.content.required_spectra import required_curve, required_spectrum_blocks
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.scene_outline import worst_instant
 from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
@@ -84,6 +86,7 @@ def run_content(run: JudgedRun) -> Content:
             section("accelerations", "Peak accelerations", acceleration_blocks, "summary"),
             section("mounts", "Peaks of the mounts", mount_blocks, "summary"),
             section("contacts", "Stops and contacts", contact_blocks, "summary"),
+            section("required-spectrum", "Required and achieved spectrum", required_spectrum_blocks, "summary"),
             section("model", "Model and mounts", model_blocks),
             section("statics", "At rest under gravity", run_statics_blocks),
             section("modes", "Modes", run_modes_blocks),
@@ -245,6 +248,7 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
     panel = _panel_along(shock_chart(run), list(run.spectra.shock), axis)
     tops = [(curve, int(curve.y.argmax())) for curve in panel.curves]
     curves = [replace(curve, peak=(float(curve.x[top]), float(curve.y[top]))) for curve, top in tops]
+    curves += [required_curve(one, OTHERS) for one in run.achieved if one.direction == axis]
     return replace(panel, curves=curves)
 
 

@@ -70,7 +70,7 @@ def run_spectra(
         return Absent(reason="The base rests: there is no shock response spectrum.")
     if any(isinstance(term, RandomVibration) for term in terms):
         return Absent(reason="The base vibrates at random: PSDs are shown instead of SRS.")
-    if any(term.kind in _STEADY for term in terms):
+    if any(term.kind in _STEADY and not term.targets for term in terms):
         return Absent(reason="The base is driven steadily: a shock response spectrum would say little, and none is shown.")
     highest = min(sample_rate / SAMPLES_PER_PERIOD, _HIGHEST)
     if highest < 2.0 * _LOWEST:
@@ -87,6 +87,7 @@ def run_spectra(
         )
     frequencies = octave_grid(_LOWEST, highest, per_octave=_LINES if response.time.size <= _LONG_RUN else _FEW_LINES)
     fine = fine_base(motion, response)
+    q = 0.5 / motion.targets[0].damping if motion.targets else Q  # that of the spectrum which the motion was made for
     spectra: dict[str, dict[str, ShockResponseSpectrum]] = {}
     for axis in axes:
         along = spectra["xyz"[axis]] = {}
@@ -94,7 +95,7 @@ def run_spectra(
             time, acceleration, lines = response.time, acceleration_along(response, name, axis), frequencies
             if name == BASE and fine is not None:
                 time, acceleration, lines = fine[0], fine[1][:, axis], octave_grid(_LOWEST, _HIGHEST, per_octave=_LINES)
-            along[name] = shock_response_spectrum(time, acceleration, lines, q=Q)
+            along[name] = shock_response_spectrum(time, acceleration, lines, q=q)
     return spectra
 
 

@@ -31,6 +31,14 @@ class Said(NamedTuple):
     shortest_time: float
 
 
+class TargetSpectrum(NamedTuple):
+    """Response spectrum that a motion was made for: points (frequency [Hz], acceleration [m/s^2]), damping, direction."""
+
+    points: tuple[tuple[float, float], ...]  # straight on logarithmic axes between them
+    damping: float  # damping ratio of the oscillators
+    direction: Array  # unit vector, (3,)
+
+
 class BaseMotion(ABC):
     """Translation of the driven base as a function of time, in the world frame.
 
@@ -127,6 +135,11 @@ class BaseMotion(ABC):
     @property
     def files(self) -> tuple[Path, ...]:
         """Files that the motion was read from and that are needed to rebuild it."""
+        return ()
+
+    @property
+    def targets(self) -> tuple[TargetSpectrum, ...]:
+        """Response spectra that the motion was made for, at their own level whatever the motion is scaled by."""
         return ()
 
     @property
@@ -297,6 +310,11 @@ class SumOfMotions(AsCall, BaseMotion):
     def files(self) -> tuple[Path, ...]:
         """Files of all terms, each once."""
         return tuple(dict.fromkeys(path for term in self.terms for path in term.files))
+
+    @property
+    def targets(self) -> tuple[TargetSpectrum, ...]:
+        """Response spectra that any term was made for."""
+        return tuple(target for term in self.terms for target in term.targets)
 
     @property
     def parts(self) -> "tuple[BaseMotion, ...]":

@@ -11,7 +11,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import BaseMotion, Said, SumOfMotions
+from wirerope_mj.motions.motion import BaseMotion, Said, SumOfMotions, TargetSpectrum
 
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 _ORTHONORMAL = 1e-9  # largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
@@ -49,7 +49,7 @@ class _Transformed(BaseMotion):
         return self.motion.load(site, time)  # the body turns it
 
     end, corners, loaded_sites, files = map(_forwarded, ("end", "corners", "loaded_sites", "files"))
-    parts = _forwarded("parts")  # as they are before the change
+    parts, targets = map(_forwarded, ("parts", "targets"))  # as they are before the change
 
     @cached_property
     def _said(self) -> Said:
@@ -147,6 +147,12 @@ class Turned(_Transformed):
     def up(self) -> Array | None:
         """Unit vector against gravity of the other motion, turned, (3,); None where nothing falls."""
         return None if self.motion.up is None else self._transformed(self.motion.up[np.newaxis])[0]
+
+    @property
+    def targets(self) -> tuple[TargetSpectrum, ...]:
+        """Response spectra that the other motion was made for, turned."""
+        turned = ((target, self._transformed(target.direction[np.newaxis])[0]) for target in self.motion.targets)
+        return tuple(target._replace(direction=direction) for target, direction in turned)
 
     @property
     def directions(self) -> Array:

@@ -24,7 +24,7 @@ from wirerope_mj.motions.scaled import Scaled
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
-_PER_OCTAVE = 192  # frequencies to an octave at which an envelope is checked: dips between the lines may be 2 % wide
+FINE_PER_OCTAVE = 192  # frequencies to an octave at which an envelope is checked: dips between the lines may be 2 % wide
 LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies at which the spectrum is matched
 # largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
 # at least one line lies within it. Twelve to an octave for 5 %.
@@ -36,6 +36,9 @@ ITERATIONS = 60  # corrections after which the search ends; most targets take 2 
 # added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
 # ten times as much or a tenth the search was seen to take two or three times as many corrections.
 REGULARISATION = 1e-3
+# lines of different seeds lie apart by these fractions of the distance between two, so that motions along different axes have
+# no line in common: lines of one frequency would be coherent whatever their phases. Seed 1 has the first, 2 the second.
+SHIFTS = (0.0, 1 / 3, -1 / 3)
 FORGOTTEN = 1e-6  # fraction of an impulse response below which it does not matter for a correction
 
 
@@ -106,7 +109,7 @@ class SpectrumMatch(Brief):
 
         That a test spectrum envelops the required one is the rule of IEEE 344 and of GR-63.
         """
-        fine, wanted = _interpolated(self.points, _PER_OCTAVE)
+        fine, wanted = interpolated(self.points, FINE_PER_OCTAVE)
         time = np.arange(self.motion.start, self.motion.end, 1.0 / (SAMPLES_PER_PERIOD * fine[-1]))
         history = self.motion.acceleration(time) @ unit_vector(self.motion.direction)
         found = shock_response_spectrum(time, history, fine, q=0.5 / self.damping).maximax
@@ -126,7 +129,8 @@ def match_spectrum(
     """Return a base motion whose response spectrum is the target within the tolerance.
 
     The motion is a sum of sines, twelve to an octave (more for damping below 5 %), with random phases between a smooth
-    rise and fall, so that base velocity and displacement start and end at zero. Sines and cosines are corrected together
+    rise and fall, so that base velocity and displacement start and end at zero. Of three consecutive seeds no two have a line
+    in common, so that motions along x, y and z are independent. Sines and cosines are corrected together
     by the smallest change that, to first order, moves the largest response of every oscillator to its target at the
     instant where it occurs, until all spectral values are within the tolerance (the idea of Lilhanand and Tseng, with the
     motion's own lines for wavelets).
@@ -139,7 +143,7 @@ def match_spectrum(
     Args:
         target: points (frequency [Hz], absolute acceleration [m/s^2]), straight on logarithmic axes between them.
         duration: length of the motion with rise and fall [s].
-        seed: integer >= 0 that chooses the phases to begin with.
+        seed: integer >= 0 that chooses the phases to begin with, and where the lines lie among the frequencies.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
         damping: damping ratio of the spectrum's oscillators, 0.01 or more.
         tolerance: largest relative mismatch at the frequencies of the comparison.
@@ -162,10 +166,12 @@ def match_spectrum(
     checked_direction(direction)
     integer("seed", seed, least=0)
     length = ranges.length("duration", duration)
-    first, last = (usual_ramp(n, v, lowest=points[0][0], duration=length) for n, v in (("rise", rise), ("fall", fall)))
+    frequencies, wanted = interpolated(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * float(damping))))
+    shift = SHIFTS[(seed - 1) % len(SHIFTS)]
+    lines = frequencies * (frequencies[1] / frequencies[0]) ** shift if shift else frequencies
+    first, last = (usual_ramp(n, v, lowest=float(lines[0]), duration=length) for n, v in (("rise", rise), ("fall", fall)))
     check_room(length, first, last)
 
-    frequencies, wanted = _interpolated(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * float(damping))))
     count = (length + 1 / frequencies[0]) * SAMPLES_PER_PERIOD * frequencies[-1]
     require_memory(
         f"matching a spectrum of {frequencies.size} lines over {length:.4g} s up to {frequencies[-1]:.4g} Hz",
@@ -173,11 +179,12 @@ def match_spectrum(
         "Use a shorter `duration`: an earthquake lasts some 20 s; or end the target at a lower frequency.",
     )
     envelope = Envelope(start=0.0, stop=length, rise=first, fall=last)
-    amplitudes, achieved, iterations = _Matching(frequencies, wanted, float(damping), envelope).run(seed, tolerance)
-    phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * frequencies * ranges.start("start", start)
+    amplitudes, achieved, iterations = _Matching(frequencies, wanted, float(damping), envelope, lines).run(seed, tolerance)
+    phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * lines * ranges.start("start", start)
     motion = VibrationLines(
-        acceleration=list(zip(frequencies.tolist(), np.hypot(*amplitudes).tolist(), strict=True)),
-        phases=phases.tolist(), direction=direction, duration=length, rise=first, fall=last, start=start,
+        acceleration=list(zip(lines.tolist(), np.hypot(*amplitudes).tolist(), strict=True)),
+        phases=phases.tolist(), direction=direction, duration=length, rise=first, fall=last, start=start, target=points,
+        damping=damping,
     )  # fmt: skip
     return SpectrumMatch(
         motion=motion, points=points, frequencies=frequencies, target=wanted, achieved=achieved, damping=float(damping),
@@ -189,7 +196,7 @@ def _matched(phrase: Phrase, direction: Direction, number: int, points: Points) 
     return match_spectrum(points, damping=phrase.named["damping"], **lasting(phrase, direction, number))
 
 
-def _interpolated(points: Points, per_octave: float) -> tuple[Array, Array]:
+def interpolated(points: Points, per_octave: float) -> tuple[Array, Array]:
     """Return `per_octave` frequencies to an octave [Hz], and the levels interpolated between the points there, (n,)."""
     f, levels = np.array(points).T
     count = math.ceil(per_octave * math.log2(f[-1] / f[0]) - 1e-9) + 1
@@ -204,14 +211,14 @@ class _Matching:
     than these sums take.
     """
 
-    def __init__(self, frequencies: Array, target: Array, damping: float, envelope: Envelope) -> None:
+    def __init__(self, frequencies: Array, target: Array, damping: float, envelope: Envelope, lines: Array) -> None:
         self.frequencies, self.target, self.damping = frequencies, target, damping
         step = 1 / (SAMPLES_PER_PERIOD * frequencies[-1])
         # Oscillators may answer most after the end: they are watched for a period of the lowest.
         self.time = step * np.arange(math.ceil((envelope.stop + 1 / frequencies[0]) / step) + 1.0)
         # of unit sines and of unit cosines, as `VibrationLines` makes them, (2 n, n_t)
         factor, first, second = envelope.derivatives(self.time)
-        omega = 2 * np.pi * frequencies[:, np.newaxis]
+        omega = 2 * np.pi * lines[:, np.newaxis]
         sine, cosine = np.sin(omega * self.time), np.cos(omega * self.time)
         of_sines = factor * sine - 2 * first * cosine / omega - second * sine / omega**2
         of_cosines = factor * cosine + 2 * first * sine / omega - second * cosine / omega**2

@@ -2,20 +2,20 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, integer, the_one_given
+from wirerope_mj.foundation.arguments import between, finite, integer, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text
 from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
-from wirerope_mj.motions.motion import BaseMotion, Said, StartedMotion
+from wirerope_mj.motions.motion import BaseMotion, Said, StartedMotion, TargetSpectrum
 from wirerope_mj.motions.phrases import START, SpokenMotion, file_first
 from wirerope_mj.motions.psd_lines import Points, checked_points, table_lines
 
@@ -77,6 +77,8 @@ class VibrationLines(AsCall, StartedMotion):
             shorter.
         fall: length of the fall [s], likewise; only with a duration.
         start: instant at which the vibration begins [s].
+        target: points (frequency [Hz], acceleration [m/s^2]) of the response spectrum that the lines were made for.
+        damping: damping ratio of that spectrum's oscillators; only with a target.
     """
 
     kind: ClassVar[str] = "vibration-lines"
@@ -100,13 +102,22 @@ class VibrationLines(AsCall, StartedMotion):
     fall: float
     start: float
     duration: float
+    target: Points | None = field(repr=False)
+    damping: float | None = field(repr=False)
 
     def __init__(
         self, *, acceleration: Sequence[Sequence[float]] | None = None, velocity: Sequence[Sequence[float]] | None = None,
         displacement: Sequence[Sequence[float]] | None = None, phases: Sequence[float] | None = None, seed: int | None = None,
         duration: float | None = None, fall: float | None = None, rise: float | None = None,
-        direction: str | Sequence[float], start: float = 0.0,
+        direction: str | Sequence[float], start: float = 0.0, target: Sequence[Sequence[float]] | None = None,
+        damping: float | None = None,
     ) -> None:  # fmt: skip
+        if (target is None) != (damping is None):
+            raise ValueError("`target` and `damping` belong together: a response spectrum is that of oscillators of a damping.")
+        spectrum = None if target is None else checked_points("target", target, quantity="acceleration [m/s^2]")
+        self._set(
+            target=spectrum, damping=None if damping is None else between("damping", positive("damping", damping), 0.0, 0.99)
+        )
         given = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         quantity, points = the_one_given(given)
         lines = checked_points(quantity, points, quantity=f"amplitude [{_UNIT[quantity]}]", least=1)
@@ -129,6 +140,13 @@ class VibrationLines(AsCall, StartedMotion):
             check_room(length, first, last)
             ramps = first, last
         self._set(rise=ramps[0], fall=ramps[1], duration=math.inf if duration is None else float(duration))
+
+    @property
+    def targets(self) -> tuple[TargetSpectrum, ...]:
+        """The response spectrum that the lines were made for; none unless it was given."""
+        if self.target is None or self.damping is None:
+            return ()
+        return (TargetSpectrum(self.target, self.damping, self.unit),)
 
     @property
     def frequencies(self) -> Array:

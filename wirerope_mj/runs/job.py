@@ -272,7 +272,7 @@ def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> N
     from wirerope_mj.views.recording.viewer import JOINED
 
     content = job_content(judged)
-    said = content.to_dict("limits", "load-cases", "envelope")
+    said = content.to_dict("limits", "load-cases", "required-spectra", "envelope")
     write_json(folder / SUMMARY, {"format": FORMAT, "name": judged.name, "content": said})
     write_page(content, page_files(folder, None, pdf=pdf, docx=docx, force=True))
     notes = {case.name: case.note for case in judged.cases}

@@ -1,0 +1,129 @@
+"""Blocks on required and achieved spectra of the base: chart with ratio, lowest point, strong motion, independence of axes."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from wirerope_mj.content.blocks import Block, Chart, Curve, Panel, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import fixed, listed, number, with_unit
+from wirerope_mj.content.spectrum_charts import spectrum_panel
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.motions.achieved_spectra import AchievedSpectrum, AxisPair
+
+ENVELOPED = 0.99  # lowest ratio that envelops: peaks between the samples of the computation are up to 0.8 % higher
+_BESIDE = 3  # charts beside each other
+# largest coherence, and largest correlation at any delay, of axes that IEEE 344 calls independent: either suffices
+COHERENT, CORRELATED = 0.5, 0.3
+
+
+def required_spectrum_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Yield what the base's motion achieves of the spectra that it was made for; nothing without such a spectrum."""
+    if not run.achieved:
+        return
+    yield _answer(run.achieved, run.axis_pairs)
+    yield spectra_table({"": run.achieved})
+    if run.axis_pairs:
+        yield pairs_table({"": run.axis_pairs})
+    yield spectra_chart(run.achieved)
+
+
+def spectra_chart(achieved: Sequence[AchievedSpectrum]) -> Chart:
+    """Draw achieved and required spectra over each other, and their ratio, side by side for each direction."""
+    rows = []
+    for first in range(0, len(achieved), _BESIDE):
+        beside = achieved[first : first + _BESIDE]
+        rows += [[panel(one) for one in beside], [_ratio_panel(one) for one in beside]]
+    dampings = listed([f"{100.0 * value:g} %" for value in dict.fromkeys(one.damping for one in achieved)])
+    return Chart(
+        id="required-achieved", rows=rows, height=150.0,
+        caption=f"Required response spectrum and the one that the base's motion achieves, {dampings} damping, and their ratio: "
+        "nowhere below 1 where the motion envelops what is required.",
+        alt="Required and achieved response spectra of the base over each other, and their ratio.",
+    )  # fmt: skip
+
+
+def _answer(achieved: Sequence[AchievedSpectrum], pairs: Sequence[AxisPair]) -> Statement:
+    worst = min(achieved, key=lambda one: one.lowest[0])
+    ratio, frequency = worst.lowest
+    where = f"along {worst.direction} at {number(frequency)} Hz"
+    text = f"The base's motion envelops the required spectrum: lowest ratio {fixed(ratio, 3)}, {where}"
+    if ratio < ENVELOPED:
+        text = (
+            f"The base's motion falls below the required spectrum, to {fixed(ratio, 3)} of it {where}: `required-spectrum` in "
+            "place of `spectrum`, or a factor, makes it envelop"
+        )
+    values: dict[str, float | str | None] = {"lowest_ratio": ratio, "at_Hz": frequency, "along": worst.direction}
+    if pairs:
+        coherence, correlation = max(pair.coherence for pair in pairs), max(pair.largest_correlation for pair in pairs)
+        independent = all(pair.coherence < COHERENT or pair.largest_correlation < CORRELATED for pair in pairs)
+        text += f"; its axes are {'' if independent else 'not '}independent (largest coherence {fixed(coherence, 2)}, "
+        text += f"correlation {fixed(correlation, 2)} at any delay)"
+        values |= {"largest_coherence": coherence, "largest_correlation": correlation}
+    return Statement("required-spectrum", f"{text}.", tone="within" if ratio >= ENVELOPED else "unjudged", values=values)
+
+
+def spectra_table(achieved: Mapping[str, Sequence[AchievedSpectrum]]) -> Table:
+    """Tabulate lowest ratio, zero-period acceleration and strong motion of each spectrum, by load case ("" for one alone)."""
+    rows = []
+    for case, spectra in achieved.items():
+        for one in spectra:
+            ratio, frequency = one.lowest
+            cells: list[Cell] = [case] if case else []
+            cells += [one.direction, one.damping, Mark(ratio, "within" if ratio >= ENVELOPED else "near"), frequency]
+            cells += [float(one.ratio.max()), float(one.required[-1]), one.peak, one.peak / float(one.required[-1])]
+            rows.append([*cells, *(ends[1] - ends[0] for ends in (one.strong, one.significant))])
+    columns = [
+        *(left("load case") if "" not in achieved else []), *left("along"), Column("damping", "%", "z.3g"),
+        Column("lowest\nachieved /\nrequired", form="z.3f"), Column("at", "Hz"), Column("highest", form="z.2f"),
+        Column("ZPA\nrequired", "g", "z.3f"), Column("ZPA\nachieved", "g", "z.3f"), Column("ratio", form="z.2f"),
+        Column("strong\nmotion", "s", "z.1f"), Column("5 to 95 %\nArias", "s", "z.1f"),
+    ]  # fmt: skip
+    return Table(
+        "required-spectra", "Required and achieved response spectra of the base", columns, rows,
+        note="ZPA: zero-period acceleration; required, that of the spectrum's last frequency; achieved, the base's peak. "
+        "Strong motion: from the first to the last instant above a quarter of the peak; then, while the Arias intensity rises.",
+    )  # fmt: skip
+
+
+def pairs_table(pairs: Mapping[str, Sequence[AxisPair]]) -> Table:
+    """Tabulate correlation and coherence of each pair of axes, by load case ("" for one alone)."""
+    rows, widths = [], []
+    for case, of_case in pairs.items():
+        for pair in of_case:
+            cells: list[Cell] = [case] if case else []
+            rows.append([
+                *cells, ", ".join(pair.directions), pair.correlation, pair.largest_correlation, pair.coherence, pair.frequency,
+            ])  # fmt: skip
+            widths.append(with_unit(pair.resolution, "Hz", digits=2))
+    return Table(
+        "axis-pairs", "Independence of the axes, while both are significant",
+        [
+            *(left("load case") if "" not in pairs else []), *left("axes"), Column("correlation", form="z.2f"),
+            Column("largest at\nany delay", form="z.2f"), Column("largest\ncoherence", form="z.2f"), Column("at", "Hz"),
+        ],
+        rows,
+        note=f"Coherence by Welch's method, resolution {listed(list(dict.fromkeys(widths)))}, nine tenths overlap, within the "
+        f"required spectra. IEEE 344 calls axes independent below a coherence of {COHERENT:g}, or a correlation below "
+        f"{CORRELATED:g} at any delay.",
+    )  # fmt: skip
+
+
+def required_curve(one: AchievedSpectrum, kind: int | str = 1) -> Curve:
+    return Curve(one.frequencies, in_unit(one.required, "g"), name="required", kind=kind, dash="dashed")
+
+
+def panel(one: AchievedSpectrum) -> Panel:
+    curves = [Curve(one.frequencies, in_unit(one.achieved, "g"), name="achieved", kind=0), required_curve(one)]
+    return spectrum_panel(curves, "acceleration [g]", "g", title=f"along {one.direction}, {100.0 * one.damping:g} %")
+
+
+def _ratio_panel(one: AchievedSpectrum) -> Panel:
+    ends, (ratio, frequency) = (float(one.frequencies[0]), float(one.frequencies[-1])), one.lowest
+    low, high = min(0.9, 0.98 * ratio), max(1.1, 1.02 * float(one.ratio.max()))
+    return Panel(
+        [Curve(one.frequencies, one.ratio, name="achieved", kind=0)], "achieved / required", xlabel="frequency [Hz]",
+        limits=[("", 1.0)], dots=[(frequency, ratio)], xlim=ends, ylim=(float(np.floor(10 * low) / 10), high), log="x",
+        xunit="Hz",
+    )  # fmt: skip
