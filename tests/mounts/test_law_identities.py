@@ -342,3 +342,15 @@ def test_pinching_takes_most_of_the_slope_where_z_passes_its_place():
     assert 1.0 - share[place] == pytest.approx(pinched["zeta"] * -math.expm1(-pinched["p"] * e[place]), rel=1e-3)
     assert share[0] > 0.95
     assert share[-1] > 0.95
+
+
+@pytest.mark.parametrize("rest", [-0.6, 0.4])
+@pytest.mark.parametrize("loss", [{}, {"loss": 0.4, "reversal": 0.1}, {"c": 0.3, "rounding": 0.2}])
+def test_gaps_from_a_deflection_at_rest_are_those_of_a_path_that_is_shifted(rest, loss):
+    given = {"gap_below": 0.3, "gap_above": 0.5, "k": 2.0, **loss}
+    path, time = np.array([0.0, -1.4, 1.3, -0.9, 1.1, 0.0]), np.linspace(0.0, 5.0, 6)
+    shifted = laws.Stop(**given).trace(path, time=time)
+    installed = laws.Stop(**given, rest=rest).trace(path + rest, time=time)
+    np.testing.assert_allclose(installed.force, shifted.force, rtol=0.0, atol=1e-12)  # rounding of the shifted path
+    np.testing.assert_allclose(installed.work, shifted.work, rtol=1e-10)
+    assert laws.Stop(**given, rest=rest).unloaded_gaps == pytest.approx({"below": 0.3 - rest, "above": 0.5 + rest})

@@ -37,7 +37,8 @@ def new(
             or size_x, size_y, size_z [mm] of a box filled evenly; frequency [Hz], damping [%] and along (x, y, z) of a
             subassembly that rings on its own; rows of totals are left out; or SolidWorks' mass properties, a .txt file of one
             part or several.
-        stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts.
+        stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts;
+            acts: down, up, up-down or all-round, then perhaps gap_up, gap_across [mm]; gap_at: unloaded or installed.
         points: table: name, x, y, z [mm] of points on the payload to observe.
         forces: table: name, x, y, z [mm] of points at which forces may act, such as a crankshaft's unbalance.
         envelope: table: boxes around the equipment that clearances hold for and that are drawn: name, size_x, size_y, size_z
@@ -53,7 +54,7 @@ def new(
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.foundation.errors import ConvergenceError
     from wirerope_mj.foundation.plain_text import plain
-    from wirerope_mj.runs.new_model import TABLES, from_template, new_model, tables_in
+    from wirerope_mj.runs.new_model import TABLES, from_template, gaps_text, new_model, tables_in
 
     single = dict(zip(TABLES, (mounts, masses, stops, points, forces, envelope), strict=True))
     found = tables_in(tables) if tables is not None else {}
@@ -75,6 +76,8 @@ def new(
         layout = new_model(folder, found, name=name, products=sign, deck=bends, formats=formats, force=force)
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
+    if layout is not None and (text := gaps_text(layout)):
+        print(plain(text))
     try:
         return statics(str(model))
     except ConvergenceError as error:  # the model stands, as its tables say it: its mounts are too few or too soft

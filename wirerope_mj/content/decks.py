@@ -1,11 +1,11 @@
 """Blocks on the deck: its loads and bolts, peaks on flexible decks against the rigid deck; content of a flexible part."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.loads import area_forces, bolt_loads, standing
+from wirerope_mj.assessment.criteria.loads import StopLoad, area_forces, bolt_loads, standing, stop_loads
 from wirerope_mj.assessment.criteria.verdict import payload_bodies
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
@@ -136,7 +136,31 @@ def _deck_comparison(decks: dict[str, Governing | str], mass: float) -> Iterator
     yield Statement("decks-answer", text, tone=tone, values={"largest_factor": largest[worst]})
 
 
-def deck_blocks(run: JudgedRun) -> Iterator[Block]:
+def stop_loads_table(runs: Mapping[str, JudgedRun]) -> Table | None:
+    """Tabulate the largest force of every stop on what it stands on, over the load cases; None if no stop was touched."""
+    largest: dict[str, tuple[str, StopLoad]] = {}
+    for case, run in runs.items():
+        for load in stop_loads(run.response):
+            if load.name not in largest or load.force > largest[load.name][1].force:
+                largest[load.name] = case, load
+    cases = [*left("in")] if len(runs) > 1 else []
+    rows: list[list[Cell]] = [
+        [load.name, load.base, load.force, *map(float, load.vector), load.time, *([case] if cases else [])]
+        for case, load in sorted(largest.values(), key=lambda pair: -pair[1].force)
+    ]
+    columns = (
+        *left("stop", "on"), Column("largest\nforce", "kN", 3), *(Column(axis, "kN", "z.3f") for axis in "xyz"),
+        Column("at", "s", "z.4f"), *cases,
+    )  # fmt: skip
+    return Table(
+        "stop-loads", "Largest forces of the stops on what they stand on, for their anchors", columns, rows,
+        note="At every step; x, y, z: components at that instant in the world's axes, z < 0 presses down. Dead weight and "
+        "what the mounts beside it bear are not in it.",
+        shown=_SHOWN_BOLTS,
+    ) if rows else None  # fmt: skip
+
+
+def deck_blocks(run: JudgedRun) -> Iterator[Block | None]:
     """Yield the forces on the deck, on each named area, and on bolts."""
     if not run.response.scene.mounts:
         return
@@ -174,6 +198,7 @@ def deck_blocks(run: JudgedRun) -> Iterator[Block]:
             f"Load of {count} together, weight included: {with_unit(whole.at_rest, 'kN', digits=3)} at the beginning; "
             f"at most {sizes}. Contacts of geoms are not among them.",
         )
+    yield stop_loads_table({"": run})
     bolts = [
         (load.mount, load.bolts, load.tension, load.tension_time, load.shear, load.shear_time)
         for load in bolt_loads(run.response)

@@ -54,7 +54,8 @@ def provenance_statement(device: Isolator) -> Statement:
                 force = f"{with_unit(stop.k, 'kN/m')} beyond it"
             else:
                 force = f"exponent {number(stop.exponent)} beyond it"
-            text += f" Stop, {axis}: gap {gaps}, {force}."
+            rest = f" from rest at {with_unit(stop.rest, 'm')}" if stop.rest is not None else ""
+            text += f" Stop, {axis}: gap {gaps}{rest}, {force}."
     if device.stiffening is not None:
         text += f" Stiffened by its first cycles, {device.stiffening.description}."
     for axis, stiffness in device.bracket.stated.items() if device.bracket is not None else ():

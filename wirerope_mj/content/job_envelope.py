@@ -9,6 +9,7 @@ from wirerope_mj.assessment.criteria.loads import area_forces
 from wirerope_mj.assessment.criteria.summary import BodyPeak
 from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.blocks import OTHERS, Block, Chart, Curve, Panel, Statement, short
+from wirerope_mj.content.decks import stop_loads_table
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.mounts import EXTREMES
 from wirerope_mj.content.numbers import listed
@@ -29,6 +30,7 @@ def envelope_blocks(runs: Mapping[str, JudgedRun]) -> Iterator[Block | None]:
     yield _accelerations_table(runs)
     yield _room_table(runs)
     yield _mounts_table(runs)
+    yield stop_loads_table(runs) if len(runs) > 1 else None
     yield from _spectra_chart(runs)
 
 

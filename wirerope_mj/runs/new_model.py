@@ -1,17 +1,20 @@
 """A model's folder from tables: MJCF, isolators, the tables themselves, and a dimensioned drawing."""
 
+import math
 import shutil
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from wirerope_mj.content.numbers import listed
 from wirerope_mj.engine.flexible import Deck
-from wirerope_mj.engine.from_tables import Layout, mjcf_of, read_layout
+from wirerope_mj.engine.from_tables import Layout, StopLaw, mjcf_of, read_layout
+from wirerope_mj.engine.statics import equilibrium
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.on_deck import deck_text
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
-from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.foundation.xlsx_rows import sheet_names
 from wirerope_mj.mounts.isolator import Isolator, Provenance
@@ -63,9 +66,13 @@ def new_model(
     check_folder(folder, force=force, kind=KIND, marks=marks(called))
     layout = read_layout(name or called, tables, products=products)
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(called)) as temporary:
+        (temporary / "isolators").mkdir()
         _write_isolators(layout, temporary / "isolators", tables.get("stops"))
         model = temporary / f"{called}.xml"
         model.write_text(mjcf_of(layout, called), encoding="utf-8")
+        if any(stop.law is not None and stop.law.rest is not None for stop in layout.stops):
+            layout = _installed(layout, model)
+            _write_isolators(layout, temporary / "isolators", tables.get("stops"))
         _loaded(model, deck)
         (temporary / "tables").mkdir()
         used = Counter(tables.values())
@@ -118,7 +125,6 @@ def marks(name: str) -> tuple[str, ...]:
 
 
 def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
-    folder.mkdir()
     for name, file in layout.isolators.items():
         load_isolator(file).save(folder / f"{name}.toml")
     for mount in layout.mounts:
@@ -126,12 +132,71 @@ def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
             device = load_isolator(layout.isolators[mount.isolator])
             replace(device, bracket=mount.bracket).save(folder / f"{mount.device}.toml")
     for stop in layout.stops:
-        if (law := stop.law) is not None:
-            assumed = ("stiffness and damping are those of the table",)
-            stated = Provenance(kind="illustrative", source="table of stops", assumed=assumed)
-            name = f"Stop, {law.stiffness / 1e6:g} MN/m behind {1e3 * law.gap:g} mm"
+        if stop.law is not None:
             try:
-                axial = Stop(gap_below=law.gap, k=law.stiffness, c=law.damping, rounding=law.rounding)
-                Isolator(name=name, axial=axial, provenance=stated).save(folder / f"{stop.isolator}.toml")
+                _stop_isolator(stop.law).save(folder / f"{stop.isolator}.toml")
             except (ModelError, ValueError) as error:
                 raise RecordError(f"{stops}: stop {stop.name!r}: {error}") from None
+
+
+_OPEN = 1.0  # Gap of stops that have not been installed yet [m]: no mount travels as far
+
+
+def _stop_isolator(law: StopLaw) -> Isolator:
+    """Make the isolator of a stop of the table; open where its gaps count from a rest that is not known yet."""
+    assumed = ["stiffness and damping are those of the table"]
+    rest: tuple[float | None, ...] = (None,) * 3 if law.rest is None else law.rest
+    unknown = law.rest is not None and math.isnan(law.rest[2])
+    if unknown:
+        rest = (None,) * 3
+    gaps = [gap for gap in (law.gap, law.gap_up, law.gap_across) if gap is not None]
+    name = f"Stop, {law.stiffness / 1e6:g} MN/m behind {' / '.join(f'{1e3 * gap:g}' for gap in dict.fromkeys(gaps))} mm"
+    if law.gap_across is not None:
+        name = f"All-round {name[0].lower()}{name[1:]}"
+        assumed.append("across it are two pairs of faces, square to each other")
+    if law.rest is not None:
+        name += " installed"
+        assumed.append("gaps are as installed, at rest under the weight on the first loading, on a rigid deck")
+
+    def acting(gap_below: float | None, gap_above: float | None, rest: float | None) -> Stop | None:
+        if gap_below is None and gap_above is None:
+            return None
+        ends = [gap if gap is None or not unknown else _OPEN for gap in (gap_below, gap_above)]
+        return Stop(gap_below=ends[0], gap_above=ends[1], rest=rest, k=law.stiffness, c=law.damping, rounding=law.rounding)
+
+    ways = ((law.gap_across, law.gap_across), (law.gap_across, law.gap_across), (law.gap, law.gap_up))
+    roll, shear, axial = (acting(*way, of) for way, of in zip(ways, rest, strict=True))
+    stated = Provenance(kind="illustrative", source="table of stops", assumed=tuple(assumed))
+    return Isolator(name=name, roll=roll, shear=shear, axial=axial, provenance=stated)
+
+
+def _installed(layout: Layout, model: Path) -> Layout:
+    """Return a layout with the deflections of its stops at rest, from the model in which those installed are open."""
+    try:
+        loads = equilibrium(load_system(model)).mounts
+    except ConvergenceError as error:
+        raise RecordError(f"gaps as installed need a position at rest, and there is none: {error}") from None
+    stops = []
+    for stop in layout.stops:
+        if stop.law is not None and stop.law.rest is not None:
+            roll, shear, axial = (loads[stop.name].deflection.round(6) + 0.0).tolist()  # of -0.0 it makes 0
+            stop = replace(stop, law=replace(stop.law, rest=(roll, shear, axial)))
+        stops.append(stop)
+    return replace(layout, stops=tuple(stops))
+
+
+def gaps_text(layout: Layout) -> str:
+    """Say from where the gaps of the table of stops count; "" without such gaps."""
+    laws = {stop.name: stop.law for stop in layout.stops if stop.law is not None}
+    installed = {name: law.rest for name, law in laws.items() if law.rest is not None}
+    parts = []
+    if installed:
+        sags = [-1e3 * rest[2] for rest in installed.values()]
+        low, high = f"{min(sags):.3g}", f"{max(sags):.3g}"
+        sag = f"{low} mm" if low == high else f"{low} to {high} mm"
+        parts.append(f"gaps of {listed(list(installed))} count at rest, as installed, where the payload has gone down by {sag}")
+    if others := [name for name in laws if name not in installed]:
+        counts = f"gaps of {listed(others)} count from the unloaded geometry"
+        parts.append(f'{counts} (gap_at "installed" in the table of stops counts them at rest)')
+    text = "; ".join(parts)
+    return text and f"{text[0].upper()}{text[1:]}."

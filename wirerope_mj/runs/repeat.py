@@ -207,7 +207,7 @@ def _peak_differences(stored: Response, again: Response) -> Iterator[Difference]
         yield NEGLIGIBLE if same and mine[reached] != other[reached] else ratio, f"peaks.{peak}"
 
 
-_ADDED = ("energy", "axis", "gap_below", "gap_above", "closing_speed", "closing_time")  # Not in older records of contacts
+_ADDED = ("energy", "axis", "gap_below", "gap_above", "rest", "closing_speed", "closing_time")  # Not in older contacts
 # Positions of the instants in `Peak.to_list`, and of the values that are reached then.
 _INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
 

@@ -96,7 +96,8 @@ def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
     elif criterion.kind == STOP_GAP:
         stop = (response.peaks.contacts or {})[subject]
         deflection = read_columns(response, f"mounts/{stop.mount}/deflection/{stop.axis}", 1)[:, 0]
-        value = np.maximum(-deflection if (criterion.sense or next(iter(stop.gaps))) == "below" else deflection, 0.0)
+        travel, side = deflection - (stop.rest or 0.0), criterion.sense or next(iter(stop.gaps))
+        value = np.maximum(-travel if side == "below" else travel, 0.0)
     else:
         return None
     return np.asarray(value / verdict.limit)

@@ -162,12 +162,16 @@ def _stop_verdicts(response: Response, kind: str, limit: float, name: str, stop:
         speed, when = stop.closing_speed or 0.0, stop.closing_time
         return [Verdict(criterion=Criterion(which), subject=name, value=speed, limit=limit, unit=unit, time=when)]
     peak, axis = response.peaks.mounts[stop.mount].deflection, AXES.index(stop.axis)
-    ends = {"below": (-peak.minimum[axis], peak.minimum_time[axis]), "above": (peak.maximum[axis], peak.maximum_time[axis])}
+    rest = stop.rest or 0.0
+    ends = {
+        "below": (rest - peak.minimum[axis], peak.minimum_time[axis]),
+        "above": (peak.maximum[axis] - rest, peak.maximum_time[axis]),
+    }
     return [
         Verdict(
             criterion=Criterion(which, sense=side if len(stop.gaps) > 1 else ""), subject=name, unit=unit,
             value=max(float(ends[side][0]), 0.0), limit=limit * max(gap, LEAST_GAP), time=float(ends[side][1]),
-            note="travel to the stop, from the unloaded geometry",
+            note=f"travel to the stop from {'rest, where it was installed' if stop.rest else 'the unloaded geometry'}",
         )
         for side, gap in stop.gaps.items()
     ]  # fmt: skip
@@ -304,3 +308,46 @@ def bolt_loads(response: Response) -> list[BoltLoad]:
             )
         )  # fmt: skip
     return sorted(loads, key=lambda load: -load.tension)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StopLoad:
+    """Largest force of a stop on what it stands on, over every step: what its anchor bears.
+
+    Of a mount that is a stop it is the resultant of all its axes at one instant.
+    """
+
+    name: str
+    base: str  # body that it stands on
+    force: float  # [N]
+    vector: Array  # its components in the world's axes, of the modelled orientation [N], (3,)
+    time: float  # its instant [s]
+
+
+def stop_loads(response: Response) -> list[StopLoad]:
+    """Find the largest load of every stop of a mount that touched, the largest first."""
+    bodies, loads = {body.name: body for body in response.scene.bodies}, []
+    touched = {name: contact for name, contact in (response.peaks.contacts or {}).items() if contact.mount and contact.touches}
+    for mount in response.scene.mounts:
+        axes = mount.axes
+        if (body := bodies.get(mount.base_body)) is not None:  # None: the world
+            axes = rotation_matrices(body.orientation) @ mount.axes
+        own = {name: contact for name, contact in touched.items() if contact.mount == mount.name}
+        peak = response.peaks.mounts[mount.name]
+        if mount.stop and own:
+            largest = peak.force
+            loads.append(
+                StopLoad(
+                    name=mount.name, base=mount.base_body, force=largest.value, vector=axes @ largest.vector, time=largest.time
+                )
+            )
+            continue
+        for name, contact in own.items():
+            if contact.axis:
+                axis, rest = AXES.index(contact.axis), contact.rest or 0.0
+                ends = {"below": rest - peak.deflection.minimum[axis], "above": peak.deflection.maximum[axis] - rest}
+                _, pushed = max((ends[side] - gap, -1.0 if side == "below" else 1.0) for side, gap in contact.gaps.items())
+                along = pushed * contact.force * axes[:, axis]
+                when = contact.force_time or 0.0
+                loads.append(StopLoad(name=name, base=mount.base_body, force=contact.force, vector=along, time=when))
+    return sorted(loads, key=lambda load: -load.force)

@@ -83,14 +83,25 @@ class Mass:
     location: str = ""  # file and row, as messages begin
 
 
-@dataclass(frozen=True)
-class StopLaw:
-    """A bump stop as a row of the table of stops states it: gap, rounding [m], stiffness [N/m], damping [N s/m]."""
+# Ways in which a stop acts: along its direction, in which the payload goes down onto it, against it, and across.
+ACTS = {"down": ("gap",), "up": ("gap_up",), "up-down": ("gap", "gap_up"), "all-round": ("gap", "gap_up", "gap_across")}
 
-    gap: float
+
+@dataclass(frozen=True, kw_only=True)
+class StopLaw:
+    """A bump stop as a row of the table of stops states it: gaps, rounding [m], stiffness [N/m], damping [N s/m].
+
+    A gap is None where the stop does not act that way; `rest` are the deflections along roll, shear and axial from which gaps
+    count that were measured installed, under the weight [m], NaN until they are known; None for gaps as unloaded.
+    """
+
+    gap: float | None
+    gap_up: float | None = None
+    gap_across: float | None = None
     stiffness: float
     damping: float
     rounding: float
+    rest: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ import numpy as np
 
 from wirerope_mj.engine.flexible.panel import DAMPING
 from wirerope_mj.engine.from_tables.layout import (
+    ACTS,
     Box,
     Layout,
     Mass,
@@ -60,7 +61,8 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
     filled evenly; of a subassembly that rings on its own its frequency, and perhaps damping and along, x, y or z. Or a CAD
     program's text, .txt.
 
-    stops: name, x, y, z, direction, and gap, stiffness, damping or an isolator.
+    stops: name, x, y, z, direction, and gap, stiffness, damping or an isolator; perhaps acts (`ACTS`), gap_up, gap_across and
+    gap_at, "unloaded" or "installed".
 
     points, forces: name, x, y, z of points that are observed, and of those at which forces may act.
 
@@ -117,11 +119,12 @@ def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[P
 
 
 def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
-    figures = {"gap": "length", "stiffness": "stiffness", "damping": "damping", "rounding": "length"}
+    lengths = dict.fromkeys(("gap", "gap_up", "gap_across", "rounding"), "length")
+    figures = {**lengths, "stiffness": "stiffness", "damping": "damping", "acts": TEXT, "gap_at": TEXT}
     rows = read_sheet(
         path, kind="table of stops", needed=_POSITION, further={"isolator": TEXT, **figures, **_DIRECTION, **_ANGLES}
     )
-    laws: dict[StopLaw, str] = {}
+    laws: dict[tuple[StopLaw, str], str] = {}
     stops = []
     for row in rows:
         name = _site_name(row)
@@ -133,16 +136,34 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
                 )
             law, isolator = None, _isolator(row, path, isolators)
         else:
-            gap, stiffness = row.number("gap"), row.number("stiffness")
-            damping, rounding = row.number("damping", 0.0), row.number("rounding", _ROUNDING)
-            for column, value in (("gap", gap), ("stiffness", stiffness), ("damping", damping), ("rounding", rounding)):
-                least = ">" if column in {"stiffness", "rounding"} else ">="
-                if not (value > 0.0 if least == ">" else value >= 0.0):
-                    raise row.error(f'column "{column}" must be {least} 0, got {value:g} in SI units.')
-            law = StopLaw(gap, stiffness, damping, rounding)
-            isolator = laws.setdefault(law, f"stop_of_table_{len(laws) + 1}")
+            law = _stop_law(row)
+            # rest, and with it the isolator, is another at every place
+            isolator = laws.setdefault((law, "" if law.rest is None else name), f"stop_of_table_{len(laws) + 1}")
         stops.append(Placed(name, _position(row), _axes(row), isolator, row.location, law))
     return tuple(stops)
+
+
+def _stop_law(row: Row) -> StopLaw:
+    """Read the figures of a stop of its own; a gap that acts and is not stated is that of column "gap"."""
+    acts = row.text("acts") if row.has("acts") else "down"
+    gap_at = row.text("gap_at") if row.has("gap_at") else "unloaded"
+    for column, word, words in (("acts", acts, tuple(ACTS)), ("gap_at", gap_at, ("unloaded", "installed"))):
+        if word not in words:
+            raise row.error(f'column "{column}" must be {", ".join(words[:-1])} or {words[-1]}, got "{short(word)}".')
+    default = None if acts == "up" and row.has("gap_up") else row.number("gap")
+    for column in ("gap", "gap_up", "gap_across"):
+        if row.has(column) and column not in ACTS[acts] and not (column == "gap" and default is not None):
+            raise row.error(f'"{short(row.text("name"))}" has a {column}, and acts {acts}: leave one of the two columns empty.')
+    gaps = {column: row.number(column, default) for column in ACTS[acts]}
+    stiffness, damping, rounding = row.number("stiffness"), row.number("damping", 0.0), row.number("rounding", _ROUNDING)
+    for column, value in {**gaps, "stiffness": stiffness, "damping": damping, "rounding": rounding}.items():
+        least = ">" if column in {"stiffness", "rounding"} else ">="
+        if not (value > 0.0 if least == ">" else value >= 0.0):
+            raise row.error(f'column "{column}" must be {least} 0, got {value:g} in SI units.')
+    return StopLaw(
+        gap=gaps.get("gap"), gap_up=gaps.get("gap_up"), gap_across=gaps.get("gap_across"), stiffness=stiffness,
+        damping=damping, rounding=rounding, rest=(math.nan, math.nan, math.nan) if gap_at == "installed" else None,
+    )  # fmt: skip
 
 
 def _read_points(tables: Mapping[str, Path], kind: str) -> tuple[Point, ...]:

@@ -32,11 +32,13 @@ class ContactPeak:
     # what it took up from the motion, friction included [J]: dissipated once it is open again; None if they never touch,
     # and in older responses
     energy: float | None = None
-    # of a mount's stop: its axis, the gaps on both sides from the unloaded geometry [m], None on a side without one, and the
-    # largest speed at which it was pressed, that of the touch among them [m/s], and its instant [s]; None in older responses
+    # of a mount's stop: its axis, the gaps on both sides [m], None on a side without one, the deflection from which they count
+    # [m], and the largest speed at which it was pressed, that of the touch among them [m/s], and its instant [s]; "" and None
+    # in older responses
     axis: str = ""
     gap_below: float | None = None
     gap_above: float | None = None
+    rest: float | None = None
     closing_speed: float | None = None
     closing_time: float | None = None
 
@@ -47,7 +49,7 @@ class ContactPeak:
 
     @property
     def gaps(self) -> dict[str, float]:
-        """Gaps of a mount's stop from the unloaded geometry [m] on the sides that have one, "below" and "above"."""
+        """Gaps of a mount's stop from the deflection `rest` [m] on the sides that have one, "below" and "above"."""
         sides = {"below": self.gap_below, "above": self.gap_above}
         return {side: gap for side, gap in sides.items() if gap is not None}
 

@@ -77,7 +77,7 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
             (row, closing) = next(stop_rows)
             contacts[name] = contact = ContactPeak(
                 geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name, axis=axis,
-                gap_below=law.gap_below, gap_above=law.gap_above,
+                gap_below=law.gap_below, gap_above=law.gap_above, rest=law.rest,
             )  # fmt: skip
             if row[at.TOUCHES]:
                 speed, when = float(closing[at.CLOSING]), float(closing[at.CLOSING_TIME])

@@ -267,6 +267,13 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State | Non
     elif isinstance(initial, str) and initial in HISTORIES:
         state = equilibrium(system, history=HISTORIES[initial]).state
     elif initial == "unloaded":
+        laws = {name: mount.isolator.conditioned.axes.values() for name, mount in system.mounts.items()}
+        stops = ((name, stop) for name, axes in laws.items() for law in axes if law is not None for stop in law.stops)
+        if pressed := next((name for name, stop in stops if min(stop.unloaded_gaps.values()) < 0.0), None):
+            raise ModelError(
+                f"stop {pressed!r} was installed under load and presses in the unloaded geometry, where `initial` 'unloaded' "
+                "begins: begin 'settled', or state its gaps unloaded."
+            )
         with system.assembly.scratch.data(system.model) as data:
             state = state_of(system.model, data)
     else:

@@ -177,9 +177,7 @@ def _on_stops(isolator: Isolator, load: MountLoad) -> float:
         return float(np.linalg.norm(load.force))
     axes = zip(load.deflection.tolist(), isolator.axes.values(), strict=True)
     stops = [(x, stop) for x, law in axes if law is not None for stop in law.stops]
-    sides = [
-        (stop, out - gap) for x, stop in stops for out, gap in ((-x, stop.gap_below), (x, stop.gap_above)) if gap is not None
-    ]
+    sides = [(stop, (-x if side == "below" else x) - gap) for x, stop in stops for side, gap in stop.unloaded_gaps.items()]
     return sum(stop.pressed(depth) for stop, depth in sides)
 
 

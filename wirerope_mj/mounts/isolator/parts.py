@@ -24,7 +24,7 @@ Stiffness = Annotated[float, bounds("N/m", gt=0.0)]
 # of the vendors' tables reach 0.7, and 10 keeps clear of inches (26), centimetres and millimetres taken for metres.
 HEIGHTS = {"compression": 1.0, "tension": 10.0, "shear": 10.0, "roll": 10.0}
 # Lengths of laws that a file states as they are measured.
-_LENGTHS = {"stop": ("gap_below", "gap_above", "depths", "rounding", "reversal"), "tabulated": ("deflection",)}
+_LENGTHS = {"stop": ("gap_below", "gap_above", "rest", "depths", "rounding", "reversal"), "tabulated": ("deflection",)}
 
 
 def require_law_in_metres(axis: str, law: Law | None) -> None:
@@ -32,7 +32,7 @@ def require_law_in_metres(axis: str, law: Law | None) -> None:
     for part in law.components if law else ():
         for name in _LENGTHS.get(part.name, ()):
             value = getattr(part, name)
-            largest = max(map(abs, value), default=0.0) if isinstance(value, tuple) else value or 0.0
+            largest = max(map(abs, value), default=0.0) if isinstance(value, tuple) else abs(value or 0.0)
             if largest > LARGEST:
                 raise ValueError(
                     f"[{axis}] {part.name}: `{name}` must be in metres and at most {LARGEST:g} m, got {largest:.6g}. "

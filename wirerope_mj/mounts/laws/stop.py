@@ -22,11 +22,12 @@ NEVER = 1e300  # Gap of a side without a stop [m]
 class Stop(Law):
     """A bump stop: no force within the gap, beyond it one that only pushes.
 
-        depth = -x - gap_below  or  x - gap_above  (whichever is > 0)
+        depth = rest - x - gap_below  or  x - rest - gap_above  (whichever is > 0)
         d = r (t^3 - t^4 / 2) for t = depth / r < 1,  depth - r / 2 beyond             r = rounding
         F = -+ max(0, f(d) (1 + loss u) + c d' depthdot),   f(d) = k d^exponent, or through the points `depths`, `forces`
 
-    gap_below, gap_above [m], >= 0, None = no stop on that side; the lower one acts in compression. k [N/m^exponent]. Rubber
+    gap_below, gap_above [m], >= 0, None = no stop on that side; the lower one acts in compression. They count from the
+    deflection `rest` [m]: None = 0, the unloaded geometry; gaps as installed count from the sag. k [N/m^exponent]. Rubber
     that is round, or soft to begin with, closes over the depth `rounding` [m]: with it the force has two continuous
     derivatives, without it a corner at the gap. Points (n,) [m] and [N] begin behind the origin and are joined by monotone
     cubics that leave the origin without a slope; beyond the last they go on straight.
@@ -52,6 +53,7 @@ class Stop(Law):
 
     gap_below: Annotated[float, bounds("m", ge=0.0)] | None = None
     gap_above: Annotated[float, bounds("m", ge=0.0)] | None = None
+    rest: Annotated[float, bounds("m")] | None = None
     k: Annotated[float, bounds("N/m^exponent", gt=0.0)] | None = None
     exponent: float = 1.0
     depths: Annotated[tuple[float, ...], bounds("m")] = ()
@@ -96,6 +98,12 @@ class Stop(Law):
         return (self,)
 
     @property
+    def unloaded_gaps(self) -> dict[str, float]:
+        """Gaps from the unloaded geometry [m], < 0 where it presses there, of the sides that have one, "below" and "above"."""
+        rest, sides = self.rest or 0.0, {"below": self.gap_below, "above": self.gap_above}
+        return {side: gap - rest if side == "below" else gap + rest for side, gap in sides.items() if gap is not None}
+
+    @property
     def coordinates(self) -> dict[str, float]:
         names = ("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal")
         return {name: value for name in names if (value := getattr(self, name)) is not None}
@@ -103,8 +111,9 @@ class Stop(Law):
     def kernel_parameters(self) -> Array:
         """Return what `wirerope_mj.mounts.laws.stop_kernels.stop` reads."""
         inverse = 1.0 if self.reversal is None else 1.0 / self.reversal
-        gaps = [NEVER if gap is None else gap for gap in (self.gap_below, self.gap_above)]
-        head = [inverse, inverse, 0.0, 1.0, self.loss, self.c, *gaps, self.rounding]
+        gaps = self.unloaded_gaps
+        ends = [gaps.get(side, NEVER) for side in ("below", "above")]
+        head = [inverse, inverse, 0.0, 1.0, self.loss, self.c, *ends, self.rounding]
         if self.k is not None:
             return np.array([*head, self.k, self.exponent, 0.0])
         table = packed(self._curve, level_cubics((), (), 0.0), 1.0, 1.0)[4:]
@@ -150,7 +159,7 @@ class Stop(Law):
     @property
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state [N/m]: zero but for a linear stop without gap and rounding."""
-        touching = 0.0 in (self.gap_below, self.gap_above) and self.rounding == 0.0 and self.exponent == 1.0
+        touching = 0.0 in self.unloaded_gaps.values() and self.rounding == 0.0 and self.exponent == 1.0
         return self.k if touching and self.k is not None else 0.0
 
     @property
@@ -168,4 +177,4 @@ class Stop(Law):
 def largest_gap(law: Law) -> float:
     """Return the largest gap of the stops among a law [m], 0 without one."""
     stops = [part for part in law.components if isinstance(part, Stop)]
-    return max((gap for stop in stops for gap in (stop.gap_below, stop.gap_above) if gap is not None), default=0.0)
+    return max((gap for stop in stops for gap in stop.unloaded_gaps.values()), default=0.0)

@@ -142,7 +142,8 @@ def pull_at(p, i, cubic, t, x0, w, s):
     """Return the force of a stop before it is kept from pulling [N], > 0 where it pushes; w is its state at x0, direction s."""
     x, v = position(cubic, t), speed(cubic, t)
     here = turned(p, i, w, s, abs(x - x0)) if p[i + LOSS] > 0.0 else 0.0
-    side, depth = (-1.0, -x - p[i + BELOW]) if x < 0.0 else (1.0, x - p[i + ABOVE])
+    below, above = -x - p[i + BELOW], x - p[i + ABOVE]
+    side, depth = (-1.0, below) if below > above else (1.0, above)
     if depth <= 0.0:
         return 0.0
     counted, slope = seated(depth, p[i + ROUNDING])
@@ -170,7 +171,7 @@ def pushing_work(p, i, cubic, start, end, x0, w, s):
         t = start + width * NODES[node]
         force = max(pull_at(p, i, cubic, t, x0, w, s), 0.0)
         x = position(cubic, t)
-        work += width * WEIGHTS[node] * speed(cubic, t) * (force if x > 0.0 else -force)
+        work += width * WEIGHTS[node] * speed(cubic, t) * (-force if -x - p[i + BELOW] > x - p[i + ABOVE] else force)
     return work
 
 
