@@ -34,6 +34,8 @@ WRITING = {
     "frf": ["frf", "sdof_shaker", "--acceleration", "1", "--start", "20", "--stop", "50", "--out", "frf", "--force"],
     "identify": ["identify", "cyclic.csv", "--law", "ozdemir", "--out", "identified.toml", "--force"],
     "isolators fit": ["isolators", "fit", "sheet.toml", "fit.toml"],
+    "isolators blank": ["isolators", "blank", "blank.toml", "--force"],
+    "cases --blank": ["cases", "blank_job.toml", "--blank", "--force"],
     "isolators estimate": ["isolators", "estimate", "--height", "90", "--width", "105", "--rope", "16", "--loops", "8",
                            "--out", "estimate.toml"],
     "isolators": ["isolators", "enidine_wr12_400", "--out", "isolator.pdf"],

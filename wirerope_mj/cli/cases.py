@@ -6,6 +6,8 @@ from time import perf_counter
 
 from wirerope_mj.cli.options import Flag, Integer
 
+BLANK_JOB = ("model", "case", "case.name", "case.half-sine")  # keys that a blank job has without a #
+
 
 def cases(
     job: Path,
@@ -14,6 +16,7 @@ def cases(
     workers: Integer | None = None,
     pdf: Flag = False,
     docx: Flag = False,
+    blank: Flag = False,
     force: Flag = False,
 ) -> int:
     """Simulate the load cases of a job: which case governs each limit, and one document of all of them.
@@ -24,13 +27,16 @@ def cases(
 
     wirerope cases cabinet.toml --out runs/cabinet --pdf --docx
 
+    `--blank` writes a job to fill in, with all that one may say.
+
     Args:
         job: file of the job.
         out: folder of the job; runs/NAME-OF-THE-FILE by default.
         workers: processes that simulate side by side; one for each processor by default.
         pdf: write the report as a PDF, too, which needs the extra "pdf" (WeasyPrint).
         docx: write it as a DOCX, too, which needs the extra "docx" (python-docx).
-        force: simulate every case again.
+        blank: write JOB.toml as a form to fill in, and simulate nothing.
+        force: simulate every case again; with --blank replace the file.
     """
     from rich.markup import escape
 
@@ -41,6 +47,16 @@ def cases(
     from wirerope_mj.runs.job_file import load_job
     from wirerope_mj.views.terminal import console, print_headline, show
 
+    if blank:
+        from wirerope_mj.cli.isolators import write_form
+        from wirerope_mj.foundation.schema import blank_form
+        from wirerope_mj.runs.job_file import JobFile
+
+        if out is not None or workers is not None or pdf or docx:
+            raise ValueError("`--blank` writes a job to fill in, which goes with `--force` alone.")
+        title = f"Load cases of one installation, their limits and their document: `wirerope cases {job.name}` simulates them."
+        write_form(blank_form(JobFile, filled=BLANK_JOB, title=title), job, force=force)
+        return 0
     if workers is not None and workers < 1:
         raise ValueError(f"`--workers` must be an integer >= 1, got {workers}.")
     began = perf_counter()

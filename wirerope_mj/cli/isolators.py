@@ -1,10 +1,10 @@
-"""`wirerope isolators`: the catalogue, one isolator with its loops, an isolator from a data sheet or from its geometry."""
+"""`wirerope isolators`: the catalogue, one isolator, an isolator from a data sheet, blank or not, or from its geometry."""
 
 from pathlib import Path
 
 from cyclopts import App
 
-from wirerope_mj.cli.options import Flag, Integer
+from wirerope_mj.cli.options import Flag, Force, Integer
 
 isolators_app = App(name="isolators")
 
@@ -62,19 +62,56 @@ def isolators(
 def fit(datasheet: Path, out: Path) -> int:
     """Fit an isolator from a vendor's data sheet and print every value of the sheet beside that of the fit.
 
+    A sheet of three figures, stiffness, load and travel, is enough: what it leaves open is assumed as the parts in the vendors'
+    tables have it, with a band that is printed and that the isolator's file keeps. `wirerope isolators blank` writes such a
+    sheet to fill in.
+
     Args:
         datasheet: TOML file with the vendor's values, or with `curve = "shock"` or `"static"` and force-deflection curves.
         out: isolator file to write.
     """
-    from wirerope_mj.content.catalogue import fitted_table
+    from wirerope_mj.content.catalogue import fitted_table, short_fit_content
+    from wirerope_mj.foundation.errors import ConvergenceError, ModelError
     from wirerope_mj.mounts.vendor_parts.comparison import compare
     from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
-    from wirerope_mj.views.terminal import print_table
+    from wirerope_mj.mounts.vendor_parts.short_sheet import fit_short, read_short_sheet
+    from wirerope_mj.views.terminal import print_table, show
 
-    device = fit_datasheet(datasheet)
-    device.save(out)
-    print_table(fitted_table(compare(datasheet, device)))
+    if (sheet := read_short_sheet(datasheet)) is not None:
+        try:
+            fitted = fit_short(sheet)
+            content = short_fit_content(fitted)
+        except ValueError as error:
+            raise ModelError(f"{datasheet}: {error}") from None
+        except ConvergenceError as error:
+            raise ConvergenceError(f"{datasheet}: {error}") from None
+        fitted.isolator.save(out)
+        show(content)
+    else:
+        device = fit_datasheet(datasheet)
+        device.save(out)
+        print_table(fitted_table(compare(datasheet, device)))
     say_written(out)
+    return 0
+
+
+@isolators_app.command
+def blank(out: Path, *, force: Force = False) -> int:
+    """Write a data sheet to fill in: stiffness, load and travel, and what else may be stated, each with what is assumed if not.
+
+    wirerope isolators blank sheet.toml, edit it, wirerope isolators fit sheet.toml isolator.toml
+
+    Args:
+        out: file to write, ending in .toml.
+    """
+    from wirerope_mj.foundation.schema import blank_form
+    from wirerope_mj.mounts.vendor_parts.short_sheet import ShortSheet
+
+    title = (
+        f"A data sheet of an isolator: `wirerope isolators fit {out.name} ISOLATOR.toml` makes an isolator of it.\n"
+        "Units stand in the keys: travel_in, static_load_lb.., stiffness_lb_per_in are read as well as mm, N and N/mm."
+    )
+    write_form(blank_form(ShortSheet, title=title), out, force=force)
     return 0
 
 
@@ -124,6 +161,18 @@ def check_picture(out: Path) -> None:
     if out.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")
     check_writable(out)
+
+
+def write_form(text: str, out: Path, *, force: bool) -> None:
+    """Write a blank form and say where it is; ValueError or RecordError unless it can be written."""
+    from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
+
+    if out.suffix != ".toml":
+        raise ValueError(f"a blank form must end with .toml, got {str(out)!r}.")
+    check_writable(out, force=force)
+    with atomic_file(out) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    say_written(out)
 
 
 def say_written(path: Path) -> None:

@@ -22,12 +22,15 @@ def new(
     deck: Deck = None,
     products: Literal["tensor", "positive"] | None = None,
     pdf: Flag = False,
+    blank: Flag = False,
     force: Force = False,
 ) -> int:
     """Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.
 
     Writes FOLDER/NAME.xml, the isolators it uses, the tables, and a dimensioned plan; NAME is the folder's last part. Nothing
     is written where a table is wrong. Exits 1, as `wirerope statics` does, where the model has no equilibrium.
+
+    wirerope new tables --blank, edit mounts.csv and masses.csv in it, wirerope new camera --tables tables
 
     Args:
         folder: folder to write, such as genset.
@@ -49,6 +52,7 @@ def new(
         products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm); by default as a text
             of SolidWorks says it, of a table tensor.
         pdf: write the plan as PDF, too.
+        blank: write FOLDER/mounts.csv and FOLDER/masses.csv to fill in, with every column and its meaning, and no model.
     """
     from wirerope_mj.cli.statics import MISSING, statics
     from wirerope_mj.engine.flexible import deck_of
@@ -56,6 +60,11 @@ def new(
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.runs.new_model import TABLES, from_template, gaps_text, new_model, tables_in
 
+    if blank:
+        given = (mounts, masses, stops, points, forces, envelope, tables, name, template, deck, products, pdf or None)
+        if any(option is not None for option in given):
+            raise ValueError("`--blank` writes tables to fill in, which goes with `--force` alone.")
+        return _write_blank_tables(folder, force=force)
     single = dict(zip(TABLES, (mounts, masses, stops, points, forces, envelope), strict=True))
     found = tables_in(tables) if tables is not None else {}
     found |= {kind: table for kind, table in single.items() if table is not None}
@@ -83,6 +92,22 @@ def new(
     except ConvergenceError as error:  # the model stands, as its tables say it: its mounts are too few or too soft
         print(plain(f"wirerope: {error}"), file=sys.stderr)
         return MISSING
+
+
+def _write_blank_tables(folder: Path, *, force: bool) -> int:
+    from wirerope_mj.cli.isolators import say_written
+    from wirerope_mj.engine.from_tables.forms import blank_table
+    from wirerope_mj.engine.from_tables.read import COLUMNS
+    from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
+
+    folder.mkdir(exist_ok=True)
+    for kind in COLUMNS:
+        check_writable(folder / f"{kind}.csv", force=force)
+    for kind in COLUMNS:
+        with atomic_file(folder / f"{kind}.csv") as temporary:
+            temporary.write_text(blank_table(kind), encoding="utf-8")
+        say_written(folder / f"{kind}.csv")
+    return 0
 
 
 def levels(

@@ -11,6 +11,7 @@ import numpy as np
 from wirerope_mj.content.numbers import paragraphs
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.schema import example
 from wirerope_mj.foundation.structure import DATE, Key
 from wirerope_mj.foundation.tables import TONES, Column, Table, left
 
@@ -128,20 +129,20 @@ def with_room(x: Array, part: float = 0.05) -> tuple[float, float]:
 class Paragraphs:
     """Paragraphs that the author of a document adds to its results."""
 
-    scope: str = ""  #: below the answer
-    assumptions: str = ""  #: beside what is assumed
-    validation: str = ""  #: beside what was validated
-    conclusion: str = ""  #: after the results
+    scope: Annotated[str, example("Four mounts below one camera.")] = ""  #: below the answer
+    assumptions: Annotated[str, example("The camera is rigid.")] = ""  #: beside what is assumed
+    validation: Annotated[str, example("Compared with the test of 3 May.")] = ""  #: beside what was validated
+    conclusion: Annotated[str, example("The camera may be used on the mast.")] = ""  #: after the results
 
 
 @dataclass(frozen=True, kw_only=True)
 class Revision:
     """A line of the history of a document."""
 
-    revision: str
-    date: Annotated[str, DATE] = ""
-    author: str = ""
-    change: str = ""
+    revision: Annotated[str, example("A")]
+    date: Annotated[str, DATE, example("2026-11-25")] = ""
+    author: Annotated[str, example("A. Engineer")] = ""
+    change: Annotated[str, example("First issue")] = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,18 +150,18 @@ class Document:
     """Data of a document; what is empty is left open in its title block."""
 
     # project, number, revision, date: by which it is filed
-    project: str = ""
-    number: str = ""
-    revision: str = ""
-    date: Annotated[str, DATE] = ""
+    project: Annotated[str, example("F130 refit")] = ""
+    number: Annotated[str, example("NV-4711-02")] = ""
+    revision: Annotated[str, example("B")] = ""
+    date: Annotated[str, DATE, example("2026-11-25")] = ""
     # author, checker, approver: who signs
-    author: str = ""
-    checker: str = ""
-    approver: str = ""
-    classification: str = ""  # printed on every page
-    client: str = ""  # for whom it is written
-    standard: str = ""  # by which the load cases and limits were chosen
-    logo: Path | None = None  # PNG or JPEG file; None for none
+    author: Annotated[str, example("A. Engineer")] = ""
+    checker: Annotated[str, example("B. Second")] = ""
+    approver: Annotated[str, example("C. Third")] = ""
+    classification: Annotated[str, example("Company confidential")] = ""  # printed on every page
+    client: Annotated[str, example("The Shipyard")] = ""  # for whom it is written
+    standard: Annotated[str, example("Specification 4711, issue 3")] = ""  # by which the load cases and limits were chosen
+    logo: Annotated[Path | None, example("logo.png")] = None  # PNG or JPEG file; None for none
     history: tuple[Revision, ...] = ()  # revisions, the first one first
     texts: Annotated[Paragraphs, Key("text")] = Paragraphs()
 

@@ -7,6 +7,7 @@ from functools import partial
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.cyclic_tests import measures_table
 from wirerope_mj.content.isolator import RATING_COLUMNS, isolator_blocks, provenance_statement, ratings
+from wirerope_mj.content.numbers import listed
 from wirerope_mj.foundation.tables import Column, Row, Table, left
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.estimate import LoopEstimate
@@ -14,6 +15,7 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import VendorPart, shipped_file, vendor_parts
 from wirerope_mj.mounts.vendor_parts.comparison import Band
 from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
+from wirerope_mj.mounts.vendor_parts.short_sheet import INSIDE, ShortFit
 
 
 def catalogue_table(devices: Mapping[str, Isolator]) -> Table:
@@ -83,6 +85,41 @@ def fitted_table(compared: Sequence[ComparedValue]) -> Table:
     ]
     rows = [[row.axis, row.name, row.unit, row.vendor, row.fitted, row.error] for row in compared]
     return Table("fitted", "", columns, rows)
+
+
+def short_fit_content(fit: ShortFit) -> Content:
+    """Say what the isolator of a data sheet of few figures does, with the bands of what the sheet leaves open."""
+    rows = [(row.axis, row.name, row.unit, row.fitted, low, high) for row, low, high in fit.bands()]
+    columns = [
+        *left("axis", "value", "unit"),
+        Column("fitted", form=".4g"),
+        Column("from", form=".4g"),
+        Column("to", form=".4g"),
+    ]
+    moved = [
+        f'`--vary "{" & ".join(one.factors)} = Uniform({one.low / one.value:.2g}, {one.high / one.value:.2g})"`'
+        for one in fit.assumed.values() if one.factors
+    ]  # fmt: skip
+    note = (
+        f"From, to: {100.0 * INSIDE:.0f} % band of what the sheet does not state: each figure moved alone to the ends of its "
+        "band, and the changes added as squares." + (f" A study moves it by {listed(moved)}." if moved else "")
+    )
+    stated, assumed = fit.isolator.provenance, [f"Assumed: {item.rstrip('.')}." for item in fit.isolator.provenance.assumed]
+    open_figures = listed([one.name for one in fit.assumed.values()])
+    text = (
+        f"Fitted to the sheet's figures; assumed, each with a band: {open_figures}." if open_figures else "Nothing is assumed."
+    )
+    return Content(
+        title=fit.isolator.name,
+        verdict=Statement("short-fit", text, tone="unjudged" if open_figures else ""),
+        sections=(
+            Section("fitted", "", lambda: [Statement("fitted-to", f"Fitted to: {stated.fitted_to}.")], "summary"),
+            Section("bands", "", lambda: [Table("bands", "", columns, rows, note=note)], "summary"),
+            Section(
+                "assumed", "", lambda: [Statement("assumed", "What the sheet does not state:", items=tuple(assumed))], "summary"
+            ),
+        ),
+    )
 
 
 def estimate_content(estimate: LoopEstimate) -> Content:

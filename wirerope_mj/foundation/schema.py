@@ -1,17 +1,19 @@
-"""JSON Schemas of the classes that tables of files are made into."""
+"""JSON Schemas of the classes that tables of files are made into, and blank forms of such files."""
 
 import inspect
+import json
 import re
-from collections.abc import Mapping
-from dataclasses import is_dataclass
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any
 
 import msgspec
+import tomli_w
 
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.structure import DATE, keys_of, needed_keys, options_of, tables_in
+from wirerope_mj.foundation.structure import DATE, keys_of, marks_of, needed_keys, options_of, tables_in, unit_of
 
 
 def schema(kind: Any, schemas: Mapping[type, Entries] | None = None) -> Entries:
@@ -60,3 +62,51 @@ def _comments(kind: type) -> dict[str, str]:
                 texts[name[1]] = text or " ".join(above)
             above = []
     return texts
+
+
+def example(value: Any) -> msgspec.Meta:
+    """Mark what a blank form has for a field, in the unit of its first key."""
+    return msgspec.Meta(examples=[value])
+
+
+def blank_form(kind: Any, *, filled: Collection[str] = (), title: str = "") -> str:
+    """Write a file of a class with all its keys, each with its meaning and an example; those that may be left out are comments.
+
+    Examples stand in the marks of the fields, `bounds(examples=[..])`; of a field without one it is the default.
+
+    Args:
+        kind: the class of the file.
+        filled: keys that are no comments though a file may leave them out: "case", and "case.half-sine" in its table.
+        title: first lines, without their #.
+    """
+    head = [*title.splitlines(), "Take the # before a key away to use it, and that before its [table]. Numbers are examples."]
+    return "\n".join([*(f"# {line}" for line in head), *_form(kind, "", filled, shown=True)]) + "\n"
+
+
+def _form(kind: Any, path: str, filled: Collection[str], *, shown: bool) -> Iterator[str]:
+    """Yield the lines of a table: keys without #, those with, then tables; `shown` if the table has no # itself."""
+    explained, defaults = _comments(kind), {item.name: item.default for item in fields(kind)}
+    written, first, later, tables = set[str](), list[str](), list[str](), list[str]()
+    for key, found in keys_of(kind).items():
+        if not found.among and found.field in written:  # in another unit
+            continue
+        written.add(found.field)
+        place, (how, inner), marks = f"{path}{key}", tables_in(found.hint), marks_of(found.hint)
+        metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
+        about = found.meant.summary if found.meant else explained.get(found.field, "")
+        stated = [found.meant.example] if found.meant else [one for meta in metas for one in meta.examples or ()]
+        active = shown and (found.field in needed_keys(kind) or place in filled)
+        mark, nested = "" if active else "#", how is not float and inner is not Path
+        if nested or (stated and isinstance(stated[0], dict)):
+            tables += ["", *([f"# {about}"] if about else []), f"{mark}[[{place}]]" if how is tuple else f"{mark}[{place}]"]
+            lines = _form(inner, f"{place}.", filled, shown=active) if nested else tomli_w.dumps(stated[0]).splitlines()
+            tables += lines if nested else [f"{mark}{line}" for line in lines]
+            continue
+        default = defaults[found.field]
+        if not stated and (default is None or default is MISSING or default in ((), "")):
+            raise TypeError(f"`{place}` of {kind.__name__} needs an example.")
+        example = stated[0] if stated else list(default) if isinstance(default, tuple) else default
+        unit = "".join(f"[{unit_of(meta)}] " for meta in metas if unit_of(meta))
+        line = f"{key} = {json.dumps(example)}" if isinstance(example, list) else tomli_w.dumps({key: example}).strip()
+        (first if active else later).append(f"{mark}{line}" + (f"  # {unit}{about}" if unit + about else ""))
+    yield from (*first, *later, *tables)

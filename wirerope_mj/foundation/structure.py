@@ -309,6 +309,7 @@ class _Filled:
     hint: Any
     factor: float | tuple[float, ...] | None = None
     among: bool = False
+    meant: Any = None  # what a mapping of `Among` holds under the key: it has `example` and `summary`
 
 
 @cache
@@ -321,7 +322,8 @@ def keys_of(kind: Any) -> dict[str, _Filled]:
         units = next((mark for mark in marks if isinstance(mark, In)), None)
         among = next((mark for mark in marks if isinstance(mark, Among)), None)
         if among:
-            keys |= {key: _Filled(name, get_args(options_of(hint)[0][0])[1], among=True) for key in among.keys}
+            entry, meant = get_args(options_of(hint)[0][0])[1], among.keys if isinstance(among.keys, Mapping) else {}
+            keys |= {key: _Filled(name, entry, among=True, meant=meant.get(key)) for key in among.keys}
         if not among and (units is None or units.bare):
             keys[spelled] = _Filled(name, hint)
         keys |= {f"{spelled}_{unit}": _Filled(name, hint, factor) for unit, factor in (units.units if units else {}).items()}

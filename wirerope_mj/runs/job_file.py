@@ -17,6 +17,7 @@ from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_source
+from wirerope_mj.foundation.schema import example
 from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
@@ -35,38 +36,38 @@ Texts = str | tuple[str, ...]
 class Simulated:
     """How cases are simulated."""
 
-    duration: float | None = None  #: length [s]
-    initial: str | None = None  #: "settled", "relaxed" or "unloaded"
-    sample_rate: float | None = None  #: samples a second [Hz]
-    accuracy: float | None = None  #: of peaks, by which the step is chosen
-    timestep: float | None = None  #: step [s], in place of an accuracy
+    duration: Annotated[float | None, example(0.5)] = None  #: length [s]
+    initial: Annotated[str | None, example("settled")] = None  #: "settled", "relaxed" or "unloaded"
+    sample_rate: Annotated[float | None, example(2000.0)] = None  #: samples a second [Hz]
+    accuracy: Annotated[float | None, example(1e-4)] = None  #: of peaks, by which the step is chosen
+    timestep: Annotated[float | None, example(1e-4)] = None  #: step [s], in place of an accuracy
 
 
 @dataclass(frozen=True, kw_only=True)
 class Played(Simulated):
     """How a measured record is played, and how its case is simulated."""
 
-    note: str = ""  #: such as a clause of a standard
-    channels: Texts | None = None  #: those to use, NAME=DIRECTION, or one with a direction
-    direction: str | None = None  #: of a record of one channel
-    scale: float | None = None  #: factor on it
-    baseline: str | None = None  #: what is taken off
-    start: float | None = None  #: instant at which it begins [s]
-    highpass: float | None = None  #: frequency below which nothing is kept [Hz]
-    resample: float | None = None  #: samples a second [Hz]
-    gaps: str | None = None  #: "refuse" or "fill"
-    unit: str | None = None  #: of its samples
+    note: Annotated[str, example("Specification 4711, clause 5.1")] = ""  #: such as a clause of a standard
+    channels: Annotated[Texts | None, example("A1=z")] = None  #: those to use, NAME=DIRECTION, or one with a direction
+    direction: Annotated[str | None, example("z")] = None  #: of a record of one channel
+    scale: Annotated[float | None, example(1.5)] = None  #: factor on it
+    baseline: Annotated[str | None, example("mean")] = None  #: what is taken off
+    start: Annotated[float | None, example(0.05)] = None  #: instant at which it begins [s]
+    highpass: Annotated[float | None, example(1.0)] = None  #: frequency below which nothing is kept [Hz]
+    resample: Annotated[float | None, example(1000.0)] = None  #: samples a second [Hz]
+    gaps: Annotated[str | None, example("fill")] = None  #: "refuse" or "fill"
+    unit: Annotated[str | None, example("g")] = None  #: of its samples
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case(Played):
     """A load case of a job: its name and what moves the base, all of which is added."""
 
-    name: str = ""  #: it names its folder, too
+    name: Annotated[str, example("vertical shock")] = ""  #: it names its folder, too
     #: in the words of the option of `wirerope shock`, one or several that are added
     phrases: Annotated[dict[str, Texts], Among(SPOKEN_MOTIONS)] = field(default_factory=dict)
-    levels: Texts = ()  #: files of levels
-    record: str | None = None  #: a measured record
+    levels: Annotated[Texts, example("levels.toml")] = ()  #: files of levels
+    record: Annotated[str | None, example("record.csv")] = None  #: a measured record
 
     @property
     def stated(self) -> Entries:
@@ -80,23 +81,25 @@ class Case(Played):
 class Records(Played):
     """A case for each record that a pattern finds."""
 
-    files: str = ""  #: pattern below the folder of the job, such as "records/*.csv"
+    files: Annotated[str, example("records/*.csv")] = ""  #: pattern below the folder of the job, such as "records/*.csv"
 
 
 @dataclass(frozen=True, kw_only=True)
 class JobFile:
     """A job: load cases of one installation, their limits, and the document that they make."""
 
-    model: str = ""  #: path of a model, relative to the file, or the name of one that ships
-    name: str | None = None  #: title of the document
+    model: Annotated[str, example("shock_table")] = ""  #: path of a model, relative to the file, or the name of one that ships
+    name: Annotated[str | None, example("Camera on four mounts")] = None  #: title of the document
     question: str = QUESTION  #: what it answers
     report: Texts = REPORTED[:7]  #: what each case shows
     combined_travel: bool = True  #: whether the travels along all axes are judged together, by the in-house rule
-    sheet: str | None = None  #: CSV or XLSX file with a case in each row
+    sheet: Annotated[str | None, example("cases.csv")] = None  #: CSV or XLSX file with a case in each row
     cases: Annotated[tuple[Case, ...], Key("case")] = ()
     records: Records | None = None
     simulate: Simulated = Simulated()  #: for all cases that do not say it themselves
-    limits: dict[str, str] = field(default_factory=dict)  #: as `--limit`: "acceleration/rack" = "15 g"
+    limits: Annotated[dict[str, str], example({"acceleration/carriage": "15 g"})] = field(
+        default_factory=dict
+    )  #: as `--limit`: "acceleration/rack" = "15 g"
     document: Document | None = None
 
     def __post_init__(self) -> None:

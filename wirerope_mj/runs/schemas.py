@@ -17,6 +17,7 @@ from wirerope_mj.mounts.isolator.tables import law_schema
 from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.vendor_parts.curve_fit import CurveSheet
 from wirerope_mj.mounts.vendor_parts.sheet import DataSheet
+from wirerope_mj.mounts.vendor_parts.short_sheet import ShortSheet
 from wirerope_mj.runs.job_file import JobFile
 from wirerope_mj.runs.measured import ColumnMap
 from wirerope_mj.runs.scenario_file import StoredScenario
@@ -24,7 +25,7 @@ from wirerope_mj.runs.scenario_file import StoredScenario
 SHIPPED = Path(__file__).parents[1] / "schemas"
 # The classes of each kind of file: a data sheet is of one kind or the other.
 FILES: dict[str, tuple[type, ...]] = {
-    "isolator": (Isolator,), "datasheet": (DataSheet, CurveSheet), "levels": (Levels,), "job": (JobFile,), "life": (Mission,),
+    "isolator": (Isolator,), "datasheet": (DataSheet, CurveSheet, ShortSheet), "levels": (Levels,), "job": (JobFile,), "life": (Mission,),
     "map": (ColumnMap,), "scenario": (StoredScenario,),
 }  # fmt: skip
 

@@ -39,6 +39,20 @@ _CENTRE, _CORNER = (tuple(f"{of}_{axis}" for axis in "xyz") for of in ("centre",
 # depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]
 _ROUNDING = 1e-3
 MOMENTS, PRODUCTS, SIZES = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz"), ("size_x", "size_y", "size_z")
+_BRACKETS = {f"bracket_{axis}": axis for axis in AXES}
+# columns of tables with their kinds of quantities: those that must be there, and those that may
+COLUMNS = {
+    "mounts": (
+        {**_POSITION, "isolator": TEXT}, {**_DIRECTION, **_ANGLES, **dict.fromkeys(_BRACKETS, "stiffness")},
+    ),
+    "masses": (
+        {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}},
+        {
+            **dict.fromkeys(SIZES, "length"), **dict.fromkeys((*MOMENTS, *PRODUCTS), "inertia"),
+            "frequency": "frequency", "damping": "ratio", "along": TEXT,
+        },
+    ),
+}  # fmt: skip
 # words of which the name of a row of totals consists
 _TOTAL = {
     "total", "totals", "totale", "totaux", "totales", "totaal", "totalt", "sum", "sums", "summe", "summen", "gesamt",
@@ -99,15 +113,13 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
 
 
 def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
-    needed = {**_POSITION, "isolator": TEXT}
-    brackets = {f"bracket_{axis}": axis for axis in AXES}
-    further = {**_DIRECTION, **_ANGLES, **dict.fromkeys(brackets, "stiffness")}
+    needed, further = COLUMNS["mounts"]
     rows = read_sheet(path, kind="table of mounts", needed=needed, further=further)
     mounts: list[Placed] = []
     for row in rows:
         name = _site_name(row)
         isolator = _isolator(row, path, isolators)
-        stiff = {axis: row.number(column) for column, axis in brackets.items() if row.has(column)}
+        stiff = {axis: row.number(column) for column, axis in _BRACKETS.items() if row.has(column)}
         try:
             bracket = Bracket(**stiff) if stiff else None
             if bracket is not None:
@@ -258,11 +270,7 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
     if path.suffix.lower() == ".txt":
         masses = tuple(Mass(name, one, location=str(path)) for name, one in read_mass_text(path, products=products))
     else:
-        needed = {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}}
-        further = {
-            **dict.fromkeys((*MOMENTS, *PRODUCTS), "inertia"), **dict.fromkeys(SIZES, "length"),
-            "frequency": "frequency", "damping": "ratio", "along": TEXT,
-        }  # fmt: skip
+        needed, further = COLUMNS["masses"]
         rows = read_sheet(path, kind="table of masses", needed=needed, further=further)
         masses = tuple(_mass(row, -1.0 if products == POSITIVE else 1.0) for row in _without_totals(rows))
     last = masses[-1]  # where a total stands; another part may well weigh as much as the rest

@@ -64,7 +64,7 @@ def read_sheet(path: Path, *, kind: str, needed: Mapping[str, str], further: Map
     Raises:
         RecordError: says file, row and column that are wrong.
     """
-    example = ", ".join(_with_unit(name, quantity) for name, quantity in needed.items())
+    example = ", ".join(with_unit(name, quantity) for name, quantity in needed.items())
     header = read_header(path, kind=kind, example=f'"{example}"', sheet=kind.split()[-1])
     known = {**needed, **further}
     cells = [(location, row) for _, location, row in rows_below(header)]
@@ -84,7 +84,7 @@ def read_sheet(path: Path, *, kind: str, needed: Mapping[str, str], further: Map
     return rows
 
 
-def _with_unit(name: str, quantity: str) -> str:
+def with_unit(name: str, quantity: str) -> str:
     return name if quantity in {PURE, TEXT} else f"{name} [{next(iter(UNITS[quantity]))}]"
 
 
@@ -99,11 +99,11 @@ def _factors(header: Header, needed: Mapping[str, str], known: Mapping[str, str]
         if number in header.unnamed:
             raise RecordError(f"{header.location}: {name} has no name and holds something. Name it, or empty it.")
         if name not in known:
-            hint = ", ".join(_with_unit(*item) for item in known.items())
+            hint = ", ".join(with_unit(*item) for item in known.items())
             raise RecordError(f'{header.location}: unknown column "{short(plain(name))}". Known columns: {hint}.')
         if header.names.count(name) > 1:
             raise RecordError(f'{header.location}: column "{name}" stands there twice.')
-    if missing := [_with_unit(name, quantity) for name, quantity in needed.items() if name not in header.names]:
+    if missing := [with_unit(name, quantity) for name, quantity in needed.items() if name not in header.names]:
         listed = ", ".join(f'"{name}"' for name in missing)
         raise RecordError(
             f"{header.location}: {f'columns {listed} are' if missing[1:] else f'column {listed} is'} missing. "

@@ -1,0 +1,55 @@
+"""Blank tables of mounts and masses: every column that their readers know, with its meaning, and rows of examples."""
+
+from collections.abc import Sequence
+
+from wirerope_mj.engine.from_tables.read import COLUMNS
+from wirerope_mj.engine.from_tables.sheet import with_unit
+
+_HEAD = {
+    "mounts": "Mounts, one a row; positions in the same axes as those of the masses, z up.",
+    "masses": "Masses, one a row: their sum is the payload, which is rigid but for rows with a frequency.",
+}
+# what is said of the columns of both, and of groups of them
+_MEANING = {
+    "mounts": {
+        "name": "of the mount, without spaces",
+        "x": "position of the mount's mid-height, with y and z",
+        "isolator": "name in the catalogue, part of a vendor's table, or a file beside this table, such as isolator.toml",
+        "direction_x": "axial, from the base's side to the payload's, with direction_y and direction_z; empty: 0, 0, 1",
+        "bars_x": "along the bars, with bars_y and bars_z; empty: along x under an upright mount, else horizontal",
+        "inclination": "of that direction from the vertical, in place of it; empty: upright",
+        "azimuth": "of that direction from x, to an inclination; empty: 0",
+        "bracket_axial": "stiffness of what the mount is bolted to, with bracket_shear and bracket_roll; empty: rigid",
+    },
+    "masses": {
+        "name": "of the part",
+        "mass": "> 0",
+        "x": "centre of mass, with y and z",
+        "size_x": "of a box filled evenly, with size_y and size_z, for its inertia; empty: see ixx",
+        "ixx": "moments of inertia about the part's own centre of mass, with iyy and izz; empty: a point mass",
+        "ixy": "products of inertia, with ixz and iyz, as elements of the tensor, ixy = -sum of x y dm (if +sum: "
+        "`--products positive`); empty: 0",
+        "frequency": "of a subassembly that rings on its own; empty: rigid",
+        "damping": "ratio of such a subassembly; empty: 2 %",
+        "along": "x, y or z, along which such a subassembly moves; empty: z",
+    },
+}
+_ROWS: dict[str, Sequence[dict[str, object]]] = {
+    "mounts": [
+        {"name": f"m{number}", "x": x, "y": y, "z": 0, "isolator": "WR2-800"}
+        for number, (x, y) in enumerate([(-60, -40), (60, -40), (-60, 40), (60, 40)], start=1)
+    ],
+    "masses": [
+        {"name": "camera", "mass": 2.4, "x": 0, "y": 0, "z": 60, "size_x": 120, "size_y": 80, "size_z": 100},
+    ],
+}
+
+
+def blank_table(kind: str) -> str:
+    """Write a CSV table of "mounts" or of "masses" with all its columns, what they mean, and rows of examples."""
+    needed, further = COLUMNS[kind]
+    columns = {**needed, **further}
+    lines = [f"# {_HEAD[kind]} Columns that may be empty may be left out; other units may stand in the brackets."]
+    lines += [f"# {with_unit(name, columns[name])}: {text}" for name, text in _MEANING[kind].items()]
+    rows = [", ".join(str(row.get(name, "")) for name in columns) for row in _ROWS[kind]]
+    return "\n".join([*lines, ", ".join(with_unit(*column) for column in columns.items()), *rows]) + "\n"
