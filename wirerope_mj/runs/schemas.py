@@ -25,8 +25,8 @@ from wirerope_mj.runs.scenario_file import StoredScenario
 SHIPPED = Path(__file__).parents[1] / "schemas"
 # The classes of each kind of file: a data sheet is of one kind or the other.
 FILES: dict[str, tuple[type, ...]] = {
-    "isolator": (Isolator,), "datasheet": (DataSheet, CurveSheet, ShortSheet), "levels": (Levels,), "job": (JobFile,), "life": (Mission,),
-    "map": (ColumnMap,), "scenario": (StoredScenario,),
+    "isolator": (Isolator,), "datasheet": (DataSheet, CurveSheet, ShortSheet), "levels": (Levels,), "job": (JobFile,),
+    "life": (Mission,), "map": (ColumnMap,), "scenario": (StoredScenario,),
 }  # fmt: skip
 
 
