@@ -35,6 +35,7 @@ WRITING = {
     "identify": ["identify", "cyclic.csv", "--law", "ozdemir", "--out", "identified.toml", "--force"],
     "isolators fit": ["isolators", "fit", "sheet.toml", "fit.toml"],
     "isolators blank": ["isolators", "blank", "blank.toml", "--force"],
+    "isolators export": ["isolators", "export", "enidine_wr12_400", "mount.bdf", "--amplitude-mm", "2", "--force"],
     "cases --blank": ["cases", "blank_job.toml", "--blank", "--force"],
     "isolators estimate": ["isolators", "estimate", "--height", "90", "--width", "105", "--rope", "16", "--loops", "8",
                            "--out", "estimate.toml"],

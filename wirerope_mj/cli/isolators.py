@@ -1,6 +1,7 @@
 """`wirerope isolators`: the catalogue, one isolator, an isolator from a data sheet, blank or not, or from its geometry."""
 
 from pathlib import Path
+from typing import Literal
 
 from cyclopts import App
 
@@ -91,6 +92,46 @@ def fit(datasheet: Path, out: Path) -> int:
         device = fit_datasheet(datasheet)
         device.save(out)
         print_table(fitted_table(compare(datasheet, device)))
+    say_written(out)
+    return 0
+
+
+@isolators_app.command
+def export(
+    name: str, out: Path, *, amplitude_mm: float, frequency: float | None = None,
+    damping: Literal["structural", "viscous"] | None = None, units: Literal["N-m-kg", "N-mm-t"] = "N-m-kg",
+    force: Force = False,
+) -> int:  # fmt: skip
+    """Write an isolator for a structural code: static curves as tables, stiffness and damping of cycles of one amplitude.
+
+    The ending of OUT names the code: .bdf, .dat, .nas Nastran (CBUSH, PBUSH, PBUSHT), .inp Abaqus (connector), .mac Ansys
+    (COMBIN39, COMBIN14). Tables are elastic: file and terminal say what energy they leave out, and how far secants differ.
+
+    Args:
+        name: isolator of the catalogue, part of a vendor's table, or the path of an isolator file.
+        out: file to write.
+        amplitude_mm: of the cycles of which stiffness and damping are [mm].
+        frequency: of viscous damping [Hz]; by default the natural frequency of the axial stiffness under the rated load.
+        damping: structural, a loss factor, or viscous, a damper; by default structural, of Ansys viscous.
+        units: of the file: newtons, metres, kilograms, or newtons, millimetres, tonnes.
+    """
+    from wirerope_mj.content.catalogue import structural_content
+    from wirerope_mj.foundation.arguments import positive
+    from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
+    from wirerope_mj.foundation.resources import catalogue_folder
+    from wirerope_mj.mounts.isolator.structural_codes import export_structural
+    from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator
+    from wirerope_mj.views.terminal import show
+
+    given = Path(name)
+    device = load_isolator(given if given.is_file() else find_isolator(name, beside=catalogue_folder()))
+    size = positive("--amplitude-mm", amplitude_mm, unit="mm") / 1e3
+    pace = None if frequency is None else positive("--frequency", frequency, unit="Hz")
+    made = export_structural(device, out, amplitude=size, frequency=pace, damping=damping, units=units)
+    check_writable(out, force=force)
+    with atomic_file(out) as temporary:
+        temporary.write_text(made.text(), encoding="utf-8")
+    show(structural_content(made))
     say_written(out)
     return 0
 

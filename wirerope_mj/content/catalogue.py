@@ -12,6 +12,7 @@ from wirerope_mj.foundation.tables import Column, Row, Table, left
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.estimate import LoopEstimate
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.structural_codes import StructuralExport
 from wirerope_mj.mounts.vendor_parts import VendorPart, shipped_file, vendor_parts
 from wirerope_mj.mounts.vendor_parts.comparison import Band
 from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
@@ -104,7 +105,8 @@ def short_fit_content(fit: ShortFit) -> Content:
         f"From, to: {100.0 * INSIDE:.0f} % band of what the sheet does not state: each figure moved alone to the ends of its "
         "band, and the changes added as squares." + (f" A study moves it by {listed(moved)}." if moved else "")
     )
-    stated, assumed = fit.isolator.provenance, [f"Assumed: {item.rstrip('.')}." for item in fit.isolator.provenance.assumed]
+    stated = fit.isolator.provenance
+    assumed = [f"Assumed: {item.rstrip('.')}." for item in stated.assumed]
     open_figures = listed([one.name for one in fit.assumed.values()])
     text = (
         f"Fitted to the sheet's figures; assumed, each with a band: {open_figures}." if open_figures else "Nothing is assumed."
@@ -118,6 +120,36 @@ def short_fit_content(fit: ShortFit) -> Content:
             Section(
                 "assumed", "", lambda: [Statement("assumed", "What the sheet does not state:", items=tuple(assumed))], "summary"
             ),
+        ),
+    )
+
+
+def structural_content(export: StructuralExport) -> Content:
+    """Say what a structural code is told of an isolator, and what its tables and constants leave out."""
+    rows: list[Row] = []
+    for table in export.tables:
+        loop, (low, high) = table.loop, table.secants
+        damper = table.viscous(export.frequency)
+        cells = (table.points[0, 0], table.points[-1, 0], len(table.points), table.missed, loop.secant_stiffness, low, high)
+        rows.append((table.axis, *cells, table.loss_factor, damper, loop.dissipated_energy, table.width))
+    columns = (
+        *left("axis"), Column("table\nfrom", "mm", ".4g"), Column("to", "mm", ".4g"), Column("points", form=".0f"),
+        Column("misses\ncurve by", "%", ".2g"), Column("secant", "N/mm", ".4g"), Column("secants\nfrom", "N/mm", ".4g"),
+        Column("to", "N/mm", ".4g"), Column("loss\nfactor", form=".4g"), Column("damper", "N s/m", ".4g"),
+        Column("energy\nleft out", "J", ".4g"), Column("force\noff by", "%", ".3g"),
+    )  # fmt: skip
+    note = (
+        f"Secant, loss factor, damper (at {export.frequency:.4g} Hz), energy: of a closed cycle of "
+        f"{in_unit(export.amplitude, 'mm'):.4g} mm; the table is elastic and leaves that energy out. Secants from, to: of "
+        "cycles from a tenth of the table's range to all of it. Misses the curve, force off: in parts of the largest force, of "
+        "the lines between points, and of that cycle from the table."
+    )
+    return Content(
+        title=f"{export.isolator.name} for {export.code}, {export.units.replace('-', ', ')}",
+        verdict=Statement("structural", "Tables and constants approximate the loops.", tone="unjudged"),
+        sections=(
+            Section("structural", "", lambda: [Table("structural", "", columns, rows, note=note)], "summary"),
+            Section("remarks", "", lambda: [Statement("remarks", "The file says:", items=export.remarks)], "summary"),
         ),
     )
 
