@@ -2,6 +2,7 @@
 
 import datetime
 import re
+import sys
 import warnings
 
 import numpy as np
@@ -194,6 +195,114 @@ def test_fields_of_structs_and_columns_of_matrices_are_channels(tmp_path):
         wr.load_record(path, channels={"acc": "z"}, unit="g")
 
 
+def write_tdms(path):
+    from nptdms import ChannelObject, TdmsWriter
+
+    stated = {"wf_increment": STEP, "unit_string": "g"}
+    slow = ChannelObject("rig", "warmth", np.arange(9.0), {"wf_increment": 0.1, "unit_string": "degC"})
+    with TdmsWriter(path) as file:
+        file.write_segment([slow, ChannelObject("rig", "z", WAVE, stated), ChannelObject("rig", "x", WAVE / 2.0, stated)])
+
+
+def write_hdf5(path):
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        channel = file.create_dataset("run 1/table/acc_z", data=G * WAVE)
+        channel.attrs.update({"units": "m/s^2", "sample_rate": 1.0 / STEP})
+
+
+def write_matlab_73(path):
+    import h5py
+
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in {"test/t_s": TIME, "test/acc_z_g": WAVE}.items():
+            file.create_dataset(name, data=values[np.newaxis]).attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM")
+
+
+def write_seismic(kind):
+    def write(path):
+        with warnings.catch_warnings(action="ignore"):  # of its own
+            from obspy import Stream, Trace
+        Stream([Trace(WAVE.astype(np.float32), {"channel": "Z", "delta": STEP})]).write(str(path), format=kind)
+
+    return write
+
+
+def write_knet(path):
+    said = {
+        "Origin Time": "2026/01/02 03:04:05", "Lat.": "38.9", "Long.": "140.6", "Depth. (km)": "10", "Mag.": "5.9",
+        "Station Code": "AKT019", "Station Lat.": "39.0", "Station Long.": "140.5", "Station Height(m)": "96",
+        "Record Time": "2026/01/02 03:04:20", "Sampling Freq(Hz)": f"{1.0 / STEP:.0f}Hz", "Duration Time(s)": "1",
+        "Dir.": "U-D", "Scale Factor": "7840(gal)/8223790", "Max. Acc. (gal)": "980.0",
+        "Last Correction": "2026/01/02 03:04:05", "Memo.": "",
+    }  # fmt: skip
+    counts = np.rint(G * WAVE * 100.0 * 8223790 / 7840).astype(int)
+    lines = [f"{name:<18}{value}".rstrip() for name, value in said.items()]
+    lines += ["".join(f"{count:9d}" for count in counts[i : i + 8]) for i in range(0, counts.size, 8)]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def write_wav(path):
+    from scipy.io import wavfile
+
+    wavfile.write(path, round(1.0 / STEP), np.rint(WAVE / 16.0 * 2**31).astype(np.int32))  # full scale: 16 g
+
+
+LIBRARIES = {
+    "r.tdms": (write_tdms, {"channels": {"z": "z"}}),
+    "r.h5": (write_hdf5, {}),
+    "v73.mat": (write_matlab_73, {}),
+    "r.npz": (lambda path: np.savez(path, time_s=TIME, z_g=WAVE), {}),
+    "r.mseed": (write_seismic("MSEED"), {"unit": "g"}),
+    "r.sac": (write_seismic("SAC"), {"unit": "g"}),
+    "r.slist": (write_seismic("SLIST"), {"unit": "g"}),
+    "AKT019.UD": (write_knet, {"channels": {"UD": "z"}}),
+    "r.wav": (write_wav, {"channels": {"channel": "z"}, "unit": "g", "scale": 16.0}),
+}
+
+
+@pytest.mark.parametrize("name", LIBRARIES)
+def test_files_of_other_libraries_are_read_and_say_what_they_lack(tmp_path, name):
+    write, asked = LIBRARIES[name]
+    write(path := tmp_path / name)
+    check(path, **asked)
+    if "unit" in asked:
+        with pytest.raises(wr.RecordError, match=r'has no unit\. Say it with unit="g" \(--unit g\)'):
+            wr.load_record(path, **{key: value for key, value in asked.items() if key != "unit"})
+
+
+def test_a_library_that_is_missing_is_named_with_the_extra(tmp_path, monkeypatch):
+    write_tdms(path := tmp_path / "r.tdms")
+    monkeypatch.setitem(sys.modules, "nptdms", None)
+    with pytest.raises(wr.RecordError, match=r'a TDMS file, which nptdms reads: pip install "wirerope-mj\[loggers\]"'):
+        wr.load_record(path)
+
+
+@pytest.mark.parametrize("ending", ["csv", "h5", "mat"])
+def test_our_own_exports_are_read_back(tmp_path, ending):
+    pulse = wr.HalfSine(peak=50.0, duration=0.011, direction="z", start=0.01)
+    r = wr.simulate(wr.load_system("shock_table"), pulse, duration=0.1, timestep=5e-4)
+    path = r.export(tmp_path / f"r.{ending}")
+    record = wr.load_record(path, channels={"base.acceleration.z" if ending == "h5" else "base/acceleration/z": "z"})
+    np.testing.assert_allclose(record.samples[:, 2], r.base.acceleration[:, 2], rtol=1e-12)
+
+
+def test_a_formula_without_its_value_is_named(tmp_path):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    for row in (["time [s]", "raw [V]", "z [g]"], [0.0, 0.1, "=B2*10"], [0.001, 0.2, "=B3*10"]):
+        book.active.append(row)
+    book.save(tmp_path / "r.xlsx")
+    with pytest.raises(
+        wr.RecordError, match=r'row 2: "=B2\*10" in column "z" is not a number. The value of this formula is not'
+    ):
+        wr.load_record(tmp_path / "r.xlsx")
+
+
 def test_columns_without_a_name_or_with_one_name_can_be_chosen(tmp_path):
     (tmp_path / "r.csv").write_bytes(text("time [s],z [g],z [g]", (TIME, WAVE / 2.0, WAVE)))
     for name in ("z#2", "column 3"):
@@ -205,7 +314,12 @@ def test_columns_without_a_name_or_with_one_name_can_be_chosen(tmp_path):
 
 
 REFUSED = {
-    "a.tdms": (b"TDSm\x0e\0\0\0", "a TDMS file of LabVIEW.* Export the channels as CSV"),
+    "a.tdms": (b"TDSm\x0e\0\0\0", "the file holds no columns of numbers; it holds nothing that is a number. Export it again"),
+    "a.h5": (b"\x89HDF\r\n\x1a\n" + bytes(64), "this is no HDF5 file that can be read"),
+    "a.mseed": (b"000001D " + bytes(64), "this is no seismic file that can be read"),
+    "a.wav": (b"RIFF\x24\0\0\0WAVE", "this is no WAV file that can be read"),
+    "a.json": (b'[{"time [s]":0.0,"z [g]":1.0}]', "a JSON file"),
+    "numbers.txt": (b"0.0 1.0\n0.1 2.0\n", "line 1: numbers begin here and no header stands above them"),
     "a.xls": (b"\xd0\xcf\x11\xe0" + bytes(600), "a workbook of old Excel"),
     "b.xls": (b"<html><table>", "an HTML page"),
     "a.csv": (b"\x1f\x8b\x08\0", "compressed by gzip.* Unpack it"),
@@ -223,7 +337,7 @@ REFUSED = {
     "e.csv": (b"Elapsed,z [g]\n0,1\n1,2\n", "no column is the time; one alone is called time or t, or has a unit of time"),
     "a.AT2": (PEER.format("NPTS= 500, DT= .0010 SEC").encode(), "acceleration has 400 values where line 4 says 500"),
     "a.lvm": (labview("One", ".") + b"\n" + labview("One", ".").partition(b"\n\t\n")[2], "holds 2 measurements one after"),
-    "k.txt": (b"Origin Time\nSampling Freq(Hz)  100Hz\n", "a record of K-NET"),
+    "k.txt": (b"Origin Time\nSampling Freq(Hz)  100Hz\n", "the file holds no columns of numbers"),
 }
 
 

@@ -163,7 +163,7 @@ GOOD = "time [s],z [g]\n"
         (GOOD + "0,1\n1_0,1\n", 'line 3: "1_0" in column "time" is not a number'),
         (
             "time [s],z\n0,1\n1,1\n",
-            'line 1: column "z" has no unit. Write it behind the name, for instance "z [m/s^2]"',
+            'line 1: column "z" has no unit. Say it with unit="g" (--unit g), or write it behind the name, for instance "z [',
         ),
         ("time,z [g]\n0,1\n1,1\n", 'line 1: column "time" has no unit.* known units: s, ms, us, min, h'),
         ("time [s],z [V]\n0,1\n1,1\n", 'column "z" has the unknown unit "V". Known units: m/s^2, m/s2, m/s²'),

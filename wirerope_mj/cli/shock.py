@@ -66,7 +66,7 @@ def shock(
     Args:
         model: path of a model, or the name of one that ships with the package, such as shock_table.
         levels: TOML file of motions, as `wirerope levels` writes one to fill in.
-        record: CSV, MATLAB (-v7), XLSX or Parquet file with units in its header, such as "time [s], x [g], z [m/s^2]", or
+        record: CSV, XLSX, MATLAB, TDMS, HDF5 or Parquet file with units in its header, such as "time [s], x [g], z [m/s^2]", or
             universal file with datasets 58.
         scale: of a record: factor on the acceleration.
         direction: in which a record of one channel moves the base: x, y, z, -x, -y, -z or a vector such as 1,1,0.

@@ -1,158 +1,22 @@
-"""Files that state their columns otherwise than in a row above numbers: MATLAB, Parquet, LabVIEW, records of earthquakes."""
+"""Texts that state their columns otherwise than in a row above numbers: LabVIEW, records of earthquakes."""
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.parquet_files import read_table
+from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import encoding_of, regular
 from wirerope_mj.foundation.table_header import Header, is_missing
-from wirerope_mj.foundation.units import split_unit
 
 _REMEDY = "Export it again, or as CSV."
 _HEAD = 200  # lines in which a record says what it is
-# names of a scalar that is a sampling rate [Hz], and of one that is an interval [s], in small letters without signs
-_RATES = frozenset(("fs", "fsamp", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "freqsample", "sr"))
-_STEPS = frozenset(
-    ["dt", "ts", "deltat", "deltax", "increment", "interval", "sampleinterval", "samplinginterval", "timestep", "xincrement"]
-)
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _LAID = r"[(]\s*(\d+)\s*[xX]?\s*[FfEeGgIi]\s*(\d+)(?:\.\d+)?"  # format of Fortran: numbers in a line, characters of each
-
-
-def columns_of_array_file(path: Path) -> Header | None:
-    """Read a MATLAB or Parquet file, its header without a line; None of others.
-
-    A matrix of MATLAB is so many columns, the fields of a struct are called test.acc, and beside a vector without time a scalar
-    fs, or dt, is its rate, or interval.
-
-    Raises:
-        RecordError: the file is damaged, of another version, or holds no columns of numbers.
-        OSError: the file cannot be read.
-    """
-    with regular(path).open("rb") as file:
-        head = file.read(128)
-    if head.startswith(b"PAR1") or path.suffix.lower() == ".parquet":
-        table = read_table(path, kind="a Parquet file", remedy=_REMEDY)
-        columns = {}
-        for name, column in zip(table.column_names, table.columns, strict=True):
-            values = column.to_numpy()
-            if values.dtype.kind == "M":
-                values = (values - values[0]) / np.timedelta64(1, "s") if values.size else values.astype(np.float64)
-                name = f"{name} [s]"
-            if values.dtype.kind in "fiu":
-                columns[str(name)] = values.astype(np.float64)
-        return _of_columns(path, columns, {})
-    if head.startswith(b"MATLAB") or path.suffix.lower() == ".mat":
-        return _matlab(path)
-    return None
-
-
-def _of_columns(path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float]) -> Header:
-    """Return the columns that have the most common length; without time among them, with that of a rate or an interval."""
-    lengths = [column.size for column in columns.values() if column.size > 1]
-    if not lengths:
-        held = short(plain(", ".join([*columns, *scalars]))) or "nothing that is a number"
-        raise RecordError(f"{path}: the file holds no columns of numbers; it holds {held}. {_REMEDY}")
-    usual = max(lengths, key=lengths.count)
-    kept = {name: column for name, column in columns.items() if column.size == usual}
-    names, units = zip(*map(split_unit, kept), strict=True)
-    numbers = np.column_stack(list(kept.values()))
-    steps = {name: value for name, value in scalars.items() if _bare(name) in _STEPS and 0.0 < value < math.inf}
-    steps |= {name: 1.0 / value for name, value in scalars.items() if _bare(name) in _RATES and 0.0 < value < math.inf}
-    timed = any(re.search(r"(?:^|[._ ])(?:time|t|zeit)(?:$|[._ ])", name.lower()) for name in names)
-    if len(set(steps.values())) == 1 and not timed:
-        step = next(iter(steps.values()))
-        names, units = ("time", *names), ("s", *units)
-        numbers = np.column_stack([step * np.arange(usual), numbers])
-    return Header(path, 0, names, units, content=numbers)
-
-
-def _bare(name: str) -> str:
-    return re.sub(r"[^a-z]", "", name.rpartition(".")[2].lower())
-
-
-def _matlab(path: Path) -> Header:
-    from scipy.io import loadmat
-
-    try:
-        content = loadmat(regular(path), simplify_cells=True)
-    except OSError as error:
-        raise RecordError(f"{path}: the record cannot be read: {why_unread(error)}") from None
-    except NotImplementedError:  # version 7.3, which is HDF5
-        raise RecordError(f'{path}: MATLAB files of version 7.3 are not read. Save it with "-v7", or as CSV.') from None
-    except Exception:  # the reader raises what its parsers raise
-        raise RecordError(f"{path}: this is no MATLAB file that can be read. {_REMEDY}") from None
-    columns: dict[str, Array] = {}
-    scalars: dict[str, float] = {}
-    texts: dict[str, list[str]] = {}
-    for name, value in _leaves({name: value for name, value in content.items() if not name.startswith("__")}):
-        many = isinstance(value, np.ndarray | list) and np.ndim(value) > 0
-        if isinstance(value, str) or (many and len(value) and all(isinstance(one, str) for one in value)):
-            texts[name] = [value] if isinstance(value, str) else [str(one) for one in value]
-        elif isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and value.ndim <= 2:
-            values = value.astype(np.float64)
-            if values.size == 1:
-                scalars[name] = float(values.ravel()[0])
-            elif values.size == max(values.shape):
-                columns[name] = values.ravel()
-            else:
-                wide = values.shape[0] < values.shape[1]
-                lines = enumerate(values if wide else values.T, 1)
-                columns |= {f"{name}({i},:)" if wide else f"{name}(:,{i})": line for i, line in lines}
-        elif isinstance(value, int | float):
-            scalars[name] = float(value)
-    return _of_columns(path, _named_by_texts(columns, texts), scalars)
-
-
-def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield what a struct or an array of structs holds, by names such as test.acc or run(2).acc."""
-    if isinstance(content, Mapping):
-        for key, value in content.items():
-            yield from _leaves(value, f"{name}.{key}" if name else str(key))
-    elif isinstance(content, np.ndarray | list) and len(content) and all(isinstance(one, Mapping) for one in content):
-        for number, one in enumerate(content, 1):
-            yield from _leaves(one, f"{name}({number})")
-    elif (
-        isinstance(content, np.ndarray)
-        and content.dtype == object
-        and all(isinstance(one, np.ndarray) for one in content.ravel())
-    ):
-        for number, one in enumerate(content.ravel(), 1):
-            yield f"{name}{{{number}}}", one
-    else:
-        yield name, content
-
-
-def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
-    """Return the columns of a matrix, called as the one list of names beside it says, with the units of another."""
-    matrices = dict.fromkeys(name.rpartition("(")[0] for name in columns if name.endswith(")"))
-    called_alike: dict[str, dict[str, str]] = {}  # by matrix
-    for matrix in matrices:
-        members = [name for name in columns if name.rpartition("(")[0] == matrix]
-        of_width = {name: list(map(str.strip, text)) for name, text in texts.items() if len(text) == len(members)}
-        units = {name: text for name, text in of_width.items() if "unit" in name.lower()}
-        names = {name: text for name, text in of_width.items() if name not in units and len(set(text)) == len(members)}
-        if len(names) == 1:
-            (called,) = names.values()
-            (stated,) = units.values() if len(units) == 1 else [[""] * len(members)]
-            headings = [f"{name} [{unit}]" if unit else name for name, unit in zip(called, stated, strict=True)]
-            called_alike[matrix] = dict(zip(members, headings, strict=True))
-    several = len(called_alike) > 1  # of which none may take the place of another
-    renamed = {
-        name: f"{matrix}.{heading}" if several else heading
-        for matrix, headings in called_alike.items()
-        for name, heading in headings.items()
-    }
-    return {renamed.get(name, name): column for name, column in columns.items()}
 
 
 def columns_of_logger(path: Path) -> Header | None:
@@ -180,7 +44,6 @@ def columns_of_logger(path: Path) -> Header | None:
 
 
 _REFUSED = {
-    "a record of K-NET or KiK-net": r"^Sampling Freq\(Hz\)\s+\d+ ?Hz",
     "a record of ITACA or ESM": r"^SAMPLING_INTERVAL_S:",
     "a text of SMC (USGS)": r"^[12] (?:UN)?CORRECTED ACCELEROGRAM",
 }

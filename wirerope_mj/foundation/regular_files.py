@@ -57,12 +57,10 @@ _MARKS = (
 _EXPORT = "Export the channels as CSV, or as a MATLAB file (-v7)."
 _SHEET = "Save the sheet as XLSX or CSV."
 _FOREIGN: tuple[tuple[bytes, str, str], ...] = (
-    (b"TDSm", "a TDMS file of LabVIEW or DIAdem", _EXPORT),
     (b"\xd0\xcf\x11\xe0", "a workbook of old Excel (.xls), or another Office file", _SHEET),
-    (b"\x89HDF", "an HDF5 file, as MATLAB -v7.3 and many loggers write", _EXPORT),
     (b"MDF  ", "an MDF (MF4) file of ASAM", _EXPORT),
     (b"|CF,", "a file of imc FAMOS", _EXPORT),
-    (b"RIFF", "a WAV or other RIFF file", _EXPORT),
+    (b"RIFF", "a RIFF file that is no WAV", _EXPORT),
     (b"\x93NUMPY", "an array of NumPy", "Write it with numpy.savetxt and a header, or as a MATLAB file."),
     *((b"CDF" + version, "a NetCDF file", _EXPORT) for version in (b"\x01", b"\x02", b"\x05")),
     (b"SQLite format 3", "a database of SQLite", _EXPORT),
@@ -74,7 +72,16 @@ _FOREIGN: tuple[tuple[bytes, str, str], ...] = (
     (b"Rar!", "a RAR archive", "Unpack it first."),
     (b"<?xml", "an XML file", "Export the table itself as CSV or XLSX."),
     (b"<!DOCTYPE", "an HTML page", "Export the table itself as CSV or XLSX."),
+    (b"<table", "an HTML page, as some programs call .xls", _SHEET),
     (b"<html", "an HTML page, as some programs call .xls", _SHEET),
+    (b'[{"', "a JSON file", "Export the table itself as CSV."),
+    (b'{"', "a JSON file", "Export the table itself as CSV."),
+    (b"ARROW1", "a Feather or Arrow file", "Write it as Parquet or CSV."),
+    *(
+        (b"\x80" + version, "a pickle of Python", "Write the table as Parquet or CSV.")
+        for version in (b"\x03", b"\x04", b"\x05")
+    ),
+    (b"\x1aE\xdf\xa3", "an IDE file of enDAQ, or another in EBML", _EXPORT),
     (b"{\\rtf", "a document in RTF", "Save it as plain text."),
     (b"DIAEXTENDED", "the header of a DIAdem data set", _EXPORT),
 )

@@ -12,8 +12,9 @@ from typing import TextIO
 
 import numpy as np
 
+from wirerope_mj.foundation.array_files import columns_of_array_file
 from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.logger_files import columns_of_array_file, columns_of_logger
+from wirerope_mj.foundation.logger_files import columns_of_logger
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import encoding_of, foreign_kind, regular
 from wirerope_mj.foundation.table_header import (
@@ -58,11 +59,13 @@ def read_header(path: Path, *, kind: str, example: str, sheet: str = "") -> Head
     try:
         if not regular(path).exists():
             raise RecordError(f"{path}: no such file. {wanted}")
+        if header := columns_of_array_file(path):
+            return _checked(header)
         if foreign := foreign_kind(path):
             raise RecordError(f"{path}: {foreign}")
         if is_workbook(path):
             return _of_workbook(path, sheet, wanted)
-        header = columns_of_array_file(path) or columns_of_logger(path)
+        header = columns_of_logger(path)
         return _of_text(path, wanted) if header is None else _checked(header)
     except OSError as error:
         raise RecordError(f"{path}: the {kind} cannot be read: {why_unread(error)}") from None
@@ -105,9 +108,9 @@ def _of_text(path: Path, wanted: str) -> Header:
         if found := find_header(path, rows) or _in_comments(path, comments, rows):
             several = len(found.names) > 1 or (found.surety > 0 and delimiter == ",")
             tried.append((found.surety if several else -1, -order, delimiter, found))
-    if not tried:
+    surety, _, delimiter, found = max(tried, default=(-1, 0, "", Header(path, 0, (), ())))
+    if not tried or (surety < 1 and is_number(lines[0][1].split()[0])):  # numbers with spaces between them
         raise _without_header(f"{path}, line {lines[0][0]}", wanted)
-    surety, _, delimiter, found = max(tried)
     if surety < 1:  # nothing tells: the first separator that the line has
         text = next(text for number, text in lines if number == found.line)
         delimiter = next((sign for sign in (*DELIMITERS,)[:4] if sign in text), ",")
@@ -315,6 +318,8 @@ def number_in(location: str, name: str, cell: str) -> float:
         hint = ""
         if is_missing(cell):
             hint = " Its value is missing."
+        elif cell.startswith("="):
+            hint = " The value of this formula is not stored: open the workbook in a spreadsheet program and save it."
         elif _THOUSANDS.fullmatch(cell):
             hint = " Write thousands without a separator."
         elif re.fullmatch(r"[-+.,\deE]+\s*[a-zA-Zµ²/^]+2?", cell):

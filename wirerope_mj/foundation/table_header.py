@@ -65,8 +65,10 @@ class Header:
         """Return the value of the column's unit in SI; RecordError if it has none, or one that is not known."""
         return known[self.known_unit(column, known)]
 
-    def known_unit(self, column: int, known: Mapping[str, float]) -> str:
+    def known_unit(self, column: int, known: Mapping[str, float], *, option: str = "") -> str:
         """Return the column's unit as `known` spells it, also that behind the last underscore of its name.
+
+        Messages name the `option` that says the unit in place of the file.
 
         RecordError: it has none, or one that is not known.
         """
@@ -80,8 +82,8 @@ class Header:
                 f'"{name} [{first}]"' if self.line else f'"{underscored}" or, where it may hold brackets, "{name} [{first}]"'
             )
             raise RecordError(
-                f'{self.location}: column "{name}" has no unit. Write it behind the name, for instance {example}; known units: '
-                f"{', '.join(known)}."
+                f'{self.location}: column "{name}" has no unit. {f"Say it with {option}, or write" if option else "Write"} it '
+                f"behind the name, for instance {example}; known units: {', '.join(known)}."
             )
         if found := find_unit(unit, known):
             return found

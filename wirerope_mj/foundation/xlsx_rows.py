@@ -1,7 +1,7 @@
 """Rows of a sheet of an XLSX file, as texts; openpyxl is imported where it is used."""
 
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,19 +26,32 @@ def xlsx_rows(path: Path, sheet: str = "") -> tuple[str, list[tuple[int, list[st
         RecordError: openpyxl is not installed, or the file is none that it reads.
         BudgetError: unpacked, it is too large for the memory.
     """
-    with _workbook(path) as book:
+    title, values = _values(path, sheet)
+    if any(None in row for row in values) and _has_formulas(path):
+        _, formulas = _values(path, sheet, formulas=True)  # in place of values that are not stored
+        values = [[w if v is None else v for v, w in zip(*rows, strict=True)] for rows in zip(values, formulas, strict=True)]
+    texts = (
+        (number, ["" if v is None else repr(v) if isinstance(v, float) else str(v).strip() for v in row])
+        for number, row in enumerate(values, start=1)
+        if set(row) - {None}
+    )
+    return title, [
+        (number, row) for number, row in texts if any(row) and (not row[0].startswith("#") or SHEET_ERROR.match(row[0]))
+    ]
+
+
+def _values(path: Path, sheet: str, *, formulas: bool = False) -> tuple[str, list[Sequence[Any]]]:
+    """Read the name of a sheet and what is in its cells, row by row: the values of formulas, or formulas themselves."""
+    with _workbook(path, formulas=formulas) as book:
         sheets = book.worksheets
         chosen = next((one for one in sheets if one.title.strip().lower() == sheet), sheets[0])
         chosen.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
-        rows = enumerate(chosen.iter_rows(values_only=True), start=1)
-        texts = (
-            (number, ["" if v is None else repr(v) if isinstance(v, float) else str(v).strip() for v in row])
-            for number, row in rows
-            if set(row) - {None}
-        )
-        return str(chosen.title), [
-            (number, row) for number, row in texts if any(row) and (not row[0].startswith("#") or SHEET_ERROR.match(row[0]))
-        ]
+        return str(chosen.title), list(chosen.iter_rows(values_only=True))
+
+
+def _has_formulas(path: Path) -> bool:
+    with zipfile.ZipFile(path) as parts:
+        return any(b"<f" in parts.read(name) for name in parts.namelist() if name.startswith("xl/worksheets/"))
 
 
 def is_workbook(path: Path) -> bool:
@@ -53,7 +66,7 @@ def sheet_names(path: Path) -> list[str]:
 
 
 @contextmanager
-def _workbook(path: Path) -> Iterator[Any]:
+def _workbook(path: Path, *, formulas: bool = False) -> Iterator[Any]:
     try:
         import openpyxl
     except ModuleNotFoundError:
@@ -66,7 +79,7 @@ def _workbook(path: Path) -> Iterator[Any]:
             with zipfile.ZipFile(file) as parts:
                 size = sum(part.file_size for part in parts.infolist())
             require_memory(f"{path}, unpacked,", _UNPACKED * size, "Save the sheet as CSV.")
-            yield openpyxl.load_workbook(file, read_only=True, data_only=True)
+            yield openpyxl.load_workbook(file, read_only=True, data_only=not formulas)
     except BudgetError:
         raise
     except OSError as error:

@@ -167,7 +167,10 @@ def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit
         directions = _axis_columns(header, time)
     else:
         directions = {find_column(header, name, without=time): direction for name, direction in channels.items()}
-    units = [unit if unit is not None else header.known_unit(column, ACCELERATION_UNITS) for column in directions]
+    option = 'unit="g" (--unit g)'
+    units = [
+        unit if unit is not None else header.known_unit(column, ACCELERATION_UNITS, option=option) for column in directions
+    ]
     factors = np.array([ACCELERATION_UNITS[name] for name in units])
     columns, axes = [time, *directions], axes_of(directions.values())
     instants, samples, messages = _in_si(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
@@ -327,7 +330,9 @@ def _axis_columns(header: Header, time: int) -> dict[int, Direction]:
             )
         columns[column] = axis
     if not columns:
-        example = next((name for column, name in enumerate(header.names) if column != time), "ch1")
+        listed = [column for column in range(len(header.names)) if column != time]
+        accelerations = [column for column in listed if find_unit(header.units[column] or "", ACCELERATION_UNITS)]
+        example = next((header.names[column] for column in (*accelerations, *listed)), "ch1")
         option = f'"{example}=z"' if " " in example else f"{example}=z"
         alone = " or, with one column, --direction z" if len(header.names) == 2 else ""
         raise RecordError(

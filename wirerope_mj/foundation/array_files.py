@@ -1,0 +1,273 @@
+"""Files of arrays, read by the libraries of their makers: MATLAB, HDF5, NumPy, Parquet, TDMS, WAV, records of seismology."""
+
+import math
+import re
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.parquet_files import read_table
+from wirerope_mj.foundation.plain_text import plain, short
+from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.table_header import Header
+from wirerope_mj.foundation.units import split_unit
+
+_REMEDY = "Export it again, or as CSV."
+# names of a scalar that is a sampling rate [Hz], and of one that is an interval [s], in small letters without signs
+_RATES = frozenset(("fs", "fsamp", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "freqsample", "sr"))
+_STEPS = frozenset(
+    ["dt", "ts", "deltat", "deltax", "increment", "interval", "sampleinterval", "samplinginterval", "timestep", "xincrement"]
+)
+_HDF5 = b"\x89HDF\r\n"
+# how records begin that obspy reads: miniSEED, GSE2, IRIS' texts, K-NET and KiK-net; SAC is known by its ending
+_SEISMIC = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03|WID2 |TIMESERIES |Origin Time\s")
+
+
+def columns_of_array_file(path: Path) -> Header | None:
+    """Read a file of arrays as columns, its header without a line; None of others.
+
+    A matrix is so many columns, the fields of a struct or of a group are called test.acc, and beside a vector without time a
+    scalar fs, or dt, is its rate, or interval. A WAV file has fractions of its full scale.
+
+    Raises:
+        RecordError: the file is damaged or holds no columns of numbers, or the library that reads it is missing.
+        OSError: the file cannot be read.
+    """
+    with regular(path).open("rb") as file:
+        head = file.read(1024)
+    ending = path.suffix.lower()
+    if head.startswith(b"PAR1") or ending == ".parquet":
+        return _parquet(path)
+    if _HDF5 in (head[:6], head[512:518]):
+        kind, read, library = "HDF5", _hdf5, "h5py"
+    elif head.startswith(b"MATLAB") or ending == ".mat":
+        kind, read, library = "MATLAB", _matlab, "scipy"
+    elif head.startswith(b"TDSm"):
+        kind, read, library = "TDMS", _tdms, "nptdms"
+    elif head.startswith(b"RIFF") and head[8:12] == b"WAVE":
+        kind, read, library = "WAV", _wav, "scipy"
+    elif head.startswith(b"PK") and ending == ".npz":
+        kind, read, library = "NumPy", _npz, "numpy"
+    elif _SEISMIC.match(head) or ending == ".sac":
+        kind, read, library = "seismic", _seismic, "obspy"
+    else:
+        return None
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of libraries, and of what the file holds beside its samples
+            import_module(library)
+            content = read(path)
+    except ImportError:
+        raise RecordError(
+            f'{path}: this is a {kind} file, which {library} reads: pip install "wirerope-mj[loggers]"; or export it as CSV.'
+        ) from None
+    except RecordError:
+        raise
+    except Exception as error:  # libraries raise what their parsers raise
+        if isinstance(error, OSError) and error.errno is not None:
+            raise RecordError(f"{path}: the record cannot be read: {why_unread(error)}") from None
+        raise RecordError(f"{path}: this is no {kind} file that can be read. {_REMEDY}") from None
+    return _of_variables(path, content)
+
+
+def _parquet(path: Path) -> Header:
+    table = read_table(path, kind="a Parquet file", remedy=_REMEDY)
+    columns = {}
+    for name, column in zip(table.column_names, table.columns, strict=True):
+        values = column.to_numpy()
+        if values.dtype.kind == "M":
+            values = (values - values[0]) / np.timedelta64(1, "s") if values.size else values.astype(np.float64)
+            name = f"{name} [s]"
+        if values.dtype.kind in "fiu":
+            columns[str(name)] = values.astype(np.float64)
+    return _of_columns(path, columns, {})
+
+
+def _of_columns(path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float]) -> Header:
+    """Return the columns that have the most common length; without time among them, with that of a rate or an interval."""
+    lengths = [column.size for column in columns.values() if column.size > 1]
+    if not lengths:
+        held = short(plain(", ".join([*columns, *scalars]))) or "nothing that is a number"
+        raise RecordError(f"{path}: the file holds no columns of numbers; it holds {held}. {_REMEDY}")
+    usual = max(lengths, key=lambda length: (lengths.count(length), length))
+    kept = {name: column for name, column in columns.items() if column.size == usual}
+    left = {split_unit(name)[0] for name in columns if name not in kept}
+    scalars = {name: value for name, value in scalars.items() if name.rpartition(".")[0] not in left}
+    names, units = zip(*map(split_unit, kept), strict=True)
+    numbers = np.column_stack(list(kept.values()))
+    steps = {name: value for name, value in scalars.items() if _bare(name) in _STEPS and 0.0 < value < math.inf}
+    steps |= {name: 1.0 / value for name, value in scalars.items() if _bare(name) in _RATES and 0.0 < value < math.inf}
+    timed = any(re.search(r"(?:^|[._ ])(?:time|t|zeit)(?:$|[._ ])", name.lower()) for name in names)
+    if len(set(steps.values())) == 1 and not timed:
+        step = next(iter(steps.values()))
+        names, units = ("time", *names), ("s", *units)
+        numbers = np.column_stack([step * np.arange(usual), numbers])
+    return Header(path, 0, names, units, content=numbers)
+
+
+def _bare(name: str) -> str:
+    return re.sub(r"[^a-z]", "", name.rpartition(".")[2].lower())
+
+
+def _matlab(path: Path) -> Mapping[str, Any]:
+    from scipy.io import loadmat
+
+    return {name: value for name, value in loadmat(path, simplify_cells=True).items() if not name.startswith("__")}
+
+
+def _npz(path: Path) -> Mapping[str, Any]:
+    with np.load(path, allow_pickle=False) as file:
+        return dict(file)
+
+
+def _hdf5(path: Path) -> Mapping[str, Any]:
+    """Read the datasets of an HDF5 file, of MATLAB 7.3 too; attributes may say unit, rate or interval."""
+    import h5py
+
+    def content(group: Any) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for name, member in group.items():
+            if name.startswith("#"):  # what MATLAB's cells refer to
+                continue
+            if isinstance(member, h5py.Group):
+                found[name] = content(member)
+                continue
+            attributes = {key.lower(): value for key, value in member.attrs.items()}
+            values = np.asarray(member)
+            if (as_matlab := attributes.get("matlab_class")) is not None:
+                values = values.T  # columns first
+                if as_matlab == b"char":
+                    found[name] = "".join(map(chr, values.ravel()))
+                    continue
+            unit = attributes.get("units", attributes.get("unit", ""))
+            unit = unit.decode(errors="replace") if isinstance(unit, bytes) else str(unit)
+            found[f"{name} [{unit}]" if unit else name] = values
+            found |= {f"{name}.{key}": value for key, value in attributes.items() if _bare(key) in _RATES | _STEPS}
+        found |= {key: value for key, value in group.attrs.items() if _bare(key) in _RATES | _STEPS}
+        return found
+
+    with h5py.File(path) as file:
+        return content(file)
+
+
+def _tdms(path: Path) -> Mapping[str, Any]:
+    from nptdms import TdmsFile
+
+    content: dict[str, dict[str, Any]] = {}
+    for group in TdmsFile.read(path).groups():
+        for channel in group.channels():
+            unit = channel.properties.get("unit_string") or channel.properties.get("NI_UnitDescription") or ""
+            values = np.asarray(channel[:])
+            if values.dtype.kind == "M":
+                values, unit = (values - values[:1]) / np.timedelta64(1, "s"), "s"
+            named = content.setdefault(group.name, {})
+            named[f"{channel.name} [{unit}]" if unit else channel.name] = values
+            if step := channel.properties.get("wf_increment"):
+                named[f"{channel.name}.increment"] = float(step)
+    return content if len(content) > 1 else next(iter(content.values()), {})
+
+
+def _wav(path: Path) -> Mapping[str, Any]:
+    from scipy.io import wavfile
+
+    rate, samples = wavfile.read(path)
+    if samples.dtype.kind in "iu":
+        full = 2.0 ** (8 * samples.dtype.itemsize - 1)
+        samples = samples / full - (samples.dtype.kind == "u")
+    return {"channel": samples, "fs": float(rate)}
+
+
+def _seismic(path: Path) -> Mapping[str, Any]:
+    from obspy import read
+
+    traces = read(str(path))
+    names = [trace.stats.channel or trace.id for trace in traces]
+    if len({*names}) < len(names):
+        raise RecordError(f"{path}: channel {max(names, key=names.count)} is there in several pieces. Use one without gaps.")
+    if len({(trace.stats.npts, trace.stats.delta) for trace in traces}) > 1:
+        raise RecordError(f"{path}: its channels have other instants than each other. Use a file for each.")
+    scaled = traces[0].stats._format == "KNET"  # counts, and their factor in m/s^2
+    columns = {
+        f"{name} [m/s^2]" if scaled else name: np.asarray(trace.data) * (trace.stats.calib if scaled else 1.0)
+        for name, trace in zip(names, traces, strict=True)
+    }
+    return {**columns, "dt": float(traces[0].stats.delta)}
+
+
+def _of_variables(path: Path, content: Mapping[str, Any]) -> Header:
+    """Return the columns among variables and what they hold: vectors, lines of matrices, scalars, lists of names."""
+    columns: dict[str, Array] = {}
+    scalars: dict[str, float] = {}
+    texts: dict[str, list[str]] = {}
+    for name, value in _leaves(content):
+        many = isinstance(value, np.ndarray | list) and np.ndim(value) > 0
+        # an empty text of MATLAB's is an array of none
+        if isinstance(value, str) or (many and len(value) and all(isinstance(one, str) or not np.size(one) for one in value)):
+            texts[name] = [value] if isinstance(value, str) else [one if isinstance(one, str) else "" for one in value]
+        elif isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and value.ndim <= 2:
+            values = value.astype(np.float64)
+            if values.size == 1:
+                scalars[name] = float(values.ravel()[0])
+            elif values.size == max(values.shape):
+                columns[name] = values.ravel()
+            else:
+                wide = values.shape[0] < values.shape[1]
+                lines = enumerate(values if wide else values.T, 1)
+                columns |= {f"{name}({i},:)" if wide else f"{name}(:,{i})": line for i, line in lines}
+        elif isinstance(value, int | float | np.number):
+            scalars[name] = float(value)
+    return _of_columns(path, _named_by_texts(columns, texts), scalars)
+
+
+def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield what a struct or an array of structs holds, by names such as test.acc or run(2).acc."""
+    if isinstance(content, Mapping):
+        for key, value in content.items():
+            yield from _leaves(value, f"{name}.{key}" if name else str(key))
+    elif isinstance(content, np.ndarray | list) and len(content) and all(isinstance(one, Mapping) for one in content):
+        for number, one in enumerate(content, 1):
+            yield from _leaves(one, f"{name}({number})")
+    elif (
+        isinstance(content, np.ndarray)
+        and content.dtype == object
+        and all(isinstance(one, np.ndarray) for one in content.ravel())
+    ):
+        for number, one in enumerate(content.ravel(), 1):
+            yield f"{name}{{{number}}}", one
+    else:
+        yield name, content
+
+
+def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
+    """Return the columns of a matrix, called as the one list of names beside it says, with the units of another.
+
+    So are vectors, where their own names are what the list says, as far as MATLAB's letters go.
+    """
+    members: dict[str, list[str]] = {}  # of each matrix, and vectors
+    for name in columns:
+        members.setdefault(name.rpartition("(")[0] if name.endswith(")") else "", []).append(name)
+    called_alike: dict[str, dict[str, str]] = {}  # by matrix
+    for matrix, alike in members.items():
+        of_width = {name: list(map(str.strip, text)) for name, text in texts.items() if len(text) == len(alike)}
+        units = {name: text for name, text in of_width.items() if "unit" in name.lower()}
+        names = {name: text for name, text in of_width.items() if name not in units and len(set(text)) == len(alike)}
+        if not matrix:
+            in_letters = {name: [re.sub(r"\W", "_", one) for one in text] for name, text in names.items()}
+            names = {name: text for name, text in names.items() if in_letters[name] == alike != text}
+        if len(names) == 1:
+            (called,) = names.values()
+            (stated,) = units.values() if len(units) == 1 else [[""] * len(alike)]
+            headings = [f"{name} [{unit}]" if unit else name for name, unit in zip(called, stated, strict=True)]
+            called_alike[matrix] = dict(zip(alike, headings, strict=True))
+    several = sum(map(bool, called_alike)) > 1  # of which none may take the place of another
+    renamed = {
+        name: f"{matrix}.{heading}" if several and matrix else heading
+        for matrix, headings in called_alike.items()
+        for name, heading in headings.items()
+    }
+    return {renamed.get(name, name): column for name, column in columns.items()}
