@@ -134,9 +134,9 @@ def load_record(
     """Return the base motion that a table or a universal file (dataset 58) holds, on up to three axes at once.
 
     The header of a CSV file names its columns with their units, for instance `time [s], x [g], z [m/s^2]`; time is the first;
-    cells are separated by commas, semicolons or tabs; lines before the header may begin with #. MATLAB, TDMS, HDF5, XLSX and Parquet
-    files have columns so named, too, and the time in any of them. A universal file names a channel by its response node and
-    direction, `12:z` or `12:-x`; its unit is the ordinate's label or that of dataset 164.
+    cells are separated by commas, semicolons or tabs; lines before the header may begin with #. MATLAB, TDMS, HDF5, XLSX and
+    Parquet files have columns so named, too, and the time in any of them. A universal file names a channel by its response node
+    and direction, `12:z` or `12:-x`; its unit is the ordinate's label or that of dataset 164.
 
     The base moves in straight lines between evenly spaced samples. A record that is sampled unevenly is resampled at its usual
     interval, on curves through its samples. What had to be done, and what looks wrong (a pulse that is cut off, a saturated
