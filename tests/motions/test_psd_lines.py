@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+import wirerope_mj as wr
 from wirerope_mj.motions import RandomVibration, motion_from_dict, psd_from_g, psd_level, psd_rms
-from wirerope_mj.motions.psd_lines import psd_power
+from wirerope_mj.motions.psd_lines import psd_points, psd_power
 from wirerope_mj.motions.spectra import vibration_response_spectrum
 
 G = 9.80665
@@ -83,3 +84,37 @@ def test_levels_are_straight_on_logarithmic_axes_and_zero_outside():
 def test_points_that_are_no_density_are_refused(points, message):
     with pytest.raises(ValueError, match=message):
         psd_rms(points)
+
+
+BANDS = "from [Hz], to [Hz], psd [g^2/Hz], slope [dB/oct]\n"
+
+
+def test_bands_with_slopes_are_what_a_specification_prints(tmp_path):
+    """NAVMAT P-9492: +3 dB/octave to 80 Hz, 0.04 g^2/Hz, -3 dB/octave from 350 Hz; it states 6.06 g rms."""
+    (tmp_path / "p.csv").write_text(BANDS + "20,80,,3\n80,350,0.04,\n350,2000,,-3\n")
+    points = psd_points(tmp_path / "p.csv")
+    exponent = 3.0 / (10.0 * np.log10(2.0))
+    expected = [(20.0, 0.04 * 0.25**exponent), (80.0, 0.04), (350.0, 0.04), (2000.0, 0.04 * (350.0 / 2000.0) ** exponent)]
+    np.testing.assert_allclose(points, [(f, level * G**2) for f, level in expected], rtol=1e-12)
+    assert round(psd_rms(points) / G, 2) == 6.06
+    (tmp_path / "p.csv").write_text(BANDS + "10,20,0.01,\n20,40,0.02,\n40,80,,-6\n")  # a step, and a slope from before
+    points = psd_points(tmp_path / "p.csv")
+    assert [frequency for frequency, _ in points] == [10.0, 20.0, 20.0, 40.0, 80.0]
+    assert points[-1][1] / points[-2][1] == pytest.approx(10.0**-0.6, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("20,80,,3\n80,200,,-3\n", "line 1: no band has a level; one with a slope goes on from it"),
+        ("20,80,0.04,\n100,200,,-3\n", "line 3: the band must begin at 80 Hz, where the one before ends, .* got 100 to 200 Hz"),
+        ("0,80,0.04,\n", "line 2: the band must begin above 0 Hz and end above its begin, got 0 to 80 Hz"),
+        ("20,80,0.04,3\n", "line 2: a band has either a level > 0 or a slope, the other cell is empty"),
+        ("20,80,,\n", "line 2: a band has either a level > 0 or a slope"),
+        ("20,80,-1,\n", "line 2: a band has either a level > 0"),
+    ],
+)
+def test_bands_that_say_too_much_or_too_little_are_named(tmp_path, rows, message):
+    (tmp_path / "p.csv").write_text(BANDS + rows)
+    with pytest.raises(wr.RecordError, match=message):
+        psd_points(tmp_path / "p.csv")

@@ -52,6 +52,7 @@ UNITS: dict[str, Mapping[str, float]] = {
     "velocity": VELOCITY_UNITS,
     "acceleration": ACCELERATION_UNITS,
     "density": PSD_UNITS,
+    "slope": {"dB/oct": 1.0, "dB/octave": 1.0},
 }  # fmt: skip
 # quantities that a phrase tells apart by their units, which hold no spaces; sweep rates in octaves/min
 PHRASE_UNITS: dict[str, Mapping[str, float]] = {

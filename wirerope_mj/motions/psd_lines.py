@@ -10,7 +10,8 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted, short
-from wirerope_mj.foundation.table_files import read_header, rows_in_si
+from wirerope_mj.foundation.table_files import number_in, read_header, rows_below, rows_in_si
+from wirerope_mj.foundation.table_header import is_missing
 from wirerope_mj.foundation.units import (
     ACCELERATION_UNITS,
     FORCE_UNITS,
@@ -20,6 +21,7 @@ from wirerope_mj.foundation.units import (
     PSD_UNITS,
     STANDARD_GRAVITY,
     TIME_UNITS,
+    UNITS,
     VELOCITY_UNITS,
     find_unit,
 )
@@ -110,8 +112,54 @@ def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
 
 
 def psd_points(path: Path) -> Points:
-    """Read the points (frequency [Hz], level [(m/s^2)^2/Hz]) of a file such as "frequency [Hz], psd [g^2/Hz]"."""
-    return _points(path, PSD_UNITS, kind="power spectral density", example='"frequency [Hz], psd [g^2/Hz]"', steps=True)
+    """Read the points (frequency [Hz], level [(m/s^2)^2/Hz]) of a file such as "frequency [Hz], psd [g^2/Hz]".
+
+    Or the bands of one such as "from [Hz], to [Hz], psd [g^2/Hz], slope [dB/oct]", each with a level or a slope.
+    """
+    example = '"frequency [Hz], psd [g^2/Hz]"'
+    header = read_header(path, kind="power spectral density", example=example)
+    if [name.lower() for name in header.names[:2]] != ["from", "to"]:
+        return _points(path, PSD_UNITS, kind="power spectral density", example=example, steps=True)
+    known = [FREQUENCY_UNITS, FREQUENCY_UNITS, PSD_UNITS, UNITS["slope"]][: len(header.names)]
+    if len(header.names) not in (3, 4):
+        raise RecordError(
+            f'{header.location}: bands of a density have the columns "from [Hz], to [Hz], psd [g^2/Hz], slope [dB/oct]"; '
+            f"here are {header.listed(units=True)}."
+        )
+    factors = [header.factor(column, units) for column, units in enumerate(known)]
+    bands: list[tuple[float, float, float, float]] = []  # frequencies, level and slope; NaN for what is not given
+    for _, place, cells in rows_below(header):
+        low, high, level, slope = [
+            math.nan if column > 1 and is_missing(cell) else number_in(place, header.names[column], cell) * factor
+            for column, (cell, factor) in enumerate(zip(cells, factors, strict=True))
+        ] + [math.nan] * (4 - len(factors))
+        if not 0.0 < low < high or (bands and low != bands[-1][1]):
+            begins = f"at {bands[-1][1]:g} Hz, where the one before ends," if bands else "above 0 Hz"
+            raise RecordError(f"{place}: the band must begin {begins} and end above its begin, got {low:g} to {high:g} Hz.")
+        if math.isnan(level) == math.isnan(slope) or level <= 0.0:
+            raise RecordError(f"{place}: a band has either a level > 0 or a slope, the other cell is empty.")
+        bands.append((low, high, level, slope))
+    return _joined_bands(header.location, bands)
+
+
+def _joined_bands(location: str, bands: Sequence[tuple[float, float, float, float]]) -> Points:
+    """Return the points of bands (from, to, level, slope) [Hz, Hz, level, dB/octave]; a slope goes on from a band beside it."""
+    ends = [(level, level) for _, _, level, _ in bands]
+    growths = [(high / low) ** (slope / (10.0 * math.log10(2.0))) for low, high, _, slope in bands]
+    for order in (range(len(bands)), reversed(range(len(bands)))):  # on from the band before, else from that behind
+        for i in order:
+            if math.isnan(ends[i][0]) and i and not math.isnan(ends[i - 1][1]):
+                ends[i] = (ends[i - 1][1], ends[i - 1][1] * growths[i])
+            elif math.isnan(ends[i][0]) and i + 1 < len(bands) and not math.isnan(ends[i + 1][0]):
+                ends[i] = (ends[i + 1][0] / growths[i], ends[i + 1][0])
+    if any(math.isnan(level) for level, _ in ends):
+        raise RecordError(f"{location}: no band has a level; one with a slope goes on from it.")
+    points: list[tuple[float, float]] = []
+    for (low, high, _, _), (first, last) in zip(bands, ends, strict=True):
+        if not points or abs(points[-1][1] / first - 1.0) > 1e-12:
+            points.append((low, first))
+        points.append((high, last))
+    return checked_points("rows", points, quantity="level", steps=True)
 
 
 def spectrum_points(path: Path) -> Points:
