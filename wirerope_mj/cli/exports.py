@@ -33,7 +33,7 @@ def export(
     at: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None, spectrum: str | None = None, q: float = 10.0,
     force: Force = False,
 ) -> int:  # fmt: skip
-    """Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture.
+    """Write the samples of a run, or the table of a study or frequency response, as CSV, HDF5, MATLAB or XLSX; or a picture.
 
     The ending of OUT says which: .csv, .h5 or .hdf5, .mat; .xlsx, a workbook with every table of the report in a sheet of its
     own, and the samples that --channels names; .png, the scene at an instant. Numbers are SI with all their digits, in the
@@ -41,7 +41,7 @@ def export(
     in the variables `variables`, `names` and `units`.
 
     Args:
-        folder: folder of a run or a study; for .xlsx of a job, too.
+        folder: folder of a run, a study or a frequency response (its branches, or else its sweeps); for .xlsx of a job, too.
         out: file to write.
         channels: which columns, a pattern with * and ?, such as `mounts/*/force/*` or `bodies/rack/acceleration/z`; again for
             further ones; all by default, of .xlsx none.
@@ -59,6 +59,7 @@ def export(
     from wirerope_mj.motions.registry import motion_from_dict
     from wirerope_mj.motions.spectra import shock_response_spectrum
     from wirerope_mj.motions.spectra.srs import exported_spectra, held
+    from wirerope_mj.runs.analyses import is_frequency_response, stored_response
     from wirerope_mj.runs.report import RENDERERS, write_content_of, write_still
     from wirerope_mj.studies.inputs_file import STUDY
     from wirerope_mj.studies.study import load_study
@@ -73,7 +74,10 @@ def export(
         print(plain(f"written: {write_content_of(folder, out, channels=channels or (), force=force)}"))
         return 0
     if spectrum is None:
-        table = (load_study(folder) if (folder / STUDY).is_file() else load_response(folder)).exported
+        if is_frequency_response(folder):
+            table = stored_response(folder)[1]
+        else:
+            table = (load_study(folder) if (folder / STUDY).is_file() else load_response(folder)).exported
         table = picked(table, channels) if channels else table
     else:
         response = load_response(folder)

@@ -92,7 +92,7 @@ def job_content(job: JudgedJob) -> Content:
     def case_blocks(case: JudgedCase) -> Iterator[Block]:
         yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
         yield Statement(f"{case.folder}/motion", f"{case.run.acting}. {case.note}".strip(), tone="quiet")
-        yield from _run_blocks(case, {"answer", *job.report} - {"verdicts"})
+        yield from _run_blocks(case, {"answer", "random", *job.report} - {"verdicts"})
 
     first, document = job.cases[0].run, job.document
     texts = document.paragraphs if document else lambda name: []

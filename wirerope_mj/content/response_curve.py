@@ -90,6 +90,7 @@ def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
     text = f"{words} of {payload} at {frequency} under {under}: transmissibility {ratio}"
     folds = sum(len(branch.jumps) for branch in branches)
     text += f"; {several(folds, 'fold')} where a sweep jumps" if folds else ""
+    text += f"; {findings[-1].isolation_text}" if math.isfinite(findings[-1].isolation) else ""
     return Statement(
         "headline", f"{text}.", tone="unjudged" if folds or first.at_edge or last.at_edge else "",
         values={"frequency": last.frequency, "amplitude": last.amplitude, "transmissibility": last.transmissibility},
@@ -219,8 +220,7 @@ def _level_statement(summary: LevelSummary, rate: float) -> Statement:
         lines += [text, *(f"sweep {way}: {warning}" for warning in sweep.warnings)]
     if level.sweeps:
         lines.append(f"sweeps: {level.sweep_seconds:.1f} s together")
-    text = f"Level {level.acceleration:.4g} m/s²"
-    tone = "" if level.complete else "exceeded"
+    text, tone = f"Level {level.acceleration:.4g} m/s²: {summary.isolation_text}", "" if level.complete else "exceeded"
     return Statement(f"level-{level.acceleration:.4g}", text, items=tuple(lines), tone=tone)
 
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import body_peaks
+from wirerope_mj.assessment.criteria.payload import body_corners, corner_displacements
 from wirerope_mj.assessment.criteria.random import SIGMAS
-from wirerope_mj.assessment.criteria.sampled import samples_hold
-from wirerope_mj.assessment.criteria.verdict import RMS, SIGMA, Criterion
+from wirerope_mj.assessment.criteria.sampled import elements, sampled_peak, samples_hold
+from wirerope_mj.assessment.criteria.verdict import RMS, SIGMA, Criterion, payload_bodies
 from wirerope_mj.content.base import base_acceleration, base_blocks, warnings_of
 from wirerope_mj.content.blocks import (
     BASE,
@@ -36,6 +37,7 @@ from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import contact_blocks, contact_history_blocks, mount_blocks, mount_history_blocks
 from wirerope_mj.content.numbers import fixed, listed, number, paragraphs, several, with_unit
+from wirerope_mj.content.random_vibration import random_blocks
 from wirerope_mj.content.required_spectra import required_curve, required_spectrum_blocks
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.scene_outline import worst_instant
@@ -43,12 +45,12 @@ from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_n
 from wirerope_mj.content.spectrum_charts import densities_chart, rms_along, shock_chart, spectra_blocks
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import acceleration_limits, answer_blocks, full_table, grounds_blocks, headline, used_mark
-from wirerope_mj.engine.response import Numerics
+from wirerope_mj.engine.response import Numerics, Response
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.motions import Sweep
+from wirerope_mj.motions import Sweep, VibrationLines
 
 START = {
     "settled": "at rest in the equilibrium of the first loading",
@@ -86,6 +88,7 @@ def run_content(run: JudgedRun) -> Content:
             section("accelerations", "Peak accelerations", acceleration_blocks, "summary"),
             section("mounts", "Peaks of the mounts", mount_blocks, "summary"),
             section("contacts", "Stops and contacts", contact_blocks, "summary"),
+            section("random", "Transmissibility", random_blocks, "summary"),
             section("required-spectrum", "Required and achieved spectrum", required_spectrum_blocks, "summary"),
             section("model", "Model and mounts", model_blocks),
             section("statics", "At rest under gravity", run_statics_blocks),
@@ -159,6 +162,8 @@ def acceleration_blocks(run: RunResult) -> Iterator[Block | None]:
     columns += [Column("limit", "g"), *left("of"), Column("used", "%", "z.0f")] if limited else []
     title = "Peak accelerations" if limited else "Peak accelerations, not judged: the model states no limits"
     yield Table("peak-accelerations", title, columns, rows)
+    yield payload_moves(run.response)
+    yield dwells_found(run.response)
     if isinstance(run.random, Absent):
         yield Statement("random", f"No rms and 3-sigma values: {run.random.reason}", tone="quiet")
     elif run.random:
@@ -178,6 +183,49 @@ def acceleration_blocks(run: RunResult) -> Iterator[Block | None]:
             note="Of the stationary part, from where the response has settled in it. The largest rms of the payload, "
             f"{most.subject} {most.criterion.axis}: {most.note}.",
         )  # fmt: skip
+
+
+def payload_moves(response: Response) -> Statement | None:
+    """State how far the payload moves relative to the base: its points, or else the corners of its bodies."""
+    reached = {
+        name: (peak.relative_displacement.value, peak.relative_displacement.time, peak.relative_displacement.vector)
+        for name, peak in response.peaks.points.items()
+    }
+    payload = payload_bodies(response)
+    for body in () if reached else (body for body in response.scene.bodies if body.name in payload):
+        corners = body_corners(body)
+        for moved in corner_displacements(response, body, corners if corners.size else np.zeros((1, 3))):
+            value, time = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
+            if value > reached.get(body.name, (-1.0,))[0]:
+                reached[body.name] = value, time, moved[int(np.abs(response.time - time).argmin())]
+    if not reached:
+        return None
+    name, (value, time, vector) = max(reached.items(), key=lambda entry: entry[1][0])
+    x, y, z = (number(in_unit(float(part), "mm")) for part in vector)
+    return Statement(
+        "payload-moves",
+        f"The payload moves up to {with_unit(value, 'mm')} relative to the base: {name} at {time:.4f} s, by {x}, {y}, {z} mm "
+        "along x, y, z from the modelled geometry.",
+        values={"displacement_m": value, "where": name, "at_s": time},
+    )  # fmt: skip
+
+
+def dwells_found(response: Response) -> Statement | None:
+    """State the frequencies of an amplitude table at which it dwells; None of other motions."""
+    seen, dwells = set[tuple[float, str]](), dict[float, float]()
+    for part in elements(response.motion):
+        if part.get("kind") == VibrationLines.kind and "duration" in part:
+            (frequency, _), *others = next(part[name] for name in ("acceleration", "velocity", "displacement") if name in part)
+            line = frequency, str(part["direction"])
+            if line in seen and not others:
+                dwells[frequency] = float(part["duration"])
+            seen.add(line)
+    if not dwells:
+        return None
+    at = ", ".join(f"{frequency:g}" for frequency in dwells)
+    return Statement(
+        "dwells", f"Dwells of {listed([f'{length:g} s' for length in dict.fromkeys(dwells.values())])} at {at} Hz."
+    )
 
 
 def _payload_blocks(run: JudgedRun) -> Iterator[Block | None]:

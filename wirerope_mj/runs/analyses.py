@@ -1,5 +1,6 @@
 """Modes and frequency responses as folders: settings, summary, pictures, and the model as it was used."""
 
+import json
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -7,9 +8,9 @@ from pathlib import Path
 
 import tomli_w
 
-from wirerope_mj.content.blocks import Chart, Content
+from wirerope_mj.content.blocks import Chart, Content, Section, Statement
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.result import save_tables
+from wirerope_mj.dynamics.frequency_response.result import BRANCHES, SWEEPS, save_tables
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_summary
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.system import System
@@ -17,7 +18,10 @@ from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, json_text
 from wirerope_mj.foundation.directions import plain_direction
-from wirerope_mj.foundation.tables import Table
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.exports import Exported
+from wirerope_mj.foundation.parquet_files import read_table
+from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.runs.page import REPORT
 
 FORMAT = 1
@@ -75,6 +79,46 @@ def write_frequency_response(
             from wirerope_mj.views.recording.frequencies import record_branches
 
             record_branches(result, findings, content, temporary / "run.rrd")
+
+
+def is_frequency_response(folder: Path) -> bool:
+    return all((folder / mark).is_file() for mark in MARKS)
+
+
+def stored_response(folder: Path) -> tuple[Content, Exported]:
+    """Read the tables of a frequency response's folder, and its branches, or else its sweeps, as other programs take them.
+
+    RecordError if a file is damaged.
+    """
+    path = folder / MARKS[1]
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        tables = [
+            Table(
+                name, table["title"], [Column(column["heading"], column["shown_in"]) for column in table["columns"]],
+                table["rows"], note=table.get("note", ""),
+            )
+            for name, table in stored["tables"].items()
+        ]  # fmt: skip
+        content = Content(
+            title=f"{folder.name}: frequency response", verdict=Statement("headline", stored["headline"]),
+            sections=(Section("tables", "", lambda: tables),),
+        )  # fmt: skip
+    except (ValueError, KeyError, TypeError) as error:
+        raise RecordError(f"{path}: this is not what `wirerope frf` writes: {error}") from None
+    file = next(file for file in (folder / BRANCHES, folder / SWEEPS) if file.is_file())
+    read = read_table(file, kind="a table of a frequency response", remedy="Compute it again by `wirerope frf`.")
+    names = [name for name in read.column_names if not name.startswith("unknown/")]
+    columns = [read.column(name).to_numpy(zero_copy_only=False) for name in names]
+    units = {"frequency": "Hz"} | dict.fromkeys(("acceleration", "amplitude", "base_amplitude", "residual"), "m/s^2")
+
+    def unit(name: str) -> str:
+        return units.get(name) or ("m/s^2" if name.startswith("bodies/") else "m" if name.startswith("mounts/") else "")
+
+    return content, Exported(
+        names=names, units=[unit(name) for name in names], column=columns.__getitem__, blocks=lambda: iter([columns]),
+        about={"model": folder.name},
+    )  # fmt: skip
 
 
 def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, object], *packages: str) -> None:

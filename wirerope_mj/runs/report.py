@@ -16,7 +16,7 @@ from wirerope_mj.foundation.atomic_files import atomic_folder, check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import picked
 from wirerope_mj.foundation.quantities import parse_phrase
-from wirerope_mj.runs.analyses import KIND, MARKS
+from wirerope_mj.runs.analyses import KIND, is_frequency_response, stored_response
 from wirerope_mj.runs.folder import alterations, update_checksums, warn_of_alterations
 from wirerope_mj.runs.job import is_job, judged_job
 from wirerope_mj.runs.measured import tests_of
@@ -77,7 +77,7 @@ RENDERERS = {".xlsx": write_workbook}
 
 
 def write_content_of(folder: Path, out: Path, *, channels: Sequence[str] = (), force: bool = False) -> Path:
-    """Write what a run, a job or a study says as a file of `RENDERERS`, and the columns that patterns name; return its path.
+    """Write what a run, job, study or frequency response says as a file of `RENDERERS`, and columns by patterns.
 
     RecordError if the folder is none of them, or the file cannot be written; ValueError if a pattern matches no column, or
     a job has none.
@@ -86,6 +86,9 @@ def write_content_of(folder: Path, out: Path, *, channels: Sequence[str] = (), f
     if (folder / STUDY).is_file():
         study = load_study(folder)
         return write(result_content(study), picked(study.exported, channels or ["*"]), out, force=force)
+    if is_frequency_response(folder):
+        content, curves = stored_response(folder)
+        return write(content, picked(curves, channels or ["*"]), out, force=force)
     if is_job(folder) and channels:
         raise ValueError("`channels` are those of one run: name the folder of a load case, JOB/cases/NAME.")
     samples = picked(load_response(folder).exported, channels) if channels else None
@@ -122,7 +125,7 @@ def _run_folder(folder: Path) -> Path:
     """Return the folder; RecordError if it is something else than a run."""
     if not folder.is_dir():
         raise RecordError(f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote.")
-    if all((folder / mark).is_file() for mark in MARKS):
+    if is_frequency_response(folder):
         raise RecordError(f"{folder}: this is a {KIND}, whose {REPORT} stands in its folder; reports are made of runs.")
     return folder
 

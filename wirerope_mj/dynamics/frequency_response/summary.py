@@ -15,6 +15,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, Booleans, Entries, Integers
 from wirerope_mj.foundation.summary import json_values
+from wirerope_mj.motions.spectra.psd import isolation_frequency
 
 BETWEEN = 16  # intervals between two neighbouring points: at steps of 2 % in frequency, an eighth of a percent apart
 FRACTIONS = (0.35, 0.7)  # fractions of the highest amplitude at which motions are shown on either side of it
@@ -250,6 +251,22 @@ class LevelSummary:
         return [] if self.level.branch is None else peaks_of(self.level.branch)
 
     @cached_property
+    def isolation(self) -> float:
+        """Frequency above which the transmissibility stays below 1 [Hz]; NaN if it does not within the range."""
+        paths = [(sweep.frequency, sweep.transmissibility) for sweep in self.level.sweeps.values()]
+        if self.level.branch is not None and self.curve is not None:
+            if not self.level.branch.complete:
+                return math.nan
+            paths = [(self.curve.frequency, self.curve.amplitude / self.level.acceleration)]
+        return max((isolation_frequency(*path) for path in paths), default=math.nan)
+
+    @property
+    def isolation_text(self) -> str:
+        if math.isfinite(self.isolation):
+            return f"isolates from {self.isolation:.4g} Hz on"
+        return "transmissibility does not fall below 1 within the range"
+
+    @cached_property
     def comparisons(self) -> dict[str, SweepComparison]:
         return {name: compare(sweep, self.level.branch, self.curve) for name, sweep in self.level.sweeps.items()}
 
@@ -261,7 +278,7 @@ def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
 def plain_summary(summary: LevelSummary) -> Entries:
     """Write a level's summary as plain values, SI units, None for values that are not finite."""
     level, branch = summary.level, summary.level.branch
-    content: Entries = {"acceleration": level.acceleration}
+    content: Entries = {"acceleration": level.acceleration, "isolation_frequency": summary.isolation}
     if branch is not None:
         content["continuation"] = {
             "points": int(branch.frequency.size), "complete": branch.complete, "message": branch.message,

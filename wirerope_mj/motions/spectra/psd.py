@@ -159,6 +159,19 @@ _LEAST_LEVEL = 1e-6  # smallest level of an equivalent density, as a fraction of
 _PEAK_WIDTHS = 40.0
 
 
+def isolation_frequency(frequency: Array, transmissibility: Array) -> float:
+    """Find the frequency [Hz] above which a transmissibility stays below 1; NaN if it is above 1 at the end, or nowhere.
+
+    Both are (n,), in order along a curve that may turn back in frequency, joined by straight lines on logarithmic axes.
+    """
+    f, t = np.log(frequency), np.log(np.maximum(transmissibility, 1e-300))
+    crossings = np.flatnonzero((t[:-1] >= 0.0) != (t[1:] >= 0.0))
+    if crossings.size == 0 or t[int(np.argmax(f))] >= 0.0:
+        return math.nan
+    part = t[crossings] / (t[crossings] - t[crossings + 1])
+    return float(np.exp((f[crossings] + part * (f[crossings + 1] - f[crossings])).max()))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class VibrationSpectrum(Brief):
     """Responses of oscillators of quality `q` to stationary random vibration of the base."""

@@ -19,6 +19,7 @@ from wirerope_mj.content.histories import TOTAL, USED, Histories, difference_key
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import contact_blocks, mount_blocks
+from wirerope_mj.content.random_vibration import random_blocks
 from wirerope_mj.content.required_spectra import required_spectrum_blocks
 from wirerope_mj.content.run import acceleration_blocks, numerics_statement
 from wirerope_mj.content.selection import Selection, main_direction, select
@@ -186,7 +187,7 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
     first = [headline(run.verdicts), most_critical(run.verdicts)]
     peaks: list[Block | None] = [*first[:1], *answer_blocks(run)]
     peaks += [*acceleration_blocks(run), *mount_blocks(run), *contact_blocks(run)]
-    peaks += required_spectrum_blocks(run) if isinstance(run, JudgedRun) else []
+    peaks += [*random_blocks(run), *required_spectrum_blocks(run)] if isinstance(run, JudgedRun) else []
     body = scenario_text.strip()
     with suppress(tomllib.TOMLDecodeError):
         if tomllib.loads(scenario_text):  # a block of code, whose fence is longer than any row of backticks in it
