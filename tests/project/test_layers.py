@@ -55,7 +55,7 @@ OWNERS = {
     "rerun": {"views/recording"},
     "matplotlib": {"views"},
     "mujoco": {
-        "engine/system", "engine/control", "engine/kernel", "engine/statics", "engine/simulation",
+        "engine/system", "engine/from_tables", "engine/control", "engine/kernel", "engine/statics", "engine/simulation",
         "dynamics/modes", "dynamics/sweep", "dynamics/periodic",
     },
     "jinja2": {"views/report"},

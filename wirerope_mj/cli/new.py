@@ -38,8 +38,8 @@ def new(
             and azimuth [deg].
         masses: table: name, mass [kg], x, y, z [mm] of the centre of mass, ixx, iyy, izz, ixy, ixz, iyz [kg m^2] about it
             or size_x, size_y, size_z [mm] of a box filled evenly; frequency [Hz], damping [%] and along (x, y, z) of a
-            subassembly that rings on its own; rows of totals are left out; or SolidWorks' mass properties, a .txt file of one
-            part or several.
+            subassembly that rings on its own; rows of totals are left out; a list that a CAD program exports (CSV, XLSX), its
+            SolidWorks text (.txt) of one part or several; or a robot's links (.urdf), every joint at 0.
         stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts;
             acts: down, up, up-down or all-round, then perhaps gap_up, gap_across [mm]; gap_at: unloaded or installed.
         points: table: name, x, y, z [mm] of points on the payload to observe.
@@ -50,7 +50,7 @@ def new(
         name: of the equipment; the model's by default.
         template: start from a model of the house, without tables; that of genset is made of tables to edit.
         products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm); by default as a text
-            of SolidWorks says it, of a table tensor.
+            of SolidWorks says it, of its columns Lxy positive, of every other table tensor.
         pdf: write the plan as PDF, too.
         blank: write FOLDER/mounts.csv and FOLDER/masses.csv to fill in, with every column and its meaning, and no model.
     """

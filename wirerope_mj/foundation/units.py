@@ -36,7 +36,8 @@ UNITS: dict[str, Mapping[str, float]] = {
     "mass": {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": _POUND},
     "inertia": {
         "kg m^2": 1.0, "kg m2": 1.0, "kg m²": 1.0, "kg*m^2": 1.0, "kg mm^2": 1e-6, "kg mm2": 1e-6, "kg*mm^2": 1e-6,
-        "t m^2": 1e3, "g mm^2": 1e-9, "lb in^2": _POUND * LENGTH_UNITS["in"] ** 2,
+        "kg cm^2": 1e-4, "t m^2": 1e3, "t mm^2": 1e-3, "g mm^2": 1e-9, "g cm^2": 1e-7,
+        "lb in^2": _POUND * LENGTH_UNITS["in"] ** 2,
     },
     "time": TIME_UNITS,
     "angle": {"deg": math.pi / 180.0, "°": math.pi / 180.0, "rad": 1.0},
@@ -79,7 +80,7 @@ _WORDS = {
         "cm": "centimeter centimeters centimetre centimetres", "in": "inch inches", "ft": "foot feet", "um": "micron microns",
         "N": "newton newtons", "kN": "kilonewton kilonewtons", "kip": "kips klbf", "kgf": "kp", "lbf": "lbsf",
         "lb": "lbs pound pounds", "kg": "kilogram kilograms", "t": "tonne tonnes", "Hz": "hertz", "gal": "gals",
-        "g": "gn gs", "deg": "degree degrees grad", "%": "percent pct", "m/s2": "mps2", "m/s": "mps", "in/s": "ips",
+        "g": "gn gs gram grams", "deg": "degree degrees grad", "%": "percent pct", "m/s2": "mps2", "m/s": "mps", "in/s": "ips",
         "ft/s": "fps", "counts": "count",
     }.items()
     for word in words.split()

@@ -35,7 +35,7 @@ def tables_in(source: Path) -> dict[str, Path]:
     RecordError if the workbook cannot be read, or there is no table of mounts or of masses.
     """
     if source.is_dir():
-        files = sorted(file for file in source.iterdir() if file.suffix.lower() in (".csv", ".xlsx", ".xlsm", ".txt"))
+        files = sorted(file for file in source.iterdir() if file.suffix.lower() in (".csv", ".xlsx", ".xlsm", ".txt", ".urdf"))
         found = {file.stem.lower(): file for file in files if file.stem.lower() in TABLES}
     else:
         found = {name: source for name in sheet_names(source) if name in TABLES}

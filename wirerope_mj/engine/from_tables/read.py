@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.engine.flexible.panel import DAMPING
+from wirerope_mj.engine.from_tables.cad_list import MOMENTS, PRODUCTS, columns_of_masses
 from wirerope_mj.engine.from_tables.layout import (
     ACTS,
     Box,
@@ -24,8 +25,9 @@ from wirerope_mj.engine.from_tables.layout import (
     check_places,
     why_impossible,
 )
-from wirerope_mj.engine.from_tables.mass_text import POSITIVE, read_mass_text
+from wirerope_mj.engine.from_tables.mass_text import POSITIVE, TENSOR, read_mass_text
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
+from wirerope_mj.engine.from_tables.urdf import read_urdf
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError, RecordWarning
 from wirerope_mj.foundation.plain_text import short
@@ -38,7 +40,8 @@ _ANGLES = {"inclination": "angle", "azimuth": "angle"}
 _CENTRE, _CORNER = (tuple(f"{of}_{axis}" for axis in "xyz") for of in ("centre", "corner"))
 # depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]
 _ROUNDING = 1e-3
-MOMENTS, PRODUCTS, SIZES = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz"), ("size_x", "size_y", "size_z")
+SIZES = ("size_x", "size_y", "size_z")
+_DESCRIBED = (".txt", ".urdf")  # endings of files of masses that are no tables
 _BRACKETS = {f"bracket_{axis}": axis for axis in AXES}
 # columns of tables with their kinds of quantities: those that must be there, and those that may
 COLUMNS = {
@@ -267,12 +270,18 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
     Raises:
         RecordError: says file, row and column that are wrong.
     """
-    if path.suffix.lower() == ".txt":
-        masses = tuple(Mass(name, one, location=str(path)) for name, one in read_mass_text(path, products=products))
+    if path.suffix.lower() == ".urdf" and products == POSITIVE:
+        raise RecordError(f"{path}: products of inertia in URDF are elements of the tensor: leave --products positive out.")
+    if path.suffix.lower() in _DESCRIBED:
+        parts = read_urdf(path) if path.suffix.lower() == ".urdf" else read_mass_text(path, products=products)
+        masses = tuple(Mass(name, one, location=str(path)) for name, one in parts)
     else:
         needed, further = COLUMNS["masses"]
-        rows = read_sheet(path, kind="table of masses", needed=needed, further=further)
-        masses = tuple(_mass(row, -1.0 if products == POSITIVE else 1.0) for row in _without_totals(rows))
+        rows = read_sheet(
+            path, kind="table of masses", needed=needed, further={**further, "quantity": PURE}, called=columns_of_masses
+        )
+        sign = _sign_of_products(rows, products)
+        masses = tuple(_mass(row, sign) for row in _without_totals(rows))
     last = masses[-1]  # where a total stands; another part may well weigh as much as the rest
     others = sum(mass.properties.mass for mass in masses[:-1])
     if len(masses) > 2 and abs(last.properties.mass - others) < _SAME * others:
@@ -281,6 +290,29 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
             "total, leave it out.", RecordWarning, stacklevel=2,
         )  # fmt: skip
     return masses
+
+
+def _sign_of_products(rows: Sequence[Row], products: str) -> float:
+    """Return 1 where products of inertia are elements of the tensor, -1 where they are +sum x y dm.
+
+    A list of a CAD program does not say which; SolidWorks' L are +sum x y dm unless it is told otherwise. A warning says what
+    is taken.
+    """
+    if products:
+        return -1.0 if products == POSITIVE else 1.0
+    given = [(row, name) for row in rows for name in PRODUCTS if row.has(name) and row.number(name)]
+    foreign = [row.written[name] for row, name in given if row.written[name].casefold() != name]
+    if not foreign:
+        return 1.0
+    solidworks = foreign[0].casefold().startswith("l")
+    taken, option = "+sum x y dm, as SolidWorks prints L", TENSOR
+    if not solidworks:
+        taken, option = "elements of the tensor, -sum x y dm", POSITIVE
+    warnings.warn(
+        f'{rows[0].location}: the list does not say the sign of its products of inertia, "{short(foreign[0])}"; they are taken '
+        f"as {taken}. `--products {option}` takes them the other way.", RecordWarning, stacklevel=2,
+    )  # fmt: skip
+    return -1.0 if solidworks else 1.0
 
 
 def _without_totals(rows: Sequence[Row]) -> list[Row]:
@@ -311,6 +343,11 @@ def _without_totals(rows: Sequence[Row]) -> list[Row]:
 
 def _mass(row: Row, sign: float) -> Mass:
     name, mass = row.text("name"), row.number("mass")
+    if row.number("quantity", 1.0) != 1.0:
+        raise row.error(
+            f'"{short(name)}" is there {row.cells["quantity"]} times, and its row has one place: write a row for each, or '
+            "their sum as one part, and leave the column out."
+        )
     if mass <= 0.0:
         raise row.error(f'column "mass" of "{short(name)}" must be > 0, got {row.cells["mass"]}.')
     given = [column for column in (*MOMENTS, *PRODUCTS) if row.has(column)]

@@ -1,9 +1,10 @@
 """A table of a model: a CSV file, or a sheet of an XLSX file, with units in its header."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from wirerope_mj.engine.from_tables.cad_list import BESIDE
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.table_files import number_in, read_header, rows_below
@@ -21,6 +22,7 @@ class Row:
     cells: Mapping[str, str]  # texts; a column that is not in the table is not here
     kinds: Mapping[str, str]  # of quantity, by column
     factors: Mapping[str, float]  # of the columns' units, in SI
+    written: Mapping[str, str]  # the columns' names in the file
 
     def error(self, text: str) -> RecordError:
         """Make the error of this row, which says where it stands."""
@@ -55,23 +57,34 @@ class Row:
         return x, y, z
 
 
-def read_sheet(path: Path, *, kind: str, needed: Mapping[str, str], further: Mapping[str, str]) -> list[Row]:
+def read_sheet(
+    path: Path, *, kind: str, needed: Mapping[str, str], further: Mapping[str, str],
+    called: Callable[[Sequence[str]], tuple[str, ...]] = tuple,
+) -> list[Row]:  # fmt: skip
     """Return the rows of a table, whose names must be there once each; of a workbook the sheet of the last word of `kind`.
 
     `needed` and `further` say the kind of quantity of each column that must and may be there: a key of `UNITS`, "number" or
-    "text".
+    "text". `called` makes their names of those in the file; a column that is then called `BESIDE` is not read.
 
     Raises:
         RecordError: says file, row and column that are wrong.
     """
     example = ", ".join(with_unit(name, quantity) for name, quantity in needed.items())
     header = read_header(path, kind=kind, example=f'"{example}"', sheet=kind.split()[-1])
+    header, names = replace(header, names=called(header.names)), header.names
     known = {**needed, **further}
     cells = [(location, row) for _, location, row in rows_below(header)]
     empty = {i for i in header.unnamed if not any(row[i] for _, row in cells)}
+    empty |= {i for i, name in enumerate(header.names) if name == BESIDE}
     factors = _factors(header, needed, known, empty)
     rows = [
-        Row(location, {name: row[i] for i, name in enumerate(header.names) if i not in empty}, known, factors)
+        Row(
+            location,
+            {name: row[i] for i, name in enumerate(header.names) if i not in empty},
+            known,
+            factors,
+            dict(zip(header.names, names, strict=True)),
+        )
         for location, row in cells
     ]
     if not rows:
