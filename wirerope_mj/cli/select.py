@@ -8,6 +8,7 @@ from typing import Literal
 from cyclopts import App
 
 from wirerope_mj.cli.options import Flag, Force, Integer, Integers, Repeated, RepeatedPaths
+from wirerope_mj.cli.shock import MOTIONS, with_motions
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.plain_text import plain
 
@@ -18,6 +19,7 @@ select_app = App(name="select")
 
 
 @select_app.default
+@with_motions
 def select(
     model: str | None = None,
     *,
@@ -28,6 +30,8 @@ def select(
     size: tuple[float, float, float] | None = None,
     fragility: float | None = None,
     travel: float | None = None,
+    height_max: float | None = None,
+    room: tuple[float, float, float] | None = None,
     limit: Repeated = None,
     initial: Literal["settled", "relaxed"] = "settled",
     parts: str = "*",
@@ -37,12 +41,13 @@ def select(
     take: str | None = None,
     out: Path | None = None,
     force: Force = False,
+    **motions: list[str] | None,
 ) -> int:
     """Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.
 
     The equipment is a model, whose mounts take every part in turn, the model and load cases of a job, or a box by its mass.
-    Each --shock is a load case, in the words of `wirerope shock` with the kind of the motion among them; without a direction
-    it is along z. Exits 1 if no part keeps every limit.
+    Each motion is a load case, in the options of `wirerope shock`, such as --psd, or by --shock with the kind of the motion
+    among its words; without a direction it is along z there. Exits 1 if no part keeps every limit.
 
     wirerope select --mass 420 --size 800 800 1800 --mounts 4+2 --shock "half-sine 15 g 11 ms y" --fragility 15 --travel 60
 
@@ -51,33 +56,40 @@ def select(
         shock: a load case: "half-sine 15 g 11 ms z", "double half-sine 60 g 2.5 m/s 43 mm", "2 m/s"; again for each further.
         levels: a load case: file of levels, as `wirerope levels` writes one.
         mass: of equipment that is a box filled evenly [kg], instead of a model.
-        mounts: of the box: how many stand below it, and perhaps behind it at +y: "4" or "4+2"; again for each alternative.
+        mounts: of the box: how many stand where: "4" below it, "4+2" below and behind it at +y, "4 top + 4 bottom",
+            "4 ceiling", "4 wall", "8 corners 45 deg", "4 corners"; again for each alternative.
         size: of the box along x, y and z [mm]; without it the mounts stand at the height of the centre of mass.
         fragility: acceleration that each body of the payload stands [g].
         travel: room around each point of the payload, for a box its corners, both ways along x, y and z [mm].
+        height_max: largest height of a part [mm].
+        room: box along x, y and z [mm] in which equipment and mounts must stay, with the sway of every load case.
         limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm", as `wirerope shock` takes it.
         initial: state in which each case begins: settled under its weight, or relaxed (after long vibration).
         parts: which parts of the vendors' tables, such as "CB1400*".
         prices: table (CSV or XLSX) of one's own: name of the part, price, mass [kg].
         by: what parts that keep every limit are ranked by: margin, acceleration, number (of mounts), height, price or mass;
             the margin by default, without a limit of an acceleration the acceleration.
-        all: show every part.
+        all: show every part, and which were refused for which reason.
         take: part that is written, instead of the first.
         out: folder into which the model on the chosen part is written, with the limits in it.
     """
+    import numpy as np
+
     from wirerope_mj.content.part_selection import catalogue_selection_content
     from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.units import STANDARD_GRAVITY
-    from wirerope_mj.motions.registry import motion_from_words, motion_of_levels
+    from wirerope_mj.motions.registry import motion_from_phrase, motion_from_words, motion_of_levels
     from wirerope_mj.runs.new_model import KIND, marks
     from wirerope_mj.runs.selection import equipment, read_prices, write_selected
     from wirerope_mj.studies.catalogue import catalogue, select_parts
-    from wirerope_mj.views.terminal import show_answer
+    from wirerope_mj.views.terminal import print_headline, show
 
-    for option, value in {"mass": mass, "fragility": fragility, "travel": travel}.items():
+    for option, value in {"mass": mass, "fragility": fragility, "travel": travel, "height-max": height_max}.items():
         if value is not None:
             positive(f"--{option}", value)
+    for length in room or ():
+        positive("--room", length)
     if (model is None) == (mass is None):
         raise ValueError("give the equipment as a model or a job, or as a box by `--mass` and `--mounts`: one of them.")
     if mass is None and (mounts or size):
@@ -88,6 +100,8 @@ def select(
     if by in ("price", "mass") and not any(by in own for own in stated.values()):
         raise ValueError(f"`--by {by}` needs `--prices`, a table with a column {by!r}.")
     said = {text: motion_from_words(text) for text in shock or ()}
+    phrases = [(kind, text) for name, kind in MOTIONS.items() for text in motions.get(name) or ()]
+    said |= {f"{kind} {text}": motion_from_phrase(kind, text) for kind, text in phrases}
     said |= {file.stem: motion_of_levels(file) for file in levels or ()}
     box = None if mass is None else {"mass": mass, "size": None if size is None else tuple(1e-3 * one for one in size)}
     systems, cases = equipment(
@@ -97,6 +111,13 @@ def select(
         travel=None if travel is None else 1e-3 * travel,
     )  # fmt: skip
     tried = catalogue(parts)
+    if height_max is not None:
+        tried = {
+            name: f"it is higher than {height_max:g} mm"
+            if not isinstance(part, str) and part.geometry and (part.geometry.height or 0.0) > 1e-3 * height_max
+            else part
+            for name, part in tried.items()
+        }
     if take is not None and take not in tried:
         near = get_close_matches(take, tried, n=3)
         meant = f" Near it: {', '.join(near)}." if near else ""
@@ -106,12 +127,14 @@ def select(
     tty = sys.stderr.isatty()
     selection = select_parts(
         systems, tried, cases, by=by, stated=stated, initial=initial,
+        room=None if room is None else 1e-3 * np.array(room),
         progress=lambda done: print(f"\rsimulating .. {100 * done:.0f} %", end="", file=sys.stderr) if tty else None,
     )  # fmt: skip
     if tty:
         print("\r", end="", file=sys.stderr)
     content = catalogue_selection_content(selection, every=all)
-    show_answer(content, "parts")
+    print_headline(content.verdict)
+    show(content, "parts")
     if out is not None or take is not None:
         chosen = next(one for one in selection.tried if take in (None, one.name))
         path = write_selected(chosen, out or Path(chosen.name.lower()), box=box, force=force)

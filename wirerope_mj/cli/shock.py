@@ -13,12 +13,12 @@ QUESTION = "What does this motion of the base do to the payload, and do the moun
 
 
 # the options that say a motion, by their names, and its kind
-_OPTIONS = {(form.option or kind).replace("-", "_"): kind for kind, form in SPOKEN_MOTIONS.items()}
+MOTIONS = {(form.option or kind).replace("-", "_"): kind for kind, form in SPOKEN_MOTIONS.items()}
 
 
-def _with_motions(function: Callable[..., int]) -> Callable[..., int]:
+def with_motions(function: Callable[..., int]) -> Callable[..., int]:
     """Add an option for every phrase of a motion, behind the argument of a command."""
-    forms = [(name, SPOKEN_MOTIONS[kind]) for name, kind in _OPTIONS.items()]
+    forms = [(name, SPOKEN_MOTIONS[kind]) for name, kind in MOTIONS.items()]
     added = [own_option(name, Repeated, None, f'"{form.example}": {form.summary}') for name, form in forms]
     signature = inspect.signature(function)
     first, *others, _ = signature.parameters.values()
@@ -27,7 +27,7 @@ def _with_motions(function: Callable[..., int]) -> Callable[..., int]:
     return function
 
 
-@_with_motions
+@with_motions
 def shock(
     model: str,
     *,
@@ -104,7 +104,7 @@ def shock(
     from wirerope_mj.runs.scenario import Scenario
 
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
-    phrases = [(kind, phrase) for name, kind in _OPTIONS.items() for phrase in motions.get(name) or ()]
+    phrases = [(kind, phrase) for name, kind in MOTIONS.items() for phrase in motions.get(name) or ()]
     names = [*dict.fromkeys(kind for kind, _ in phrases), *(file.stem for file in levels or ())]
     names += [record.stem] if record is not None else []
     if not (names or channels or direction):
@@ -122,7 +122,7 @@ def shock(
     )  # fmt: skip
     name = f"shock-{Path(model).stem}-{'-'.join(names)}"
     options: dict[str, object] = {
-        kind: "; ".join(text for one, text in phrases if one == kind) or None for kind in _OPTIONS.values()
+        kind: "; ".join(text for one, text in phrases if one == kind) or None for kind in MOTIONS.values()
     }
     options |= {
         "levels": " ".join(file.name for file in levels or ()) or None, "record": record.name if record else None,

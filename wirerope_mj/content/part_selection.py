@@ -1,6 +1,8 @@
 """Content of a part selection: by simulating every part under all load cases, or by the vendors' worksheet."""
 
 import math
+import re
+from collections import Counter
 from collections.abc import Iterator
 from functools import partial
 
@@ -8,11 +10,13 @@ from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, most_used
 from wirerope_mj.assessment.selection import IMPULSE, WORKSHEET_GRAVITY, PartSelection, Worksheet, mode_text
 from wirerope_mj.content.base import amplified
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
-from wirerope_mj.content.numbers import listed, several
+from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import used_mark
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.studies.catalogue import BY, CRITERIA, CatalogueSelection, TriedPart
 
+_DIGITS = re.compile(r"\d[\d.e+-]*")  # numbers, without which reasons of several parts are alike
 _FIRST, _NEAREST = 12, 5  # parts shown by default: of those that keep every limit, and of those that exceed one
 _HEADINGS = {"price": Column("price", "", ".2f"), "mass": Column("mass of\nmounts", "kg", ".2f")}
 
@@ -54,7 +58,51 @@ def _part_blocks(selection: CatalogueSelection, every: bool) -> Iterator[Block]:
     if rest and (every or not meeting):
         title = f"{several(len(rest), 'part')} exceed{'s' if len(rest) == 1 else ''} a limit, the nearest first"
         yield _parts_table("rejected", title, selection, rest, None if every else _NEAREST)
+    if rest and meeting and not every:
+        beyond = Counter(part.governing[1] for part in rest)
+        counted = ", ".join(f"{criterion} {count}" for criterion, count in beyond.most_common())
+        text = f"{several(len(rest), 'part')} exceed{'s' if len(rest) == 1 else ''} a limit: {counted}; --all lists them."
+        yield Statement("beyond", text, tone="quiet")
+    yield from _refused(selection, every=every)
+    if not meeting:
+        yield needed_statement(selection)
     yield Statement("notes", items=tuple(_notes(selection)))
+
+
+def _refused(selection: CatalogueSelection, *, every: bool) -> Iterator[Statement]:
+    """State which parts were not simulated, by their reason; how many of each if not `every` part is shown."""
+    alike: dict[str, list[TriedPart]] = {}
+    for part in selection.tried:
+        if part.reason:
+            alike.setdefault(part.reason if every else _DIGITS.sub("..", part.reason), []).append(part)
+    if alike:
+        items = []
+        for reason, parts in sorted(alike.items(), key=lambda entry: -len(entry[1])):
+            same = len({part.reason for part in parts}) == 1
+            counted = ", ".join(part.name for part in parts) if every else len(parts)
+            items.append(f"{counted}: {(parts[0].reason if same else reason).rstrip('.')}")
+        end = ":" if every else ", by reason; --all lists them:"
+        text = f"{several(sum(map(len, alike.values())), 'part')} not simulated to the end{end}"
+        yield Statement("refused", text, items=tuple(items))
+
+
+def needed_statement(selection: CatalogueSelection) -> Statement:
+    """State which stiffness, load and travel of a mount would do, or why none would."""
+    needed = selection.needed
+    if isinstance(needed, Absent):
+        return Statement("needed", needed.reason, tone="unjudged")
+    load, travel = with_unit(needed.load, "N"), with_unit(needed.travel, "mm")
+    stiffness = " to ".join(f"{1e-3 * value:.3g}" for value in needed.stiffness)
+    frequency = " to ".join(f"{value:.3g}" for value in needed.frequencies)
+    return Statement(
+        "needed",
+        f"What would do: {several(needed.mounts, 'mount')} of {stiffness} N/mm each ({frequency} Hz), rated for {load} and "
+        f"{travel} of travel: peaks of a single mass with {100.0 * needed.damping:g} % damping along each axis, not turning.",
+        values={
+            "least_stiffness_N_per_m": needed.stiffness[0], "largest_stiffness_N_per_m": needed.stiffness[1],
+            "load_N": needed.load, "travel_m": needed.travel,
+        },
+    )  # fmt: skip
 
 
 def _parts_table(
@@ -88,18 +136,12 @@ def _parts_table(
 def _notes(selection: CatalogueSelection) -> Iterator[str]:
     """Yield remarks on unjudged limits, parts that were not simulated, and the ranking."""
     tried = [part for part in selection.tried if not part.reason]
-    reasons: dict[str, list[str]] = {}
-    for part in selection.tried:
-        if part.reason:
-            reasons.setdefault(part.reason.rstrip("."), []).append(part.name)
     for measure, criterion in CRITERIA.items():
         missing = [part.name for part in tried if math.isnan(part.used(measure)[0])]
         if missing and len(missing) == len(tried):
             yield f"{criterion}: no limit, not judged"
         elif missing:
             yield f"{criterion}: not rated by the vendor, not judged: {listed(missing)}"
-    for reason, names in reasons.items():
-        yield f"not simulated: {listed(names)}: {reason}"
     if len(tried) > len(selection.meeting):
         yield "figures of parts beyond a limit are computed as far as it takes to know that it is exceeded"
     yield (

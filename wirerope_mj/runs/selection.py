@@ -9,6 +9,7 @@ import numpy as np
 from wirerope_mj.engine.from_tables import mjcf_of
 from wirerope_mj.engine.from_tables.layout import box_layout
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
+from wirerope_mj.engine.simulation.stepper import falls_by_gravity
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.engine.system.on_deck import with_part
@@ -69,6 +70,12 @@ def equipment(
         raise ValueError('`--shock` must say at least one load case, for instance --shock "half-sine 15 g 11 ms z".')
     judged = {}
     for name, system in systems.items():
+        for case, motion in cases.items():
+            if motion.up is not None and not falls_by_gravity(system, motion.up):
+                raise ValueError(
+                    f"load case {case!r} lands on another side than the one on which the model stands, and a selection turns "
+                    "no model: drop it onto the bottom, and run other drops by `wirerope shock` on what was chosen."
+                )
         if forces := [f"{one.kind}/{one.name}" for one in (*system.limits, *limits) if one.kind in ON_MOUNTS]:
             raise ModelError(f"a selection does not judge {forces[0]}: leave it out, and judge runs of what was chosen by it.")
         own = {(one.kind, one.name): one for one in limits}

@@ -21,17 +21,20 @@ from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.simulation.stepper import HISTORIES
 from wirerope_mj.engine.statics import equilibrium, static_table
 from wirerope_mj.engine.statics.find import settle_together
-from wirerope_mj.engine.statics.payloads import payloads_of
+from wirerope_mj.engine.statics.payloads import payloads_of, point_positions
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.errors import ModelError, ModelWarning, WireRopeError
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import Absent, ModelError, ModelWarning, WireRopeError
 from wirerope_mj.foundation.lanes import WIDTH
+from wirerope_mj.foundation.payload_limits import SIDES, PayloadLimit
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import catalogue as catalogue
 from wirerope_mj.studies.measures import measures, needs_samples, payload_bodies, payload_points
+from wirerope_mj.studies.needed_mount import NeededMount, needed_mount
 
 _LONGEST = 5e-4  # Step from which the halving begins [s]: a mode of 100 Hz has twenty of them in a period
 LEVELS = 8  # steps that are tried, the last of them 4 microseconds
@@ -147,34 +150,38 @@ class Race:
         systems, motion = [self._systems[name] for name in names], self._cases[case]
         samples = needs_samples(systems[0])
         kernel = not unsupported_run(systems[0], motion)
+        initial = self._initial if motion.up is None else motion.initial
         return simulate_batch(
             systems, motion, duration=motion.end + _SWINGS * max(self._periods[name] for name in names), timestep=step,
-            initial=self._initial, sample_rate=_RATE if samples else _SAMPLES, threads=1,
+            initial=initial, sample_rate=_RATE if samples else _SAMPLES, threads=1,
             engine="kernel" if kernel else "auto", responses=samples, judged=False,
         )  # fmt: skip
 
 
 _ACCURACY = 1e-3  # of the peaks: the figures are shown to three digits
+_NO_ROOM = "it does not fit into the room"
+LEAST_ROOM = 1e-6  # of a point that stands at a wall [m]: a clearance of zero would not be judged
 _HOPELESS = 10.0  # times the rated static load from which on there is no equilibrium worth a search
 Progress = Callable[[float], None]
 
 
 def try_parts(
     system: System, parts: Mapping[str, Isolator], cases: Mapping[str, BaseMotion], *, initial: str = "settled",
-    placement: str = "", accuracy: float = _ACCURACY, progress: Progress = lambda _: None,
+    placement: str = "", accuracy: float = _ACCURACY, room: Array | None = None, progress: Progress = lambda _: None,
 ) -> list[TriedPart]:  # fmt: skip
     """Simulate every part in the places of a model's mounts under every load case.
 
     Places are those of the payload's bars: where a part is higher or lower than the model's isolator, its mid-height
     moves along the mount's axis on the base's side, and the foundation with it. Stops stay as they are. Steps are halved
-    until what is judged of a part keeps within `accuracy`, or is beyond a limit for certain. ValueError if `initial` is
-    neither "settled" nor "relaxed", or a motion has no end; ModelError if no mount of the model carries an isolator.
+    until what is judged of a part keeps within `accuracy`, or is beyond a limit for certain. In a `room`, a box of sizes
+    along x, y and z (3,) [m], points of the payload must stay clear of its walls (`limits_in_room`). ValueError if `initial`
+    is neither "settled" nor "relaxed", or a motion has no end; ModelError if no mount of the model carries an isolator.
     """
     if initial not in HISTORIES:
         raise ValueError(f"`initial` must be one of {', '.join(HISTORIES)}, got {initial!r}.")
     tried = [
         TriedPart(name=name, isolator=parts[name], system=on, placement=placement, mounts=len(replaced(system)), reason=why)
-        for name, on, why in _systems(system, parts)
+        for name, on, why in _systems(system, parts, room)
     ]
     with warnings.catch_warnings(action="ignore", category=ModelWarning):  # of parts that will not be chosen
         begun = _settled([one for one in tried if one.system is not None and not one.reason], initial)
@@ -197,7 +204,43 @@ def replaced(system: System) -> list[str]:
     return mounts
 
 
-def _systems(system: System, parts: Mapping[str, Isolator]) -> Iterator[tuple[str, System | None, str]]:
+def limits_in_room(system: System, room: Array) -> tuple[PayloadLimit, ...]:
+    """Return the system's limits with clearances that keep the payload's points off the walls of a room, (3,) [m].
+
+    The ends of the mounts on the base's side stand at the walls; where mounts stand at neither or at both of two opposite
+    walls, the equipment stands in the middle between them. Clearances that are stated already hold where they are smaller.
+
+    ModelError if the equipment and its mounts at rest are larger than the room, or the payload has no points.
+    """
+    kept = payload_points(system)
+    points = {name: position for name, position in point_positions(system).items() if name in kept}
+    if not points:
+        raise ModelError("the model has no points to keep in a `--room`: give it sites called point/NAME.")
+    mounts = [system.mounts[name] for name in replaced(system)]
+    heights = [one.isolator.geometry.height if one.isolator.geometry else None for one in mounts]
+    bars = np.array([one.position - 0.5 * (h or 0.0) * one.axes[:, 2] for one, h in zip(mounts, heights, strict=True)])
+    corners = np.array(list(points.values()))
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    before, behind = np.maximum(low - bars.min(axis=0), 0.0), np.maximum(bars.max(axis=0) - high, 0.0)
+    rest = room - (high - low) - before - behind
+    if lacking := [axis for axis, left in zip("xyz", rest, strict=True) if left < 0.0]:
+        raise ModelError(f"{_NO_ROOM} along {' and '.join(lacking)}, even at rest")
+    alone = (before > 0.0) == (behind > 0.0)
+    under = before + np.where(alone, 0.5 * rest, np.where(before > 0.0, 0.0, rest))
+    over = behind + np.where(alone, 0.5 * rest, np.where(before > 0.0, rest, 0.0))
+    stated = {one.name: one.ways for one in system.limits if one.kind == "clearance" and one.name in points}
+    limits = {(one.kind, one.name): one for one in system.limits}
+    for name, position in points.items():
+        walls = np.column_stack([position - low + under, high - position + over]).ravel()
+        least = [min(wall, stated.get(name, {}).get(side, math.inf)) for side, wall in zip(SIDES, walls, strict=True)]
+        values = tuple(max(float(value), LEAST_ROOM) for value in least)
+        limits["clearance", name] = PayloadLimit(kind="clearance", name=name, values=values)
+    return tuple(limits.values())
+
+
+def _systems(
+    system: System, parts: Mapping[str, Isolator], room: Array | None = None
+) -> Iterator[tuple[str, System | None, str]]:
     """Yield name, system and "" of each part, or None and why there is none."""
     mounts = replaced(system)
     names = {system.mounts[name].isolator_name for name in mounts}
@@ -222,7 +265,12 @@ def _systems(system: System, parts: Mapping[str, Isolator]) -> Iterator[tuple[st
             loaded = load_system(system.path or system.mjcf, isolators={**system.isolators, **dict.fromkeys(names, isolator)})
             base = replace(loaded, limits=system.limits, combined_travel=system.combined_travel)
             on = varied(base, positions=shifts)
-        yield name, on, ""
+        try:
+            yield name, on if room is None else replace(on, limits=limits_in_room(on, room)), ""
+        except ModelError as error:
+            if not str(error).startswith(_NO_ROOM):
+                raise
+            yield name, None, str(error)
 
 
 def shifted(system: System, isolator: Isolator) -> dict[str, list[float]]:
@@ -261,6 +309,9 @@ class CatalogueSelection(Summarised):
     # "price" and "mass" of one part, by the part's name, as a table of one's own states them
     stated: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
+    # what a mount of stiffness, load and travel would do under these limits, or why none would
+    needed: NeededMount | Absent = field(default=Absent(reason=""), repr=False)
+
     @property
     def meeting(self) -> tuple[TriedPart, ...]:
         """Parts that keep every limit."""
@@ -286,7 +337,7 @@ BY = ("margin", "acceleration", "number", "height", "price", "mass")
 def select_parts(
     systems: Mapping[str, System], parts: Mapping[str, Isolator | str], cases: Mapping[str, BaseMotion], *,
     by: str | None = None, stated: Mapping[str, Mapping[str, float]] | None = None, initial: str = "settled",
-    progress: Progress = lambda _: None,
+    room: Array | None = None, progress: Progress = lambda _: None,
 ) -> CatalogueSelection:  # fmt: skip
     """Simulate every part in the places of every model's mounts under every load case, and rank them.
 
@@ -297,6 +348,7 @@ def select_parts(
         by: one of `BY`; by the margin, and without a limit of an acceleration by the acceleration, if it is not said.
         stated: "price" and "mass" of one part, by its name.
         initial: "settled", or "relaxed" as after long vibration.
+        room: sizes of a box along x, y and z in which equipment and mounts must stay [m], (3,); None for none.
         progress: takes the fraction of the work that is done.
 
     Raises:
@@ -312,10 +364,13 @@ def select_parts(
     tried = [TriedPart(name=name, reason=why) for name, why in parts.items() if isinstance(why, str)]
     for number, (placement, system) in enumerate(systems.items()):
         tried += try_parts(
-            system, devices, cases, initial=initial, placement=placement,
+            system, devices, cases, initial=initial, placement=placement, room=room,
             progress=lambda done, first=number: progress((first + done) / len(systems)),  # type: ignore[misc]
         )  # fmt: skip
     made = CatalogueSelection(tried=tuple(tried), cases=cases, by=by, stated=stated or {})
+    if not made.meeting:
+        first = next((one.system for one in tried if one.system is not None), next(iter(systems.values())))
+        made = replace(made, needed=needed_mount(first, len(replaced(first)), cases))
 
     def order(one: TriedPart) -> tuple[int, float, float]:
         used = one.governing[0]

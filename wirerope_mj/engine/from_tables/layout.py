@@ -25,7 +25,14 @@ _LARGEST = 300.0  # distance of mounts [m] that no floor reaches: a cabinet's in
 NAME = "equipment"  # of the model and of its payload
 # from the edges of the box to its mounts, in its sizes: a mount must stand below it with its whole width
 _INSET = 0.125
-_COUNTS = re.compile(r"(\d+)(?:\+(\d+))?")
+# how many mounts stand at one side of the box, and at corners by how much they lean: "4", "2 wall", "8 corners 45 deg"
+_GROUP = re.compile(r"(\d+) ?([a-z]*)(?: ([\d.]+) ?deg)?")
+_BELOW_AND_BEHIND = re.compile(r"\d+ *\+ *\d+")
+_SIDES = {
+    "below": ("", "below", "bottom", "floor"), "above": ("top", "above", "ceiling"), "behind": ("wall", "behind"),
+    "diagonal": ("corner", "corners"),
+}  # fmt: skip
+_LEANING = 45.0  # of a mount at a corner from the vertical, towards the middle of the box [deg]
 _CUBE = 0.5  # side of the box where none is said [m]: its mounts are at the height of its centre, and it does not turn
 
 
@@ -245,44 +252,72 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
     Args:
         part: that the mounts are.
         mass: of the box [kg].
-        mounts: how many stand below it, in two rows along its longer side, and behind it, in a row near its upper edge, as
-            "4" or "4+2".
+        mounts: how many stand where, joined by "+": "4" or "4 bottom" below it in two rows along its longer side, "4 top" or
+            "4 ceiling" so above it, "4 wall" behind it in two rows; "4+2": below, and in a row behind near its upper edge;
+            "8 corners 45 deg", or "4 corners" at those below, leaning so far from the vertical towards its middle.
         size: along x, y (its back is at +y) and z [m], (3,); None: the mounts stand at the height of the centre of mass.
 
     Raises:
         ValueError: `mounts` or `size` is not what it must be.
     """
-    match = _COUNTS.fullmatch(mounts.replace(" ", ""))
-    below, behind = (int(count or 0) for count in match.groups()) if match else (0, 0)
-    if not below or (below > 2 and below % 2) or below + behind > 100:
-        raise ValueError(
-            f'`mounts` must be how many stand below, 1 or an even number, and perhaps behind, as in "4" or "4+2"; got '
-            f"{quoted(mounts)}. Write a model for others."
-        )
-    if behind and size is None:
-        raise ValueError(f"`mounts` {mounts} stand behind the equipment: give its `size`.")
+    groups = _mount_groups(mounts)
+    if size is None and groups.keys() != {"below"}:
+        where = " and ".join("at corners of" if side == "diagonal" else side for side in groups if side != "below")
+        raise ValueError(f"`mounts` {mounts} stand {where} the equipment: give its `size`.")
     box = np.full(3, _CUBE) if size is None else np.array([positive("size", one) for one in size])
     height = part.height or 0.0
-    centre = np.array([0.0, 0.0, height + 0.5 * box[2]])
     half = box / 2.0 - _INSET * box
-    level = 0.5 * height if size is not None else centre[2]
+    signs = [np.array([x, y, z]) for z in (-1, 1) for x in (-1, 1) for y in (-1, 1)]  # those below first
+    under = {"above": 0.0}.get(next(iter(groups)), height) if len(groups) == 1 else height
+    centre = np.array([0.0, 0.0, under + 0.5 * box[2]])
     longer, wide = float(max(half[:2])), half[0] >= half[1]
-    rows = [0.0] if below <= 2 else [-float(min(half[:2])), float(min(half[:2]))]
-    grid = [(along, across) for across in rows for along in _row(below // len(rows), longer)]
-    places = [(np.array([*(pair if wide else pair[::-1]), level]), np.array([0.0, 0.0, 1.0])) for pair in grid]
-    top = centre[2] + half[2]
-    places += [(np.array([x, 0.5 * box[1] + 0.5 * height, top]), np.array([0.0, -1.0, 0.0])) for x in _row(behind, half[0])]
-    names = [f"below_{n + 1}" for n in range(below)] + [f"behind_{n + 1}" for n in range(behind)]
-    placed = [
-        Placed(name, place, axes_along(axial), part.name, mounts) for name, (place, axial) in zip(names, places, strict=True)
-    ]
-    signs = [np.array([x, y, z]) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    places: list[tuple[str, Array, Array]] = []  # name, end at the box and axial direction of each mount
+    for side, (count, angle, rows) in groups.items():
+        axial = np.array({"behind": (0.0, -1.0, 0.0), "above": (0.0, 0.0, -1.0)}.get(side, (0.0, 0.0, 1.0)))
+        ends: list[tuple[Array, Array]] = []
+        if side in ("below", "above"):
+            level = centre[2] - axial[2] * 0.5 * box[2] if size is not None else centre[2] + 0.5 * height
+            across = [0.0] if count <= 2 else [-float(min(half[:2])), float(min(half[:2]))]
+            grid = [(along, row) for row in across for along in _row(count // len(across), longer)]
+            ends = [(np.array([*(pair if wide else pair[::-1]), level]), axial) for pair in grid]
+        elif side == "behind":
+            levels = [centre[2] + half[2]] if rows == 1 else [centre[2] - half[2], centre[2] + half[2]]
+            ends = [(np.array([x, 0.5 * box[1], z]), axial) for z in levels for x in _row(count // rows, half[0])]
+        else:
+            lean = np.radians(angle)
+            inward = np.array([np.sin(lean) / np.sqrt(2.0), np.sin(lean) / np.sqrt(2.0), np.cos(lean)])
+            ends = [(centre + 0.5 * sign * box, -sign * inward) for sign in signs[:count]]
+        places += [(f"{side}_{n + 1}", end, axial) for n, (end, axial) in enumerate(ends)]
+    placed = [Placed(name, end - 0.5 * height * axial, axes_along(axial), part.name, mounts) for name, end, axial in places]
     inertia = np.diag(mass / 12.0 * (box @ box - box**2))
+    corners = sorted(signs, key=lambda sign: sign.tolist())
     return Layout(
         name=NAME, masses=(Mass(NAME, MassProperties(positive("mass", mass, unit="kg"), centre, inertia)),),
-        mounts=tuple(placed), points=tuple(Point(f"corner_{n + 1}", centre + 0.5 * sign * box) for n, sign in enumerate(signs)),
-        isolators={part.name: part},
+        points=tuple(Point(f"corner_{n + 1}", centre + 0.5 * sign * box) for n, sign in enumerate(corners)),
+        mounts=tuple(placed), isolators={part.name: part},
     )  # fmt: skip
+
+
+def _mount_groups(mounts: str) -> dict[str, tuple[int, float, int]]:
+    """Parse how many mounts stand at each side of a box: number, angle of those at corners [deg], rows of those behind."""
+    found: dict[str, tuple[int, float, int]] = {}
+    for position, text in enumerate(mounts.lower().split("+")):
+        match = _GROUP.fullmatch(text.strip())
+        number, word, angle = match.groups() if match else ("0", "", None)
+        side = next((name for name, words in _SIDES.items() if word in words), "")
+        if position == 1 and _BELOW_AND_BEHIND.fullmatch(mounts.strip()):
+            side = "behind"
+        count, lean = int(number), _LEANING if angle is None else float(angle)
+        even = side == "behind" and word == "" or count <= 2 or count % 2 == 0
+        right = {"diagonal": count in (4, 8) and lean < 90.0}.get(side, even and angle is None)
+        if not (side and right and side not in found and 0 < count <= 100):
+            raise ValueError(
+                '`mounts` must be how many stand where, at one side 1 or an even number: "4", "4+2" (below and behind), '
+                '"4 top + 4 bottom", "4 ceiling", "4 wall", "8 corners 45 deg" or "4 corners"; got '
+                f"{quoted(mounts)}. Write a model for others."
+            )
+        found[side] = count, lean, 1 if word == "" or count <= 2 else 2
+    return found
 
 
 def _row(count: int, half: float) -> list[float]:

@@ -58,6 +58,14 @@ def movers_of(system: System) -> tuple[Payload, ...]:
     return payloads + tuple(_payload(model, [root]) for root in _roots(system) if root not in known)
 
 
+def point_positions(system: System) -> dict[str, Array]:
+    """Compute the positions of a system's points in the modelled geometry, world frame [m], (3,) by name."""
+    subjects = system.assembly.subjects
+    with system.assembly.scratch.data(system.model) as data:
+        mujoco.mj_kinematics(system.model, data)
+        return {name: data.site_xpos[site].copy() for name, site in zip(subjects.point_names, subjects.points, strict=True)}
+
+
 @once_per_system
 def payloads_of(system: System) -> tuple[Payload, ...]:
     """Return the payloads of a system, in the order in which its mounts name them."""
