@@ -5,13 +5,20 @@ import tomllib
 
 import numpy as np
 import pytest
-from house import sdof
+from house import deck, mjcf, sdof
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.criteria.loads import area_forces
 from wirerope_mj.cli import main
 from wirerope_mj.engine.simulation.simulate import duration_of
+from wirerope_mj.engine.statics import model_warnings
+from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions.registry import motion_from_phrase
 from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.scenario_file import judged_folder
+from wirerope_mj.runs.study import limits_of
+from wirerope_mj.studies.vary.vary_option import available_lines
 
 G = wr.STANDARD_GRAVITY
 EIGHTH = G / 2 * 0.125**2  # height [m] of which the fall takes 0.125 s, a multiple of all steps below; it strikes no stop
@@ -139,3 +146,36 @@ def test_a_case_of_a_job_falls_on_its_side_begins_unloaded_and_replays(tmp_path,
     assert system.model.opt.gravity.tolist() == [-G, 0.0, 0.0]
     assert "amplification" not in capsys.readouterr().out  # no shock is sharper than a stop at once
     assert main(["replay", str(tmp_path / "job/cases/side")]) == 0
+
+
+def test_a_drop_onto_the_top_is_meant_and_its_loads_are_along_its_gravity(tmp_path, capsys):
+    """What is said of a fall: no warning of the gravity that it asks for, no level in studies, its own down, no peak of 1 g."""
+    words = ["shock_table_frame", "--drop", "200 mm onto top", "--out", str(tmp_path / "run"), "--accuracy", "1e-3"]
+    assert main(["shock", *words]) == 0
+    out = capsys.readouterr().out
+    assert "gravity points upwards" not in out
+    assert "(base, in its fall)" in out
+    run = judged_folder(tmp_path / "run")
+    (whole, *_) = area_forces(run.response, run.motion.up)
+    (other, *_) = area_forces(run.response)
+    assert (whole.down, whole.up) == (other.up, other.down)
+    assert whole.across == pytest.approx(other.across)
+    assert any("gravity points upwards" in text for text in model_warnings(run.system))  # where nothing falls
+    assert any("a fall has no level but its height" in line for line in available_lines(run.system, run.motion))
+    assert not any("motion/level" in line for line in available_lines(run.system, run.motion))
+
+
+@pytest.mark.quick
+def test_a_force_that_model_and_scenario_limit_is_listed_once():
+    text = mjcf(
+        deck({"b": 'pos="0 0 .2"'}, slides="z") + '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/>'
+        '<geom size=".1" mass="3.5"/><site name="p" pos="0 0 -.1"/></body>',
+        [("m1", "p", "b", "a")],
+        custom='<numeric name="limit/load/m1" data="4000"/>',
+    )
+    isolators = {"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=4e3, c=20.0))}
+    made = Scenario(
+        name="s", question="?", model=text, motion=wr.HalfSine(peak=1.0, duration=0.01, direction="z"), isolators=isolators,
+        simulate={"duration": 0.1}, limits=[PayloadLimit(kind="load", name="m1", values=(5000.0,))],
+    )  # fmt: skip
+    assert limits_of(made)[1] == ["load/m1 = 5000 N"]

@@ -164,7 +164,7 @@ def deck_blocks(run: JudgedRun) -> Iterator[Block | None]:
     """Yield the forces on the deck, on each named area, and on bolts."""
     if not run.response.scene.mounts:
         return
-    areas = area_forces(run.response)
+    areas = area_forces(run.response, run.motion.up)
     if len(areas) > 1:
         at = Column("at", "s", "z.4f")
         columns = (
@@ -180,8 +180,8 @@ def deck_blocks(run: JudgedRun) -> Iterator[Block | None]:
         ]  # fmt: skip
         yield Table(
             "deck", "Sums of the mounts' forces on what carries them", columns, rows,
-            note="At the samples, weight included, in the world's axes: downwards, upwards where the mounts pull, "
-            "horizontally. Contacts of geoms are not among them.",
+            note="At the samples, weight included: downwards along gravity, upwards where the mounts pull, horizontally. "
+            "Contacts of geoms are not among them.",
         )  # fmt: skip
     else:
         whole = areas[0]

@@ -40,8 +40,8 @@ def _base_table(runs: Mapping[str, JudgedRun]) -> Table:
         base = run.response.base
         moved = [float(np.linalg.norm(history, axis=1).max()) for history in (base.velocity, base.displacement)]
         peak = max((row.value for row in body_peaks(run.response) if row.kind == "base"), default=0.0)
-        deck = area_forces(run.response)[0]
-        rows.append([case, peak, *moved, deck.at_rest, deck.down, deck.up, deck.across])
+        deck = area_forces(run.response, run.motion.up)[0]
+        rows.append([case, None if run.motion.up is not None else peak, *moved, deck.at_rest, deck.down, deck.up, deck.across])
     return Table(
         "envelope-base", "Base motion, and loads of all mounts on the deck",
         [
@@ -49,7 +49,9 @@ def _base_table(runs: Mapping[str, JudgedRun]) -> Table:
             Column("displacement", "mm", "z.1f"), Column("at rest", "kN", 3), Column("down", "kN", 3), Column("up", "kN", 3),
             Column("horizontally", "kN", 3),
         ],
-        rows, note="Largest sizes; a base that coasts after a pulse does so to the end of the run. The loads are sums "
+        rows,
+        note="Largest sizes; a base that coasts after a pulse does so to the end of the run, and one that falls has no "
+        "acceleration but that of its fall before it stops at once. The loads, down along gravity, are sums "
         "over all mounts and stops, weight included, at the samples.",
     )  # fmt: skip
 

@@ -163,7 +163,8 @@ def judged_run(system: System, motion: BaseMotion, response: Response, inputs: E
         system=system, motion=motion, response=response, statics=statics,
         verdicts=_with_rms_amplification(verdicts, rows, response), random=random,
         untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
-        model_warnings=(*model_warnings(system), *missing_modes(system, motion)), inputs=inputs or {},
+        model_warnings=(*model_warnings(system, turned=motion.up is not None), *missing_modes(system, motion)),
+        inputs=inputs or {},
     )  # fmt: skip
 
 

@@ -50,7 +50,7 @@ from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.motions import Sweep, VibrationLines
+from wirerope_mj.motions import Drop, Sweep, VibrationLines
 
 START = {
     "settled": "at rest in the equilibrium of the first loading",
@@ -149,8 +149,10 @@ def acceleration_blocks(run: RunResult) -> Iterator[Block | None]:
     """Yield peak accelerations against limits, and rms and 3-sigma values."""
     sweep, limited = run.sweep, acceleration_limits(run.verdicts)
     rows: list[Row] = []
+    falls = any(part.get("kind") == Drop.kind for part in elements(run.response.motion))
     for row in body_peaks(run.response):
-        name = row.name if row.kind == "body" else f"{row.name} ({row.kind})"
+        kind = f"{row.kind}, in its fall" if row.kind == "base" and falls else row.kind
+        name = row.name if row.kind == "body" else f"{row.name} ({kind})"
         cells: list[Cell] = [name, Mark(row.value, "strong"), *row.axes, row.time]
         cells += [] if sweep is None else [float(sweep.frequency([row.time])[0])]
         if limited:

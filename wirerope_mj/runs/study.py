@@ -141,8 +141,10 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
     points, known = payload_points(system), subjects_of(system)
     can: list[str] = []
     cannot: list[str] = []
-    forces = [limit for limit in system.limits if limit.kind in ON_MOUNTS]
-    for one in (*limits_by_patterns(scenario.limits, known), *forces):
+    stated = limits_by_patterns(scenario.limits, known)
+    named = {(limit.kind, limit.name) for limit in stated}
+    forces = [limit for limit in system.limits if limit.kind in ON_MOUNTS and (limit.kind, limit.name) not in named]
+    for one in (*stated, *forces):
         if one.kind == "acceleration" and set(one.judged) == {""}:
             can.append(_text(one))
         elif one.kind == "clearance" and one.name in points:

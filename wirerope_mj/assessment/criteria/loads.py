@@ -249,20 +249,25 @@ class AreaForce:
     across_time: float
 
 
-def area_forces(response: Response) -> list[AreaForce]:
-    """Find the largest forces of all mounts and of those of each area on the deck; contacts of geoms are not among them."""
+def area_forces(response: Response, up: Array | None = None) -> list[AreaForce]:
+    """Find the largest forces of all mounts and of those of each area on the deck; contacts of geoms are not among them.
+
+    `up`: unit vector against gravity, (3,), for "down" and "up"; z by default.
+    """
+    vertical = np.array([0.0, 0.0, 1.0]) if up is None else up
     time, on_deck = response.time, [mount.name for mount in standing(response.scene)]
     areas: dict[str, Collection[str]] = {"": on_deck, **response.scene.areas}
     loads = []
     for name, mounts in areas.items():
         force = foundation_force(response, mounts)
-        across = np.hypot(force[:, 0], force[:, 1])
-        low, high, side = int(force[:, 2].argmin()), int(force[:, 2].argmax()), int(across.argmax())
+        along = force @ vertical
+        across = np.linalg.norm(force - along[:, np.newaxis] * vertical, axis=1)
+        low, high, side = int(along.argmin()), int(along.argmax()), int(across.argmax())
         loads.append(
             AreaForce(
-                name=name, mounts=len(set(mounts) & set(on_deck)), at_rest=float(-force[0, 2]),
-                down=max(float(-force[low, 2]), 0.0), down_time=float(time[low]),
-                up=max(float(force[high, 2]), 0.0), up_time=float(time[high]),
+                name=name, mounts=len(set(mounts) & set(on_deck)), at_rest=float(-along[0]),
+                down=max(float(-along[low]), 0.0), down_time=float(time[low]),
+                up=max(float(along[high]), 0.0), up_time=float(time[high]),
                 across=float(across[side]), across_time=float(time[side]),
             )
         )  # fmt: skip

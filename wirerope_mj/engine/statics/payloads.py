@@ -148,9 +148,12 @@ def carriers(model: mujoco.MjModel, body: int) -> Iterator[int]:
         body = int(model.body_parentid[body])
 
 
-def model_warnings(system: System) -> tuple[str, ...]:
-    """Return a sentence on each thing in a model that is perhaps not meant, with its element and the remedy."""
-    said = (*_lawless(system), *_gravity(system), *_masses(system), *_loads(system))
+def model_warnings(system: System, *, turned: bool = False) -> tuple[str, ...]:
+    """Return a sentence on each thing in a model that is perhaps not meant, with its element and the remedy.
+
+    `turned`: the direction of gravity is meant, as where a model falls onto another side than its bottom.
+    """
+    said = (*_lawless(system), *_gravity(system, turned=turned), *_masses(system), *_loads(system))
     return (*said, *soft_equalities(system), *dry_friction(system))
 
 
@@ -177,7 +180,7 @@ def _lawless(system: System) -> list[str]:
     ]
 
 
-def _gravity(system: System) -> list[str]:
+def _gravity(system: System, *, turned: bool) -> list[str]:
     """Return a sentence on a gravity that is not the earth's, downwards along z, in m/s^2."""
     gravity = system.model.opt.gravity
     size = float(np.linalg.norm(gravity))
@@ -190,7 +193,7 @@ def _gravity(system: System) -> list[str]:
     said = []
     if abs(size / STANDARD_GRAVITY - 1.0) > _EARTH:
         said.append(f"gravity is {size / STANDARD_GRAVITY:.4g} times the earth's")
-    if gravity[2] > 0.5 * size:
+    if gravity[2] > 0.5 * size and not turned:
         said.append("gravity points upwards, and the payload hangs on its mounts towards the sky")
     return [f"{written}: {' and '.join(said)}. {remedy}"] if said else []
 

@@ -65,6 +65,8 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines.append("joints with springs, with the natural frequency of each alone:")
         lines += [f"  {name}: {frequency:.4g} Hz" for name, frequency in joints.items()]
         lines.append("  joint/NAME/frequency  value [Hz] or factor")
+    if motion.up is not None:
+        return [*lines, f"motion {motion.description}: nothing, a fall has no level but its height"]
     lines += [f"motion {motion.description}:", "  motion/level  factor"]
     one_line = np.linalg.matrix_rank(motion.directions, tol=1e-9) == 1  # 1e-9: rounding of unit vectors
     if one_line and np.linalg.matrix_rank(system.assembly.tables.drive) == len(WORLD):  # the base is driven along all axes
