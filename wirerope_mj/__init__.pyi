@@ -62,6 +62,7 @@ from .engine.system import on_deck as on_deck
 from .engine.system import varied as varied
 from .engine.system import with_flexible as with_flexible
 from .engine.system import with_gravity as with_gravity
+from .engine.system import with_rotation as with_rotation
 from .foundation.errors import AccuracyWarning as AccuracyWarning
 from .foundation.errors import BudgetError as BudgetError
 from .foundation.errors import ClusterWarning as ClusterWarning
@@ -91,6 +92,7 @@ from .motions import PayloadForce as PayloadForce
 from .motions import RandomVibration as RandomVibration
 from .motions import Sawtooth as Sawtooth
 from .motions import Scaled as Scaled
+from .motions import ShipMotion as ShipMotion
 from .motions import ShockTableImpact as ShockTableImpact
 from .motions import Sine as Sine
 from .motions import SpectrumMatch as SpectrumMatch

@@ -213,9 +213,8 @@ def scene_at(response: Response, instant: float, *, title: str = "") -> SceneVie
     if not any(body.geoms for body in scene.bodies):
         return None
     number = int(np.abs(response.time - instant).argmin())
-    base = response.base.displacement[number]
     travels = {  # from the modelled geometry, relative to the base [m], (3,) each
-        body.name: response.bodies[body.name].position[number] - base - body.position
+        body.name: response.displacement_from_base(response.bodies[body.name].position, body.position)[number]
         for body in scene.bodies
         if body.moves and not body.on_base
     }
@@ -226,10 +225,11 @@ def scene_at(response: Response, instant: float, *, title: str = "") -> SceneVie
     allowed = _SHOWN_DISPLACEMENT * float((drawn.high - drawn.low).max())
     factor = next((factor for factor in _FACTORS if factor * largest <= allowed), 1.0)
     bodies, rotation = [], scipy.spatial.transform.Rotation
+    back = rotation.identity() if response.base_rotation is None else rotation.from_matrix(response.base_rotation[number].T)
     for body in scene.bodies:
         if body.name in travels:
             start = rotation.from_quat(body.orientation, scalar_first=True)
-            now = rotation.from_quat(response.bodies[body.name].orientation[number], scalar_first=True)
+            now = back * rotation.from_quat(response.bodies[body.name].orientation[number], scalar_first=True)
             turned = rotation.from_rotvec(factor * (now * start.inv()).as_rotvec()) * start
             position = body.position + factor * travels[body.name]
             bodies.append(replace(body, position=position, orientation=turned.as_quat(scalar_first=True)))

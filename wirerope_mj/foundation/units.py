@@ -24,6 +24,7 @@ ACCELERATION_UNITS = {
     "gal": 1e-2, "in/s^2": 0.0254, "in/s2": 0.0254, "ft/s^2": 0.3048, "ft/s2": 0.3048,
     "mg": 1e-3 * STANDARD_GRAVITY,
 }  # fmt: skip
+ANGLE_UNITS = {"deg": math.pi / 180.0, "°": math.pi / 180.0, "rad": 1.0}
 FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
 MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
 PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
@@ -40,7 +41,7 @@ UNITS: dict[str, Mapping[str, float]] = {
         "lb in^2": _POUND * LENGTH_UNITS["in"] ** 2,
     },
     "time": TIME_UNITS,
-    "angle": {"deg": math.pi / 180.0, "°": math.pi / 180.0, "rad": 1.0},
+    "angle": ANGLE_UNITS,
     "stiffness": {
         f"{force}/{length}": newtons / metres
         for force, newtons in FORCE_UNITS.items() for length, metres in (("m", 1.0), ("mm", 1e-3))
@@ -63,6 +64,7 @@ PHRASE_UNITS: dict[str, Mapping[str, float]] = {
     "impulse": {"N.s": 1.0, "Ns": 1.0, "kN.s": 1e3, "kNs": 1e3},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5, "psi": 6894.757293168},
     "areal mass": {"kg/m2": 1.0, "kg/m^2": 1.0}, "mass": {"kg": 1.0, "t": 1e3},
+    "angle": ANGLE_UNITS,
     "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.cm": 1e-5, "g.mm": 1e-6},
 }  # fmt: skip
 # what else a logger writes as a unit beside the quantities that are read: enough to know a row of units, or what stands in

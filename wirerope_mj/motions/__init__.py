@@ -12,6 +12,7 @@ from wirerope_mj.motions.records.measured import Measured, MeasuredChannel, load
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.registry import motion_from_dict
 from wirerope_mj.motions.scaled import Scaled, Turned
+from wirerope_mj.motions.ship_motion import ShipMotion
 from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
 from wirerope_mj.motions.spectrum_match import SpectrumMatch, match_spectrum
 from wirerope_mj.motions.target_spectra import EN1998_TYPE_1, DesignSpectrum, ac156_spectrum, en1998_spectrum

@@ -16,6 +16,7 @@ from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions.phrases import SpokenMotion
+from wirerope_mj.motions.rotation import angular_motion, swing
 
 # corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours
 SAME_TIME = 1e-10
@@ -40,7 +41,10 @@ class TargetSpectrum(NamedTuple):
 
 
 class BaseMotion(ABC):
-    """Translation of the driven base as a function of time, in the world frame.
+    """Translation and rotation of the driven base as functions of time, in the world frame.
+
+    A base that rotates, `rotates`, turns by its roll, pitch and yaw, R = Rz(yaw) Ry(pitch) Rx(roll), about `centre`, a point of
+    the base; acceleration, velocity and displacement are those of the base's own origin.
 
     At a corner the acceleration and the velocity have the value just after it (they are continuous from the right).
     Nothing is compensated in secret: a pulse leaves the base coasting at the pulse's velocity change.
@@ -56,19 +60,52 @@ class BaseMotion(ABC):
 
     def acceleration(self, time: ArrayLike) -> Array:
         """Return the base's acceleration [m/s^2] at the times [s], (n_t, 3)."""
-        return self._derivative(as_times(time), 2)
+        return self._of_origin(as_times(time), 2)
 
     def velocity(self, time: ArrayLike) -> Array:
         """Return the base's velocity [m/s] at the times [s], (n_t, 3)."""
-        return self._derivative(as_times(time), 1)
+        return self._of_origin(as_times(time), 1)
 
     def displacement(self, time: ArrayLike) -> Array:
         """Return the base's displacement [m] at the times [s], (n_t, 3)."""
-        return self._derivative(as_times(time), 0)
+        return self._of_origin(as_times(time), 0)
+
+    def angular_displacement(self, time: ArrayLike) -> Array:
+        """Return the base's roll, pitch and yaw [rad] at the times [s], (n_t, 3)."""
+        return self._angles(as_times(time), 0)
+
+    def angular_velocity(self, time: ArrayLike) -> Array:
+        """Return the base's angular velocity [rad/s] at the times [s], world axes, (n_t, 3)."""
+        return angular_motion(*self._turning(as_times(time)))[0]
+
+    def angular_acceleration(self, time: ArrayLike) -> Array:
+        """Return the base's angular acceleration [rad/s^2] at the times [s], world axes, (n_t, 3)."""
+        return angular_motion(*self._turning(as_times(time)))[1]
+
+    def _of_origin(self, t: Array, order: int) -> Array:
+        moved = self._derivative(t, order)
+        return moved + swing(np.array(self.centre), order, *self._turning(t)) if self.rotates and any(self.centre) else moved
 
     @abstractmethod
     def _derivative(self, t: Array, order: int) -> Array:
-        """Return displacement (order 0), velocity (1) or acceleration (2) at the times, (n_t, 3)."""
+        """Return displacement (order 0), velocity (1) or acceleration (2) of the centre at the times, (n_t, 3)."""
+
+    def _angles(self, t: Array, order: int) -> Array:
+        """Return roll, pitch and yaw (order 0) or their first and second derivatives (1, 2) at the times, (n_t, 3)."""
+        return np.zeros((t.size, 3))
+
+    def _turning(self, t: Array) -> tuple[Array, Array, Array]:
+        return self._angles(t, 0), self._angles(t, 1), self._angles(t, 2)
+
+    @property
+    def rotates(self) -> bool:
+        """Whether the base rotates."""
+        return False
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Point of the base about which it rotates, from the base's own origin as modelled, world axes [m]."""
+        return 0.0, 0.0, 0.0
 
     @property
     def end(self) -> float:
@@ -255,10 +292,25 @@ class SumOfMotions(AsCall, BaseMotion):
         self._set(terms=tuple(part for term in self.terms for part in _terms(term)))
         if sum(term.up is not None for term in self.terms) > 1:
             raise ValueError("a base falls once: give one drop, the others are load cases of their own.")
+        if len({term.centre for term in self.terms if term.rotates}) > 1:
+            raise ValueError("a base rotates about one point: give all motions that rotate it the same `centre`.")
         self._set(duration=max(term.end for term in self.terms))
 
     def _derivative(self, t: Array, order: int) -> Array:
         return np.asarray(sum(term._derivative(t, order) for term in self.terms))
+
+    def _angles(self, t: Array, order: int) -> Array:
+        return np.asarray(sum(term._angles(t, order) for term in self.terms))
+
+    @cached_property
+    def rotates(self) -> bool:
+        """Whether a term rotates the base; angles of several add."""
+        return any(term.rotates for term in self.terms)
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Centre of the terms that rotate the base."""
+        return next((term.centre for term in self.terms if term.rotates), (0.0, 0.0, 0.0))
 
     @cached_property
     def corners(self) -> Array:

@@ -34,6 +34,7 @@ from wirerope_mj.motions.pulses import HalfSine, Sawtooth, StruckPlate, Trapezoi
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.record import Record
 from wirerope_mj.motions.scaled import Scaled, Turned
+from wirerope_mj.motions.ship_motion import ShipMotion
 from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
 from wirerope_mj.motions.spectrum_match import SpectrumMatch
 from wirerope_mj.motions.target_spectra import DesignSpectrum
@@ -56,6 +57,7 @@ REGISTERED: tuple[type[BaseMotion] | type[DesignSpectrum] | type[SpectrumMatch],
     Sweep,
     RandomVibration,
     VibrationLines,
+    ShipMotion,
     SpectrumMatch,  # stored as its lines
     Unbalance,
     HarmonicForce,
@@ -154,7 +156,7 @@ def _check_phrase(spoken: SpokenMotion, phrase: Phrase) -> None:
     if spoken.directed and not phrase.directions:
         raise ValueError("a direction must stand there: x, y, z, several as in xyz, -z or a vector such as 1,1,0.")
     if phrase.directions and not spoken.directed:
-        raise ValueError("a direction stands there, and none is expected: the columns of its table say it.")
+        raise ValueError("a direction stands there, and none is expected: its parts or the columns of its table say it.")
 
 
 def motion_from_dict(stored: Entries, *, folder: str | Path | None = None) -> BaseMotion:

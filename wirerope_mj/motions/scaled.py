@@ -41,6 +41,9 @@ class _Transformed(BaseMotion):
     def _derivative(self, t: Array, order: int) -> Array:
         return self._transformed(self.motion._derivative(t, order))
 
+    def _angles(self, t: Array, order: int) -> Array:
+        return self._transformed(self.motion._angles(t, order))
+
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         return tuple((time, self._transformed(jump[np.newaxis])[0]) for time, jump in self.motion.velocity_jumps)
@@ -50,6 +53,7 @@ class _Transformed(BaseMotion):
 
     end, corners, loaded_sites, files = map(_forwarded, ("end", "corners", "loaded_sites", "files"))
     parts, targets = map(_forwarded, ("parts", "targets"))  # as they are before the change
+    rotates, centre = map(_forwarded, ("rotates", "centre"))
 
     @cached_property
     def _said(self) -> Said:
@@ -118,6 +122,10 @@ class Turned(_Transformed):
     ) -> None:
         self._set(motion=motion)
         super().__post_init__()
+        if motion.rotates:
+            raise ValueError(
+                f"a motion that rotates the base is not turned: write it about other axes. Got {motion.description}."
+            )
         if (rotation is None) == (direction is None):
             raise ValueError(
                 f"exactly one of `rotation` and `direction` must be given, got {'none' if rotation is None else 'both'}."

@@ -65,7 +65,9 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     drive = system.assembly.tables.drive
     reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
     # The base follows any horizontal motion, and there is one; 1e-9: rounding of unit vectors, as where simulations check it.
-    if not falls and np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9 < np.abs(motion.directions[:, :2]).max(initial=0.0):
+    if not (falls or motion.rotates) and np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9 < np.abs(motion.directions[:, :2]).max(
+        initial=0.0
+    ):
         found.append(Slider(
             key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0, nominal=0.0,
             note="Turns the motion about the vertical, from x towards y.",

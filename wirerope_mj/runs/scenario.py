@@ -15,7 +15,7 @@ from typing import Any, Self
 from wirerope_mj.engine.flexible import Deck
 from wirerope_mj.engine.simulation.stepper import falls_by_gravity
 from wirerope_mj.engine.system import Changes, load_system
-from wirerope_mj.engine.system.on_deck import deck_text, with_gravity
+from wirerope_mj.engine.system.on_deck import deck_text, with_gravity, with_rotation
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -203,14 +203,19 @@ class Scenario:
         return replace(self, model=deck_text(system, deck), isolators=system.isolators, options=options)
 
     def on_its_floor(self) -> "Scenario":
-        """Turn the model's gravity against the floor onto which the motion falls, if it falls; the model is text then."""
-        if (up := self.motion.up) is None:
+        """Turn the model's gravity against the floor onto which the motion falls, and give a base that it rotates its hinges.
+
+        The model is text then, where one of them is needed.
+        """
+        up = self.motion.up
+        if up is None and not self.motion.rotates:
             return self
-        system = load_system(self.model_source(), isolators=self.isolators)
-        if falls_by_gravity(system, up):
-            return self
-        turned = with_gravity(system, up=up)
-        return replace(self, model=turned.mjcf, isolators=turned.isolators)
+        system = made = load_system(self.model_source(), isolators=self.isolators)
+        if up is not None and not falls_by_gravity(system, up):
+            made = with_gravity(made, up=up)
+        if self.motion.rotates:
+            made = with_rotation(made)
+        return self if made is system else replace(self, model=made.mjcf, isolators=made.isolators)
 
 
 class ScenarioFile(OptionFile):

@@ -91,18 +91,18 @@ class Extremes:
     def of_lanes(cls, system: System, done: InLanes) -> "Extremes":
         """Return the extremes of variants of a system that came to the end of a grid."""
         tables, n = system.assembly.tables, len(done.which)
-        tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
         channels = np.zeros((n, tables.channels.size, at.CHANNEL_MEMORY))
         failed, struck = np.zeros(n, dtype=bool), np.zeros(n)
         travels = np.zeros((n, len(system.mounts), 2))
         for group, indices in done.groups:
             failed[indices] = group.failed != 0.0
             for lane, index in enumerate(indices):
-                channels[index, tracked] = group.channels(lane)
+                channels[index, tables.tracked] = group.channels(lane)
                 squares = group.travels(lane)[:, [at.FARTHEST, at.JUDGED]]
                 travels[index] = np.sqrt(np.where(squares >= 0.0, squares, NAN))
                 stops = group.stops(lane)
                 struck[index] = np.sum(stops[:, at.TOUCHES] > stops[:, at.FROM_START])
+        channels[:, tables.base_channels] = 0.0
         low, high = (channels[:, :, part : part + 3] for part in (at.LOW, at.HIGH))
         value = channels[:, :, at.PEAK]
         times = [channels[:, :, part : part + 3] for part in (at.LOW_TIME, at.HIGH_TIME)]

@@ -79,8 +79,10 @@ def model_history(response: Response, measured: Measured, channel: MeasuredChann
         )
     if quantity != "displacement":
         return np.asarray(getattr(part, quantity))[:, axis]
-    position = np.asarray(getattr(part, "position"))[:, axis]  # noqa: B009  of bodies and points alike
-    return position if channel.absolute else position - base.displacement[:, axis]
+    position = np.asarray(getattr(part, "position"))  # noqa: B009  of bodies and points alike
+    if channel.absolute or response.base_rotation is None:
+        return position[:, axis] if channel.absolute else position[:, axis] - base.displacement[:, axis]
+    return response.displacement_from_base(position, np.zeros(3))[:, axis]
 
 
 def delay_of(response: Response, measured: Measured, channel: MeasuredChannel, *, around: float | None = None) -> Delay:

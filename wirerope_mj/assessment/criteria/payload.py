@@ -191,11 +191,14 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
         if limit is None:
             note = f"corner at {', '.join(f'{1e3 * x:.4g}' for x in corner)} mm from the centre of mass"
         else:
-            motion = read_columns(response, f"bodies/{body.name}/orientation/w", 10)  # velocity and angular velocity, too
-            axes, centre = rotation_matrices(motion[:, :4]), motion[:, 4:7] - response.base.velocity
+            motion = read_columns(response, f"bodies/{body.name}/position/x", 13)  # up to its angular velocity
+            arms = (rotation_matrices(motion[:, 3:7]) @ place for place in box)
             every = [
-                sampled_sides(moved, centre + np.cross(motion[:, 7:], axes @ place))
-                for place, moved in zip(box, corner_displacements(response, body, box), strict=True)
+                sampled_sides(
+                    moved,
+                    response.velocity_from_base(motion[:, :3] + arm, motion[:, 7:10], np.cross(motion[:, 10:], arm)),
+                )
+                for arm, moved in zip(arms, corner_displacements(response, body, box), strict=True)
             ]
             for side in zip(*every, strict=True):  # of the farthest corner, and how much farther any corner may have gone
                 value, when, _ = max(side)
@@ -205,7 +208,10 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
         first, second = (response.points[end] for end in name.split(BETWEEN))
         moved = between_points(response, name)
         length = sampled_peak(time, np.linalg.norm(moved, axis=1))
-        sides = sampled_sides(moved, first.velocity - second.velocity)
+        rate = first.velocity - second.velocity
+        if response.base_rotation is not None:
+            rate = np.subtract(*(response.velocity_from_base(end.position, end.velocity) for end in (first, second)))
+        sides = sampled_sides(moved, rate)
         verdicts += _clearance_verdicts(name, length, sides, stated[name], "between two points", sampled)
     return tuple(largest_each(verdicts))
 
@@ -232,8 +238,11 @@ def body_corners(body: SceneBody) -> Array:
 def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
     """Yield the displacement of one corner after the other from its modelled position relative to the base [m], (n_t, 3)."""
     poses = read_columns(response, f"bodies/{body.name}/position/x", 7)  # positions and orientations
-    turns = rotation_matrices(poses[:, 3:]) - rotation_matrices(body.orientation)  # (n_t, 3, 3)
-    centre = poses[:, :3] - body.position - response.base.displacement
+    axes, modelled = rotation_matrices(poses[:, 3:]), rotation_matrices(body.orientation)
+    centre = response.displacement_from_base(poses[:, :3], body.position)
+    if (base := response.base_rotation) is not None:
+        axes = np.swapaxes(base, 1, 2) @ axes
+    turns = axes - modelled  # (n_t, 3, 3)
     for corner in corners:
         yield centre + turns @ corner
 

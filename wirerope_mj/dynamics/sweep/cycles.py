@@ -17,7 +17,7 @@ from wirerope_mj.engine.kernel.variants import group_of
 from wirerope_mj.engine.simulation.engines import equations, failure, unsupported_run
 from wirerope_mj.engine.simulation.grid import Grid, divided
 from wirerope_mj.engine.simulation.in_lanes import final_state, moving
-from wirerope_mj.engine.simulation.stages import StageTables
+from wirerope_mj.engine.simulation.stages import StageTables, drive_of
 from wirerope_mj.engine.simulation.stepper import Stepper, base_before, moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Integers
@@ -31,7 +31,7 @@ class ByMujoco:
 
     def __init__(self, system: System, motion: Sine | Sweep, start: State) -> None:
         self.stepper = Stepper(system, motion, start)
-        self._tables = StageTables(motion, system.assembly.tables.drive)
+        self._tables = StageTables(motion, drive_of(system))
         self._memory = system.assembly.tables.user.channel_rows(self.stepper.user)  # a view: the tracker writes it
 
     def remember(self, times: Array, before: Array, last: Array) -> None:
@@ -91,7 +91,7 @@ class ByKernel:
         tables = system.assembly.tables
         self._system, self._motion, self._start = system, motion, start
         self.time = start.time  # end of the last cycles without failure [s]
-        self._tables = StageTables(motion, tables.drive)
+        self._tables = StageTables(motion, drive_of(system))
         self._group = group_of([equations(system)], start.values[moving(system)][np.newaxis], [0])
         self._base = np.zeros(at.CHANNEL_MEMORY)
         n = tables.tracked.size
@@ -147,7 +147,7 @@ class ByKernel:
         """Do nothing: cycles that fail are handed over to MuJoCo."""
 
     def finish(self) -> State:
-        positions, rates = base_before(self._motion, self._system.assembly.tables.drive, self.time)
+        positions, rates = base_before(self._motion, drive_of(self._system), self.time)
         at_end = (positions[np.newaxis, np.newaxis], rates[np.newaxis, np.newaxis])
         self._group.finish(self.time, *at_end, np.zeros((1, 1, 3)), NO_SAMPLES)
         return final_state(self._system, self._start, self._group.states[:, 0], self.time)

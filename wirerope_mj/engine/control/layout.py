@@ -23,7 +23,9 @@ N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
 USER_MOUNTS, USER_RATES, USER_ACCELERATIONS, USER_CHANNELS, USER_CONTACTS, USER_STOPS = range(18, 24)  # see `UserData`
 N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS, N_MODES, MODES, STOPS, USER_CLOSINGS = range(24, 34)
-HEADER = 34
+# where the turning accelerations stand in userdata, and the base's orientation as modelled in the layout (0: it never turns)
+USER_TURNS, BASE_MODELLED = 34, 35
+HEADER = 36
 
 # columns of the tables
 MOUNT_COLUMNS = 22
@@ -39,7 +41,8 @@ SHAPES = 20
 # law number (-1: none, `WITH_ANOTHER`: on brackets with the axis that it is coupled to), first parameter, first state, number
 # of states; three rows per mount
 LAW, FIRST_PARAMETER, FIRST_STATE, LAW_STATES, AXIS_COLUMNS = range(5)
-DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration to slide acceleration
+# dof, effective inertia, rows of the maps from the base's acceleration to a slide's, from roll'', pitch'', yaw'' to a hinge's
+DRIVEN_COLUMNS = 8
 BODY_COLUMNS = 2  # body, root
 # site, body, root, base body, point from the base body's centre of mass as modelled (3), shapes
 POINT_BASE, POINT_MODELLED, POINT_SHAPES, POINT_COLUMNS = 3, 4, 7, 8
@@ -103,6 +106,7 @@ class UserData:
     n_contacts: int
     n_stops: int = 0
     n_forces: int = 0
+    rotates: bool = False  # whether the base has hinges that are driven
     mounts: int = field(init=False)  # deflection and force of every mount, (n_mounts, 6)
     rates: int = field(init=False)  # rates of the internal states, (n_states,)
     # spatial accelerations of the bodies about their tree's centre of mass, (n_tree, 6)
@@ -114,6 +118,7 @@ class UserData:
     forces: int = field(init=False)
     travels: int = field(init=False)  # memory of the mounts' travel along all axes at once, (n_mounts, TRAVEL_MEMORY)
     closings: int = field(init=False)  # memory of the speeds at which stops close, (n_stops, CLOSING_MEMORY)
+    turns: int = field(init=False)  # second derivatives of roll, pitch and yaw at the half steps, (2 MAX_STEPS + 1, 3), or none
     size: int = field(init=False)  # number of entries
 
     def __post_init__(self) -> None:
@@ -123,7 +128,7 @@ class UserData:
             "channels": 6 * self.n_tree, "contacts": CHANNEL_MEMORY * self.n_channels,
             "stops": CONTACT_MEMORY * self.n_contacts, "forces": CONTACT_MEMORY * self.n_stops,
             "travels": 6 * self.n_forces * half_steps, "closings": TRAVEL_MEMORY * self.n_mounts,
-            "size": CLOSING_MEMORY * self.n_stops,
+            "turns": CLOSING_MEMORY * self.n_stops, "size": 3 * half_steps if self.rotates else 0,
         }  # fmt: skip
         for part, before in sizes.items():  # what stands between this part's address and the last one's
             address += before
@@ -151,4 +156,4 @@ class UserData:
 
     def closing_rows(self, user: Array) -> Array:
         """Return the memory of the stops' closing speeds from the system's userdata, a view, (n_stops, CLOSING_MEMORY)."""
-        return user[self.closings : self.size].reshape(self.n_stops, CLOSING_MEMORY)
+        return user[self.closings : self.turns].reshape(self.n_stops, CLOSING_MEMORY)

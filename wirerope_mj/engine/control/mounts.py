@@ -69,13 +69,16 @@ def stage_row(u, w, time):
 
 @inlined
 def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
-    """Give the base's slides the acceleration that stands in the stage table for this instant."""
+    """Give the base's slides and hinges the accelerations that stand in the stage tables for this instant."""
     n_points = int(u[w + at.STAGE_POINTS])
-    base = vector(u, w + at.STAGES + 3 * stage_row(u, w, time))
+    stage, turns = 3 * stage_row(u, w, time), index(lay[i + at.USER_TURNS])
+    base = vector(u, w + at.STAGES + stage)
     j = i + index(lay[i + at.DRIVEN])
     for _ in range(index(lay[i + at.N_DRIVEN])):
         dof = index(lay[j])
         acceleration = dot(vector(lay, j + 2), base) if n_points > 0 else 0.0
+        if turns and n_points > 0:
+            acceleration += dot(vector(lay, j + 5), vector(u, w + turns + stage))
         # The bias carries gravity, so that the base does not sink; contacts and mounts act on 1e10 kg.
         qfrc_applied[dof] = lay[j + 1] * acceleration + qfrc_bias[dof] - qfrc_passive[dof]
         j += at.DRIVEN_COLUMNS

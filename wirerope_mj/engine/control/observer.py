@@ -21,9 +21,12 @@ from wirerope_mj.engine.control.vectors import (
     minus,
     norm,
     plus,
+    quaternion,
+    rotated_by,
     swept,
     times,
     turned,
+    unturned,
     vector,
 )
 from wirerope_mj.foundation.jit import index, inlined, njit
@@ -170,13 +173,13 @@ def body_accelerations(lay, i, out, w, cdof, cdof_dot, qvel, qacc):
 
 
 @inlined
-def kinematics(out, o, point, quaternion, k, body, root, subtree_com, cvel, cacc, w):
+def kinematics(out, o, point, orientations, k, body, root, subtree_com, cvel, cacc, w):
     """Write position, orientation, velocity, angular velocity, acceleration and angular acceleration of a point."""
     arm, rate, turn = minus(point, vector(subtree_com, 3 * root)), vector(cvel, 6 * body), vector(cacc, w + 6 * body)
     velocity = point_velocity(cvel, body, subtree_com, root, point)
     keep(out, o, point)
     for c in range(4):
-        out[o + 3 + c] = quaternion[k + c]
+        out[o + 3 + c] = orientations[k + c]
     keep(out, o + 7, velocity)
     keep(out, o + 10, rate)
     # The spatial acceleration is that of the velocity field at a fixed point; omega x v turns it into the particle's.
@@ -249,6 +252,9 @@ def observe(
         if index(lay[row + at.POINT_SHAPES]):
             bend_point(lay, i + index(lay[row + at.POINT_SHAPES]), s, o, 9 * site, site_xmat, qpos, qvel, qacc)
         from_base = minus(vector(s, o), vector(xipos, 3 * index(lay[row + at.POINT_BASE])))
+        if index(lay[i + at.BASE_MODELLED]):
+            turn = unturned(quaternion(xquat, 4 * index(lay[row + at.POINT_BASE])), from_base)
+            from_base = rotated_by(quaternion(lay, i + index(lay[i + at.BASE_MODELLED])), turn)
         keep(s, o + at.RELATIVE, minus(from_base, vector(lay, row + at.POINT_MODELLED)))
         o += at.POINT_VALUES
         row += at.POINT_COLUMNS

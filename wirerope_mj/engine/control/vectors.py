@@ -133,3 +133,17 @@ def unit(q):
     """Return a quaternion of length 1."""
     s = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     return q[0] * s, q[1] * s, q[2] * s, q[3] * s
+
+
+@inlined
+def rotated_by(q, v):
+    """Return a vector turned by a unit quaternion."""
+    u = q[1], q[2], q[3]
+    t = times(2.0, cross(u, v))
+    return plus(plus(v, times(q[0], t)), cross(u, t))
+
+
+@inlined
+def unturned(q, v):
+    """Return a vector in axes that a unit quaternion has turned."""
+    return rotated_by((q[0], -q[1], -q[2], -q[3]), v)

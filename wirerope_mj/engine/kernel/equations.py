@@ -65,7 +65,10 @@ def equations_of(system: System) -> Equations:
     weightless = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
     lay[at.GRAVITY] = fix.put(np.zeros(3) if weightless else model.opt.gravity)
     masses = tables.rows(control.DRIVEN, control.DRIVEN_COLUMNS, len(tables.drive))[:, 1]  # as the callback has them
-    lay[at.DRIVEN] = fix.put([[*row, mass] for row, mass in zip(tables.drive, masses, strict=True)])
+    lay[at.DRIVEN] = fix.put(
+        [[*row, *turn, mass] for row, turn, mass in zip(tables.drive, tables.turning, masses, strict=True)]
+    )
+    lay[at.ROTATES] = fix.put(bodies.on_parent(subjects.base)[1].axes) if tables.rotates else -1
     lay[at.PARAMETERS] = num.put(tables.parameters)
     axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * tables.user.n_mounts).astype(np.int64).tolist()
     stops = [
@@ -295,11 +298,11 @@ def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer,
     tables, rows = assembly.tables, []
     base = assembly.subjects.base
     base_centre = bodies.pose[base].then(model.body_ipos[base], model.body_iquat[base]).origin
-    fixed = set(tables.base_channels)
+    tracked = set(tables.tracked.tolist())
     for number, body in enumerate(assembly.subjects.bodies):
         pose = bodies.pose[body]
         centre = pose.then(model.body_ipos[body], model.body_iquat[body]).origin
-        rows.append([bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed), 0])
+        rows.append([bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number in tracked), 0])
     points = assembly.subjects.points
     for site, row in zip(points, tables.rows(control.POINTS, control.POINT_COLUMNS, len(points)), strict=True):
         link, pose = bodies.site(site)

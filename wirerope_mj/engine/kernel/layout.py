@@ -13,7 +13,8 @@ LINKS, TREES, DOFS, RUNS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, PAIRS, MODES, F
 DRIVEN, GRAVITY, PARAMETERS = 29, 30, 31  # addresses in `fix`, and that of the laws' parameters in `num`
 KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY = range(32, 46)
 TOUCHED, TRAVELS, CLOSINGS, FAILED, LOADS = range(46, 51)  # the last: of now, of a step's middle, of its end
-HEADER = 51
+ROTATES = 51  # where the base's axes as modelled stand in `fix`, row by row, if it has hinges that are driven, else -1
+HEADER = 52
 
 # parent (-1: the world), first dof, number of dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4),
 # inertia in `num`
@@ -36,6 +37,8 @@ SLIDE, HINGE, FLOATING, ALONG = 0, 1, 2, 3  # of a floating link's six dofs the 
 # of `fix`: axis (3), anchor (3), armature, origin, limits (2)
 AXIS, ANCHOR, ARMATURE, ORIGIN, LOWEST, HIGHEST = 0, 3, 6, 7, 8, 9
 DAMPING, STIFFNESS, REFERENCE = 0, 1, 2  # of `num`; the last is where the spring is at rest
+# of a driven dof in `fix`: maps from the base's acceleration (3) and from that of roll, pitch, yaw (3), inertia of the drive
+DRIVEN_COLUMNS, INERTIA_OF_DRIVE = 7, 6
 # dof and participation in `fix` (3) of a mode of a flexible part, whose link is a unit mass on a slide
 MODE_COLUMNS = 2
 # of a site on a flexible part: number of modes, then of each dof, qpos, and shape in `fix` (3), in the axes that its point has

@@ -4,7 +4,19 @@ import math
 
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.peaks import close, parabola_bounds, touch, track_travel, track_vector
-from wirerope_mj.engine.control.vectors import carried, cross, grow, keep, minus, plus, swung, times, turned, vector
+from wirerope_mj.engine.control.vectors import (
+    carried,
+    cross,
+    grow,
+    keep,
+    minus,
+    plus,
+    swung,
+    times,
+    turned,
+    turned_back,
+    vector,
+)
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import bent, orientation
 from wirerope_mj.foundation.jit import inlined
@@ -47,7 +59,10 @@ def measure(lay, fix, num, y, work, whole):
             if is_point:
                 k = lay[at.KIN] + at.KIN_SIZE * lay[row + at.BASE_LINK]
                 base = plus(vector(work, k + at.KIN_O), turned(work, k + at.KIN_R, vector(num, lay[row + at.BASE_POINT])))
-                keep(work, o + control.RELATIVE, minus(minus(position, base), vector(fix, lay[row + at.BASE_APART])))
+                apart = minus(position, base)
+                if lay[at.ROTATES] >= 0:
+                    apart = turned(fix, lay[at.ROTATES], turned_back(work, k + at.KIN_R, apart))
+                keep(work, o + control.RELATIVE, minus(apart, vector(fix, lay[row + at.BASE_APART])))
         o += control.POINT_VALUES if is_point else control.KINEMATICS
         row += at.FRAME_COLUMNS
     axis, z = lay[at.AXES], lay[at.NQ] + lay[at.NV]

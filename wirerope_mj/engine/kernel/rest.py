@@ -204,7 +204,7 @@ def evaluate_at(structure, shared, numbers, states, memory, before, carried, fol
         carry_states(structure, numbers, states, memory, before, carried, follows, sizes, scratch)
         carry_coupled(structure, numbers, states, memory, before, carried, scratch)
     zero = 0.0 * y[0]
-    forward(lay, fix, num, y, work, (zero, zero, zero))
+    forward(lay, fix, num, y, work, (zero, zero, zero, zero, zero, zero))
 
 
 @njit

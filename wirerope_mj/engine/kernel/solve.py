@@ -26,22 +26,35 @@ from wirerope_mj.foundation.jit import inlined, njit
 
 @inlined
 def drive(lay, fix, number, base):
-    """Return the acceleration of a driven slide from that of the base."""
-    f = lay[at.DRIVEN] + 4 * number
-    return fix[f] * base[0] + fix[f + 1] * base[1] + fix[f + 2] * base[2]
+    """Return the acceleration of a driven slide or hinge from those of the base."""
+    f = lay[at.DRIVEN] + at.DRIVEN_COLUMNS * number
+    acceleration = fix[f] * base[0] + fix[f + 1] * base[1] + fix[f + 2] * base[2]
+    if lay[at.ROTATES] >= 0:
+        acceleration = acceleration + (fix[f + 3] * base[3] + fix[f + 4] * base[4] + fix[f + 5] * base[5])
+    return acceleration
 
 
 @inlined
 def follow_base(lay, t, fix, work, base):
     """Give the only link of a driven tree the acceleration of the base."""
     k = lay[at.KIN] + at.KIN_SIZE * lay[t + at.TREE_LINK]
-    a = times(0.0, base)
+    a, turns = times(0.0, base), lay[at.ROTATES] >= 0
+    if turns:
+        a, alpha, o = vector(work, k + at.KIN_L0), vector(work, k + at.KIN_A0), vector(work, k + at.KIN_O)
     for dof in range(lay[t + at.TREE_DOF], lay[t + at.TREE_DOF] + lay[t + at.TREE_DOFS]):
         d = lay[at.DOFS] + at.DOF_COLUMNS * dof
         acceleration = drive(lay, fix, lay[d + at.DOF_DRIVEN], base)
         work[lay[at.RHS] + dof] = acceleration
-        a = plus(a, times(acceleration, vector(fix, lay[d + at.DOF_FIX] + at.AXIS)))
+        if turns:  # axis and anchor as `place_turning` has left them
+            part = times(acceleration, vector(work, lay[at.SUB] + 6 * dof))
+            if lay[d + at.DOF_KIND] == at.HINGE:
+                alpha, part = plus(alpha, part), cross(part, minus(o, vector(work, lay[at.SUB] + 6 * dof + 3)))
+            a = plus(a, part)
+        else:
+            a = plus(a, times(acceleration, vector(fix, lay[d + at.DOF_FIX] + at.AXIS)))
     keep(work, k + at.KIN_L, a)
+    if turns:
+        keep(work, k + at.KIN_A, alpha)
 
 
 @inlined
@@ -201,7 +214,8 @@ def balance(lay, first, n, fix, num, y, work, base):
         side = dot(turn, vector(work, c + at.COM_E + 3)) + dot(shift, vector(work, c + at.COM_E))
         number = lay[d + at.DOF_DRIVEN]
         if number >= 0:
-            work[lay[at.RHS] + dof] = side + fix[lay[at.DRIVEN] + 4 * number + 3] * drive(lay, fix, number, base)
+            mass = fix[lay[at.DRIVEN] + at.DRIVEN_COLUMNS * number + at.INERTIA_OF_DRIVE]
+            work[lay[at.RHS] + dof] = side + mass * drive(lay, fix, number, base)
             continue
         side -= dot(turn, vector(work, c + at.COM_B + 3)) + dot(shift, vector(work, c + at.COM_B))
         work[lay[at.RHS] + dof] = side + joint_passive_force(lay, d, dof, num, y)
@@ -241,7 +255,7 @@ def solve_tree(lay, t, fix, num, y, work, base):
 
 @inlined
 def accelerate(lay, fix, num, y, work, base):
-    """Write the accelerations of all coordinates to RHS, those of the links to KIN; `base` is that of the base (3)."""
+    """Write the accelerations of all coordinates to RHS, those of the links to KIN; `base` is that of the base (6)."""
     t = lay[at.TREES]
     for _ in range(lay[at.N_TREES]):
         if lay[t + at.TREE_KIND] == at.DRIVEN_TREE:

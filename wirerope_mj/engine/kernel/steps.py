@@ -144,27 +144,41 @@ def watch(lay, fix, y, work):
 
 
 @inlined
+def columns_of_base(motion):
+    """Return the number of columns that are the base's: 3, and 6 where it rotates; behind them stand six of every force."""
+    return 3 + (motion.shape[2] - 3) % 6
+
+
+@inlined
 def base_at(motion, which, together, point):
-    """Return the base's acceleration in every lane at an instant of (n_motions, n_points, 3)."""
+    """Return accelerations of the base and of its roll, pitch, yaw in every lane at an instant of (n_motions, n_points, ..)."""
     i = which[0]
     x, y, z = spread(motion[i, point, 0]), spread(motion[i, point, 1]), spread(motion[i, point, 2])
+    roll = pitch = yaw = spread(0.0)
+    turns = columns_of_base(motion) == 6
+    if turns:
+        roll, pitch, yaw = spread(motion[i, point, 3]), spread(motion[i, point, 4]), spread(motion[i, point, 5])
     if not together:
         for number in range(1, WIDTH):
             i = which[number]
             x = with_lane(x, number, motion[i, point, 0])
             y = with_lane(y, number, motion[i, point, 1])
             z = with_lane(z, number, motion[i, point, 2])
-    return x, y, z
+            if turns:
+                roll = with_lane(roll, number, motion[i, point, 3])
+                pitch = with_lane(pitch, number, motion[i, point, 4])
+                yaw = with_lane(yaw, number, motion[i, point, 5])
+    return x, y, z, roll, pitch, yaw
 
 
 @inlined
 def load(lay, memory, motion, which, point, instant):
     """Write every lane's forces and moments at a point to an instant of LOADS: now, the step's middle or its end."""
-    n = 6 * lay[at.N_FORCES]
-    if motion.shape[2] > 3:
+    n, first = 6 * lay[at.N_FORCES], columns_of_base(motion)
+    if motion.shape[2] > first:
         for k in range(n):
             for number in range(WIDTH):
-                memory[lay[at.LOADS] + instant * n + k, number] = motion[which[number], point, 3 + k]
+                memory[lay[at.LOADS] + instant * n + k, number] = motion[which[number], point, first + k]
 
 
 @inlined
@@ -210,8 +224,8 @@ def advance(structure, shared, numbers, states, memory, clock, which, grid, posi
             is an instant that is observed, such as the last of all.
         positions: of the driven slides at the starts, (n_motions, n_segments, n_driven).
         rates: of the driven slides there, (n_motions, n_segments, n_driven).
-        motion: accelerations of the base at all half steps, (n_motions, n_points, 3); behind them forces and moments at the
-            sites for them, if any act, (n_motions, n_points, 3 + 6 n_forces).
+        motion: accelerations of the base at all half steps, (n_motions, n_points, 3), and of roll, pitch and yaw where it
+            rotates, (n_motions, n_points, 6); behind them forces and moments at the sites for them, if any act, six of each.
         ends: where a segment's accelerations end among them, (n_segments,).
         out: takes the samples of the first lanes, (n_kept, n_samples, n_values).
         sample: number of samples taken before.

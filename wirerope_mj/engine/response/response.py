@@ -24,6 +24,7 @@ from wirerope_mj.engine.response.histories import (
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.scene import Scene, scene_to_dict
 from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.parquet_files import read_content, write_rows
@@ -102,6 +103,41 @@ class Response(Exportable, Summarised):
         """
         index = self.samples.names.index(name)
         return self.samples.columns(index, index + 1)[:, 0]
+
+    @property
+    def base_rotation(self) -> Array | None:
+        """Rotation of the base from its modelled orientation, (n_t, 3, 3); None where it does not rotate."""
+        base = next((body for body in self.scene.bodies if body.name == self.scene.base), None)
+        if base is None or base.name not in self.bodies:
+            return None
+        orientation = self._of_base("orientation/w", 4)
+        if (orientation == orientation[0]).all():
+            return None
+        return np.asarray(rotation_matrices(orientation) @ rotation_matrices(base.orientation).T)
+
+    def _of_base(self, first: str, size: int) -> Array:
+        """Read columns of the base's body and keep none of them, (n_t, size)."""
+        index = self.samples.names.index(f"bodies/{self.scene.base}/{first}")
+        return self.samples.columns(index, index + size)
+
+    def displacement_from_base(self, position: Array, modelled: Array) -> Array:
+        """Return how far a point at `position`, (n_t, 3), is from as modelled, (3,), in the axes of the base [m], (n_t, 3)."""
+        if (turn := self.base_rotation) is None:
+            return position - modelled - self.base.displacement
+        centre = next(body.position for body in self.scene.bodies if body.name == self.scene.base)
+        apart = position - self._of_base("position/x", 3)
+        return np.asarray(np.einsum("tji,tj->ti", turn, apart) - (modelled - centre))
+
+    def velocity_from_base(self, position: Array, velocity: Array, swing: Array | float = 0.0) -> Array:
+        """Return the rate of `displacement_from_base` of a point at `position` [m/s], (n_t, 3).
+
+        Its velocity is that of its body's centre and what it has by the body's rotation, `swing`, (n_t, 3) each.
+        """
+        if (turn := self.base_rotation) is None:
+            return velocity - self.base.velocity + swing
+        arm, moved = position - self._of_base("position/x", 3), self._of_base("velocity/x", 6)
+        along = np.cross(moved[:, 3:], arm)
+        return np.asarray(np.einsum("tji,tj->ti", turn, velocity + swing - moved[:, :3] - along))
 
     @property
     def exported(self) -> Exported:

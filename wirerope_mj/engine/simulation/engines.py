@@ -20,6 +20,7 @@ from wirerope_mj.engine.simulation.grid import TimeGrid, time_grid
 from wirerope_mj.engine.simulation.in_lanes import Sink, final_state, go_in_lanes, moving
 from wirerope_mj.engine.simulation.run import RunResult, peaks_of, run
 from wirerope_mj.engine.simulation.stability import stable_step
+from wirerope_mj.engine.simulation.stages import drive_of
 from wirerope_mj.engine.simulation.stepper import riding_dofs
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arguments import one_of
@@ -78,7 +79,9 @@ def _differs(system: System) -> str:
     joints = model.dof_jntid
     second_half = np.arange(model.nv) >= model.jnt_dofadr[joints] + 3  # of a floating body's coordinates the angles
     turns = (model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE) | second_half
-    states, expected, base = np.empty((STATES, model.nq + model.nv + model.na)), [], rng.normal(size=(STATES, 3)) * 10.0
+    tables = system.assembly.tables
+    states, expected = np.empty((STATES, model.nq + model.nv + model.na)), list[Array]()
+    base = rng.normal(size=(STATES, 6 if tables.rotates else 3)) * 10.0
     loads = rng.normal(size=6 * len(system.assembly.subjects.forces)) * 100.0
     data = mujoco.MjData(model)
     user = system.assembly.user(data.userdata)
@@ -93,8 +96,9 @@ def _differs(system: System) -> str:
             mujoco.mj_integratePos(model, data.qpos, move, 1.0)
             data.qvel[:], data.act[:] = rng.normal(size=model.nv) * SPEED, rng.uniform(size=model.na)
             states[number] = np.concatenate([data.qpos, data.qvel, data.act])
-            user[control.STAGE_POINTS], user[control.STAGES : control.STAGES + 3] = 1.0, base[number]
-            user[system.assembly.tables.user.forces :][: loads.size] = loads
+            user[control.STAGE_POINTS], user[control.STAGES : control.STAGES + 3] = 1.0, base[number, :3]
+            user[tables.user.forces :][: loads.size] = loads
+            user[tables.user.turns : tables.user.size] = np.resize(base[number, 3:], tables.user.size - tables.user.turns)
             mujoco.mj_forward(model, data)
             expected.append(np.concatenate([data.qacc, data.act_dot]))
     got = _accelerations(system, states, base, loads)
@@ -124,7 +128,7 @@ def without_constraints(model: mujoco.MjModel) -> mujoco.MjModel:
 
 
 def _accelerations(system: System, states: Array, base: Array, loads: Array) -> Array:
-    """Return accelerations and state rates, (n, nv + n_states), in states (n, n_state) with the base's accelerations (n, 3).
+    """Return accelerations and state rates, (n, nv + n_states), in states (n, n_state), with those of the base (n, 3 or 6).
 
     Forces and moments at the sites for them are the same in all, (6 n_forces,).
     """
@@ -170,7 +174,9 @@ def _run_apart(system: System, qvel: Array, step: float) -> float:
 
     start = state_of(model, data)
     run(replace(system, model=model), motion, grid, start, callback="native", sink=lambda i, rows: sink(0, i, rows))
-    go_in_lanes([equations(system)], tables.drive, [motion], state[np.newaxis], grid, sink=lambda _, i, rows: sink(1, i, rows))
+    go_in_lanes(
+        [equations(system)], drive_of(system), [motion], state[np.newaxis], grid, sink=lambda _, i, rows: sink(1, i, rows)
+    )
     expected, got = (one.reshape(-1, channels.size // 3, 3) for one in samples)
     n_mounts = len(system.mounts)
     kinds = np.array(["motion"] * (channels.shape[0] - 2 * n_mounts) + ["deflection", "force"] * n_mounts)
@@ -242,7 +248,7 @@ def run_in_lanes(
     """Step variants through a grid by the kernel, see `go_in_lanes`: the result of each, or why the kernel gave it up."""
     states = np.array([start.values[moving(system)] for system, start in zip(systems, starts, strict=True)])
     done = go_in_lanes(
-        [equations(system) for system in systems], systems[0].assembly.tables.drive, motions, states, grid, threads=threads,
+        [equations(system) for system in systems], drive_of(systems[0]), motions, states, grid, threads=threads,
         sink=sink, progress=progress,
     )  # fmt: skip
     results: list[RunResult | str] = [""] * len(systems)

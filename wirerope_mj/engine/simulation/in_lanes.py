@@ -13,8 +13,8 @@ from wirerope_mj.engine.kernel.equations import Equations
 from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.stages import StageTables, distinct_motions, events_key, loads_at
-from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before
+from wirerope_mj.engine.simulation.stages import Drive, StageTables, distinct_motions, events_key, loads_at
+from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before, turning_before
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.lanes import WIDTH
@@ -54,12 +54,12 @@ def moving(system: System) -> Integers:
 
 
 def go_in_lanes(
-    equations: Sequence[Equations], drive: Array, motions: Sequence[BaseMotion], states: Array, grid: TimeGrid, *,
+    equations: Sequence[Equations], drive: Drive, motions: Sequence[BaseMotion], states: Array, grid: TimeGrid, *,
     threads: int = 1, sink: Sink | None = None, progress: Callable[[float], None] | None = None,
 ) -> InLanes:  # fmt: skip
     """Step variants through a grid from qpos, qvel and act, (n, n_state); its corners count, and each motion's events.
 
-    `drive` makes slides from base vectors, (n_driven, 3); `sink` takes the samples if they are wanted, `progress` the simulated
+    `sink` takes the samples if they are wanted, `progress` the simulated
     time [s] now and then.
     """
     check_callbacks()
@@ -77,8 +77,8 @@ def go_in_lanes(
                 cut = slice(stages[0].first, stages[0].first + stages[0].ends.size)
                 grids = [np.array([getattr(grid, row)[cut] for row in _ROWS]) for grid in own]
                 moved = [np.array([getattr(one, part) for one in stages]) for part in _MOVED]
-                if sites:
-                    moved[2] = np.array([_loaded(one.accelerations, one.forces, len(sites)) for one in stages])
+                if sites or stages[0].turns.size:
+                    moved[2] = np.array([_side_by_side(one.accelerations, one.turns, one.forces, len(sites)) for one in stages])
                 samples = int(own[0].sampled[cut].sum())
                 list(run(partial(_advance, grids, moved, stages[0].ends, samples, done, sink), groups))
                 done += samples
@@ -90,10 +90,11 @@ def go_in_lanes(
     return InLanes(groups=groups, base_peaks=[table.peak for table in tables], which=which, steps=steps, largest_step=largest)
 
 
-def _loaded(accelerations: Array, forces: Array, n_sites: int) -> Array:
-    """Put forces and moments, (n, n_sites, 6) or nothing, behind the base's accelerations (n, 3)."""
-    loads = forces.reshape(len(accelerations), -1) if forces.size else np.zeros((len(accelerations), 6 * n_sites))
-    return np.concatenate([accelerations, loads], axis=1)
+def _side_by_side(accelerations: Array, turns: Array, forces: Array, n_sites: int) -> Array:
+    """Put those of roll, pitch, yaw and forces and moments, (n, n_sites, 6), each or nothing, behind accelerations (n, 3)."""
+    n = len(accelerations)
+    loads = forces.reshape(n, -1) if forces.size else np.zeros((n, 6 * n_sites))
+    return np.concatenate([accelerations, turns.reshape(n, -1), loads], axis=1)
 
 
 def _groups(
@@ -127,16 +128,17 @@ def _advance(
 
 
 def _finish(
-    groups: list[tuple[Group, list[int]]], motions: Sequence[BaseMotion], drive: Array, sites: Sequence[str], stop: float,
+    groups: list[tuple[Group, list[int]]], motions: Sequence[BaseMotion], drive: Drive, sites: Sequence[str], stop: float,
     sample: int, sink: Sink | None,
 ) -> None:  # fmt: skip
     """Observe the last instant with the bases as they are just before it, and hand on its values if it is sampled."""
     before = [base_before(motion, drive, stop) for motion in motions]
     positions, rates = (np.array([one[part] for one in before])[:, np.newaxis] for part in (0, 1))
     table = np.array([acceleration_before(motion, stop) for motion in motions])[:, np.newaxis]
-    if sites:
+    turns = [turning_before(motion, drive, stop) for motion in motions]
+    if sites or turns[0].size:
         loads = [loads_at(motion, sites, np.array([stop])) for motion in motions]
-        table = np.array([_loaded(*one, len(sites)) for one in zip(table, loads, strict=True)])
+        table = np.array([_side_by_side(*one, len(sites)) for one in zip(table, turns, loads, strict=True)])
     for own, numbers in groups:
         wanted = sink is not None and sample >= 0
         out = np.empty((own.size, 1, own.equations.n_values)) if wanted else NOTHING

@@ -16,7 +16,7 @@ from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.response.peaks import BodyPeaks, CombinedTravel, ContactPeak, MountPeaks, Peak, Peaks, PointPeaks
 from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.stages import StageTables
+from wirerope_mj.engine.simulation.stages import StageTables, drive_of
 from wirerope_mj.engine.simulation.stepper import Stepper
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.tables import contact_name, payload_first, untouched
@@ -44,7 +44,7 @@ _NUMBERS = np.array(
 WITHIN = 0.8
 SPECTRAL, MOST_SPECTRAL = 64, 2**20  # samples of a shock in its shortest time, and at the most
 # kinds of motions whose shortest time is a period
-_OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")
+_OF_FREQUENCIES = ("sine", "sweep", "ship-motion", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")
 
 
 def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
@@ -127,7 +127,7 @@ def run(
     stepper = Stepper(system, motion, initial)
     data, values = stepper.data, stepper.data.sensordata[system.assembly.sensor :]
     sample, all_steps, largest = 0, 0, 0.0
-    tables = StageTables(motion, system.assembly.tables.drive, system.assembly.subjects.force_names)
+    tables = StageTables(motion, drive_of(system), system.assembly.subjects.force_names)
     with installed(stepper.model, data, callback) as kind:
         for block in grid.blocks():
             stepper.enter(block)
@@ -163,7 +163,7 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     assembly = system.assembly
     rows = assembly.tables.user.channel_rows(user)
     every = [Peak.of(row) for row in rows.take(_NUMBERS, axis=1)]
-    for number in assembly.tables.base_channels:
+    for number in np.setdiff1d(assembly.tables.base_channels, assembly.tables.tracked).tolist():
         every[number] = base
     channels = iter(every)
     bodies = {name: BodyPeaks(acceleration=next(channels)) for name in assembly.subjects.body_names}

@@ -56,7 +56,8 @@ def simulate(
 
     Args:
         system: the system.
-        motion: base motion; every component needs a driven slide of the base.
+        motion: base motion; every component needs a driven slide of the base, a rotation the hinges of
+            `wirerope_mj.with_rotation`.
         duration: simulated time [s].
         initial: "settled" (equilibrium under gravity on the virgin path), "relaxed" (equilibrium after long vibration, see
             `wirerope_mj.equilibrium`), "unloaded" (modelled geometry at rest relative to the base), or a State, from whose
@@ -221,7 +222,11 @@ def check_direction(system: System, motion: BaseMotion) -> None:
                 f"a force acts at {site!r}, and the model has no site 'force/{site}' on what the mounts carry. Its sites for "
                 f"forces: {', '.join(sites) or 'none'}; `wirerope new --forces TABLE` makes them."
             )
-    drive = system.assembly.tables.drive
+    base, drive = f"the base {system.base!r}" if system.base else "the base (the world)", system.assembly.tables.drive
+    if motion.rotates and not system.assembly.tables.rotates:
+        raise ModelError(
+            f"the motion rotates {base}, which has no hinges that are driven: `wirerope_mj.with_rotation(system)` adds them."
+        )
     if len(drive) == 3:
         return  # slides are independent: three follow any motion
     reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
@@ -230,7 +235,6 @@ def check_direction(system: System, motion: BaseMotion) -> None:
         if np.abs(missing).max() > 1e-9:
             axes = [f"{axis}" for axis, part in zip("xyz", missing, strict=True) if abs(part) > 1e-9]
             joints = [system.model.joint(int(system.model.dof_jntid[dof])).name for dof in system.assembly.driven_dofs]
-            base = f"the base {system.base!r}" if system.base else "the base (the world)"
             raise ModelError(
                 f"the motion moves along {' and '.join(axes)}, but {base} has no driven slide there. "
                 f"Its slides: {joints or 'none'}. Add one to the model, or change the motion's direction."

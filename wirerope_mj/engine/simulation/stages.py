@@ -13,6 +13,7 @@ from wirerope_mj.engine.control.layout import SMOOTH
 from wirerope_mj.engine.control.peaks import parabola_extreme
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
+from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries, Integers
 from wirerope_mj.motions import BaseMotion
 
@@ -77,13 +78,15 @@ def _extreme(times: Array, values: Array, i: int) -> tuple[float, float]:
 class Segment:
     """The base in one segment, as `Stages` has it: positions and rates (n_driven,), accelerations (2 steps + 1, 3).
 
-    `forces` are forces and moments on the payload at the same instants, (2 steps + 1, n_forces, 6), or nothing.
+    At the same instants `turns` are the second derivatives of roll, pitch and yaw, (2 steps + 1, 3), and `forces` forces and
+    moments on the payload, (2 steps + 1, n_forces, 6), or nothing.
     """
 
     number: int
     positions: Array
     rates: Array
     accelerations: Array
+    turns: Array
     forces: Array
 
 
@@ -99,16 +102,54 @@ class Stages:
     rates: Array
     # of the base at all half steps, 2 steps + 1 for every segment, one segment after the other, (n_points, 3)
     accelerations: Array
+    turns: (
+        Array  # second derivatives of roll, pitch and yaw at the same instants, (n_points, 3), or (0,) where it has no hinges
+    )
     # forces and moments at the sites for them, at the same instants, (n_points, n_forces, 6), or (0,) without any
     forces: Array
     ends: Integers  # where a segment's accelerations end among them, (n,)
 
 
+def along_slides(drive: Array, vectors: Array) -> Array:
+    """Map base vectors (n, 3) to the driven slides, (n, n_driven).
+
+    Not a matrix product: its rounding depends on how many vectors are multiplied at once.
+    """
+    x, y, z = vectors[:, :, np.newaxis].transpose(1, 0, 2)
+    return x * drive[:, 0] + y * drive[:, 1] + z * drive[:, 2]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Coordinates of the base's slides and hinges from a motion."""
+
+    slides: Array  # `Tables.drive`, (n_driven, 3)
+    hinges: Array  # `Tables.turning`, (n_driven, 3)
+
+    def positions(self, motion: BaseMotion, times: Array) -> Array:
+        """Return the driven coordinates [m or rad] at the times, (n_t, n_driven)."""
+        moved = along_slides(self.slides, motion.displacement(times))
+        return moved + along_slides(self.hinges, motion._angles(times, 0)) if motion.rotates else moved
+
+    def rates(self, motion: BaseMotion, times: Array) -> Array:
+        """Return the rates of the driven coordinates at the times, (n_t, n_driven)."""
+        moved = along_slides(self.slides, motion.velocity(times))
+        return moved + along_slides(self.hinges, motion._angles(times, 1)) if motion.rotates else moved
+
+    def turns(self, motion: BaseMotion, times: Array) -> Array:
+        """Return the second derivatives of roll, pitch and yaw at the times, (n_t, 3); (0,) where the base has no hinges."""
+        return motion._angles(times, 2) if self.hinges.any() else np.empty(0)
+
+
+def drive_of(system: System) -> Drive:
+    return Drive(system.assembly.tables.drive, system.assembly.tables.turning)
+
+
 class StageTables:
     """The base motion segment by segment, evaluated block by block, and the extremes of its acceleration so far."""
 
-    def __init__(self, motion: BaseMotion, drive: Array, sites: Sequence[str] = ()) -> None:
-        """Prepare for grids; `drive` makes slides from base vectors, (n_driven, 3), at `sites` forces may act."""
+    def __init__(self, motion: BaseMotion, drive: Drive, sites: Sequence[str] = ()) -> None:
+        """Prepare for grids; at `sites` forces may act."""
         self._motion, self._drive, self._running = motion, drive, RunningPeak()
         self._sites = sites if motion.loaded_sites else ()
 
@@ -128,8 +169,8 @@ class StageTables:
             last = max(int(np.searchsorted(total, before + POINTS, side="right")), first + 1)
             if last > end:  # starts of many blocks at once: a motion costs about the same for a few as for many
                 begin, end = first, first + POINTS
-                positions = along_slides(self._drive, self._motion.displacement(grid.start[begin:end]))
-                rates = along_slides(self._drive, self._motion.velocity(low[begin:end]))
+                positions = self._drive.positions(self._motion, grid.start[begin:end])
+                rates = self._drive.rates(self._motion, low[begin:end])
             block = slice(first, last)
             times = _half_steps(grid.start[block], grid.stop[block], points[block], low[block], high[block])
             accelerations = self._motion.acceleration(times)
@@ -137,7 +178,8 @@ class StageTables:
             yield Stages(
                 first=first, positions=positions[first - begin : last - begin],
                 rates=rates[first - begin : last - begin], accelerations=accelerations,
-                forces=loads_at(self._motion, self._sites, times), ends=total[block] - before,
+                turns=self._drive.turns(self._motion, times), forces=loads_at(self._motion, self._sites, times),
+                ends=total[block] - before,
             )  # fmt: skip
             first = last
 
@@ -147,7 +189,8 @@ class StageTables:
             for number, (begin, end) in enumerate(pairwise(ends)):
                 yield Segment(
                     number=stages.first + number, positions=stages.positions[number], rates=stages.rates[number],
-                    accelerations=stages.accelerations[begin:end], forces=stages.forces[begin:end],
+                    accelerations=stages.accelerations[begin:end], turns=stages.turns[begin:end],
+                    forces=stages.forces[begin:end],
                 )  # fmt: skip
 
 
@@ -181,15 +224,6 @@ def _half_steps(start: Array, stop: Array, points: Integers, low: Array, high: A
     return np.minimum(np.maximum(begin + length * (number / last), least), most)
 
 
-def along_slides(drive: Array, vectors: Array) -> Array:
-    """Map base vectors (n, 3) to the driven slides, (n, n_driven).
-
-    Not a matrix product: its rounding depends on how many vectors are multiplied at once.
-    """
-    x, y, z = vectors[:, :, np.newaxis].transpose(1, 0, 2)
-    return x * drive[:, 0] + y * drive[:, 1] + z * drive[:, 2]
-
-
 @dataclass(frozen=True, eq=False)
 class Later(BaseMotion):
     """`motion` whose time begins at the instant `at` [s]; it is stepped through and never stored."""
@@ -204,6 +238,17 @@ class Later(BaseMotion):
 
     def _derivative(self, t: Array, order: int) -> Array:
         return self.motion._derivative(t + self.at, order)
+
+    def _angles(self, t: Array, order: int) -> Array:
+        return self.motion._angles(t + self.at, order)
+
+    @property
+    def rotates(self) -> bool:
+        return self.motion.rotates
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        return self.motion.centre
 
     @property
     def corners(self) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.install import STATE, state_of
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
-from wirerope_mj.engine.simulation.stages import Segment, along_slides, loads_at
+from wirerope_mj.engine.simulation.stages import Drive, Segment, along_slides, drive_of, loads_at
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.engine.system.on_deck import GRAVITY_ERROR, has_deck
@@ -80,6 +80,7 @@ class Stepper:
         user[at.STAGE_POINTS], user[at.STAGE_START] = accelerations.shape[0], start
         user[at.STAGE_RATE] = 2.0 * grid.steps[segment] / length
         user[at.STAGES : at.STAGES + accelerations.size] = accelerations.ravel()
+        self._set_turns(base.turns)
         self._set_loads(base.forces)
         self.data.time = start  # so that rounding does not add up over the steps
         self.model.opt.timestep = length / grid.steps[segment]
@@ -90,7 +91,7 @@ class Stepper:
         model, data, user = self.model, self.data, self.user
         if self._grid.stop.size:
             data.time = self._grid.stop[-1]
-            self._place_base(*base_before(self.motion, self.system.assembly.tables.drive, float(data.time)))
+            self._place_base(*base_before(self.motion, drive_of(self.system), float(data.time)))
         # A state does not carry what belongs to this run alone: stage table and tracker.
         kept = user.copy()
         user[:] = 0.0
@@ -98,6 +99,7 @@ class Stepper:
         user[:] = kept
         user[at.STAGE_POINTS], user[at.STAGE_START], user[at.STAGE_RATE] = 1.0, data.time, 0.0
         user[at.STAGES : at.STAGES + 3] = acceleration_before(self.motion, float(data.time))
+        self._set_turns(turning_before(self.motion, drive_of(self.system), float(data.time)))
         sites = self.system.assembly.subjects.force_names if self.motion.loaded_sites else ()
         self._set_loads(loads_at(self.motion, sites, np.array([float(data.time)])))
         mujoco.mj_forward(model, data)
@@ -114,6 +116,10 @@ class Stepper:
         if forces.size:
             first = self.system.assembly.tables.user.forces
             self.user[first : first + forces.size] = forces.ravel()
+
+    def _set_turns(self, turns: Array) -> None:
+        first = self.system.assembly.tables.user.turns
+        self.user[first : first + turns.size] = turns.ravel()
 
     def _place_base(self, positions: Array, rates: Array) -> None:
         self.data.qpos[self._slides] = self._origin + positions
@@ -191,11 +197,18 @@ def velocity_jump(motion: BaseMotion, time: float) -> Array:
     return sum((jump for instant, jump in motion.velocity_jumps if abs(instant - time) <= SAME_TIME), np.zeros(3))
 
 
-def base_before(motion: BaseMotion, drive: Array, time: float) -> tuple[Array, Array]:
-    """Return positions and rates of the driven slides at an instant, without the velocity's jump there, (n_driven,) each."""
+def base_before(motion: BaseMotion, drive: Drive, time: float) -> tuple[Array, Array]:
+    """Return the driven coordinates and their rates at an instant, without the velocity's jump there, (n_driven,) each."""
     now = np.array([time])
-    velocity = motion.velocity(now) - velocity_jump(motion, time)
-    return along_slides(drive, motion.displacement(now))[0], along_slides(drive, velocity)[0]
+    rates = along_slides(drive.slides, motion.velocity(now) - velocity_jump(motion, time))
+    if motion.rotates:
+        rates = rates + along_slides(drive.hinges, motion._angles(now, 1))
+    return drive.positions(motion, now)[0], rates[0]
+
+
+def turning_before(motion: BaseMotion, drive: Drive, time: float) -> Array:
+    """Return the second derivatives of roll, pitch and yaw just before an instant, (1, 3), or nothing, see `Drive.turns`."""
+    return drive.turns(motion, np.array([max(time - SAME_TIME, 0.0)]))
 
 
 def acceleration_before(motion: BaseMotion, time: float) -> Array:
@@ -292,15 +305,14 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
     joints = list(assembly.subjects.driven)
     if not joints:
         return state
-    now = np.array([state.time])
-    displacement, velocity = motion.displacement(now)[0], motion.velocity(now)[0]
-    velocity = velocity - velocity_jump(motion, state.time)  # the simulation itself applies a jump at its start
+    drive = drive_of(system)
+    positions, rates = base_before(motion, drive, state.time)  # the simulation itself applies a jump at its start
     dofs, addresses = model.jnt_dofadr[joints], model.jnt_qposadr[joints]
     qpos, qvel = np.empty(model.nq), np.empty(model.nv)
     mujoco.mj_extractState(model, state.values, STATE, qpos, mujoco.mjtState.mjSTATE_QPOS)
     mujoco.mj_extractState(model, state.values, STATE, qvel, mujoco.mjtState.mjSTATE_QVEL)
     q, v = qpos[addresses] - model.qpos0[addresses], qvel[dofs]
-    dq, dv = assembly.tables.drive @ displacement - q, assembly.tables.drive @ velocity - v
+    dq, dv = positions - q, rates - v
     moved = np.abs(dq).max() > SAME_MOTION * max(np.abs(q).max(), 1e-3)
     moved |= np.abs(dv).max() > SAME_MOTION * max(np.abs(v).max(), 1e-3)
     if not moved:
@@ -308,7 +320,10 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
     to_world = np.linalg.pinv(assembly.tables.drive)
     with assembly.scratch.data(model) as data:
         mujoco.mj_setState(model, data, state.values, STATE)
-        _carry(system, data, to_world @ dq, to_world @ dv)
+        if np.any(drive.hinges.T @ dq) or np.any(drive.hinges.T @ dv) or np.any(drive.hinges.T @ q):
+            _turn(system, data, model.qpos0[addresses] + positions, rates)
+        else:
+            _carry(system, data, to_world @ dq, to_world @ dv)
         return State(values=state_of(model, data).values, time=state.time)
 
 
@@ -332,3 +347,31 @@ def _carry(system: System, data: mujoco.MjData, shift: Array, velocity: Array) -
             to_slides = np.linalg.pinv(data.xaxis[slides]).T
             data.qpos[model.jnt_qposadr[slides]] += to_slides @ shift
             data.qvel[model.jnt_dofadr[slides]] += to_slides @ velocity
+
+
+def _turn(system: System, data: mujoco.MjData, positions: Array, rates: Array) -> None:
+    """Bring the base's slides and hinges to positions and rates, (n_driven,), what floats along with it as one rigid body."""
+    model, assembly = system.model, system.assembly
+
+    def frame() -> tuple[Array, Array, Array, Array]:
+        """Return the base's origin, axes, velocity and angular velocity."""
+        for compute in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):
+            compute(model, data)
+        velocity, base = np.empty(6), assembly.subjects.base
+        mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, base, velocity, 0)
+        return data.xpos[base].copy(), data.xmat[base].reshape(3, 3).copy(), velocity[3:], velocity[:3]
+
+    origin, axes, velocity, spin = frame()
+    data.qpos[model.jnt_qposadr[list(assembly.subjects.driven)]], data.qvel[assembly.driven_dofs] = positions, rates
+    new_origin, new_axes, new_velocity, new_spin = frame()
+    turn, quaternion = new_axes @ axes.T, np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, turn.ravel())
+    for joint in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE):
+        q, d = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+        body, arm = data.xmat[model.jnt_bodyid[joint]].reshape(3, 3), data.qpos[q : q + 3] - origin
+        relative = data.qvel[d : d + 3] - velocity - np.cross(spin, arm)
+        turning = body @ data.qvel[d + 3 : d + 6] - spin  # a floating body's angular velocity is in its own axes
+        data.qpos[q : q + 3] = new_origin + turn @ arm
+        mujoco.mju_mulQuat(data.qpos[q + 3 : q + 7], quaternion, data.qpos[q + 3 : q + 7].copy())
+        data.qvel[d : d + 3] = new_velocity + np.cross(new_spin, turn @ arm) + turn @ relative
+        data.qvel[d + 3 : d + 6] = (turn @ body).T @ (new_spin + turn @ turning)

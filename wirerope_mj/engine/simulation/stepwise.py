@@ -97,7 +97,7 @@ class Stepwise:
         base = Segment(
             number=0, positions=along_slides(self._drive, self._moved[np.newaxis])[0],
             rates=along_slides(self._drive, self._rate[np.newaxis])[0], accelerations=np.tile(held, (points, 1)),
-            forces=np.tile(wrench, (points, 1, 1)) if self._sites else np.empty(0),
+            turns=np.empty(0), forces=np.tile(wrench, (points, 1, 1)) if self._sites else np.empty(0),
         )  # fmt: skip
         self._stepper.begin(base)
 

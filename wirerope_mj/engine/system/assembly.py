@@ -12,13 +12,23 @@ from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.equalities import check_base_is_free, stiffen
 from wirerope_mj.engine.system.modal import declared_modes
-from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, declared_contacts, declared_pairs, make_tables
+from wirerope_mj.engine.system.tables import (
+    DRIVE_ARMATURE,
+    ROTATING_ARMATURE,
+    TURNS,
+    Subjects,
+    Tables,
+    declared_contacts,
+    declared_pairs,
+    make_tables,
+)
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
 # the drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early
 SOLVER_TOLERANCE = 1e-15
 POINT, FORCE = "point/", "force/"
+AXIS_ERROR = 1e-9  # by which a component of a hinge's axis may differ from that of the world's: rounding of numbers as written
 
 
 class Scratch:
@@ -84,11 +94,15 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
                 f"site {plain.site(site).name!r}: a force acts on what the mounts carry, and this site is fixed to the base or "
                 "the world."
             )
-    slide = mujoco.mjtJoint.mjJNT_SLIDE
-    driven = tuple(j for j in range(plain.njnt) if base and plain.jnt_bodyid[j] == base and plain.jnt_type[j] == slide)
+    slide, own = mujoco.mjtJoint.mjJNT_SLIDE, np.flatnonzero(plain.jnt_bodyid == base).tolist() if base else []
+    hinges = [joint for joint in own if plain.joint(joint).name.endswith(TURNS)]
+    if hinges:
+        _check_hinges(plain, base, own)
+    driven = tuple(joint for joint in own if plain.jnt_type[joint] == slide or joint in hinges)
     for joint in spec.joints:
         if joint.id in driven:  # a drive: huge inertia, no friction and no limits of its own
-            joint.armature, joint.frictionloss, joint.limited = DRIVE_ARMATURE, 0.0, mujoco.mjtLimited.mjLIMITED_FALSE
+            joint.armature, joint.frictionloss = ROTATING_ARMATURE if hinges else DRIVE_ARMATURE, 0.0
+            joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
     subjects = Subjects(
         base=base, driven=driven, bodies=bodies, points=points,
         body_names=tuple(plain.body(body).name for body in bodies),
@@ -98,7 +112,8 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
     tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))
     userdata = int(plain.nuserdata)
-    spec.option.integrator, spec.option.tolerance = mujoco.mjtIntegrator.mjINT_RK4, SOLVER_TOLERANCE
+    tolerance = SOLVER_TOLERANCE * (DRIVE_ARMATURE / ROTATING_ARMATURE if hinges else 1.0)
+    spec.option.integrator, spec.option.tolerance = mujoco.mjtIntegrator.mjINT_RK4, tolerance
     # The state at a warning must survive for the message, and the sensor callback is the observer.
     disable = mujoco.mjtDisableBit
     spec.option.disableflags |= disable.mjDSBL_AUTORESET
@@ -126,6 +141,23 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
         model=model, tables=tables, subjects=subjects, userdata=userdata, activation=int(plain.na),
         sensor=int(plain.nsensordata), contacts=declared_contacts(model, base),
     )  # fmt: skip
+
+
+def _check_hinges(model: mujoco.MjModel, base: int, joints: list[int]) -> None:
+    """Raise ModelError unless the base has three slides, then hinges of yaw, pitch and roll at its origin, and no others."""
+    data, kinds = mujoco.MjData(model), mujoco.mjtJoint
+    mujoco.mj_kinematics(model, data)
+    wanted = [kinds.mjJNT_SLIDE] * 3 + [kinds.mjJNT_HINGE] * 3
+    fits = [model.jnt_type[joint] for joint in joints] == wanted
+    for joint, name, axis in zip(joints[3:], reversed(TURNS), np.eye(3)[::-1], strict=False):
+        fits = fits and model.joint(joint).name.endswith(name) and not model.jnt_pos[joint].any()
+        fits = fits and bool(np.abs(data.xaxis[joint] - axis).max() < AXIS_ERROR)
+    if not fits or any(mode.owner == base for mode in declared_modes(model)):
+        raise ModelError(
+            f"the base {model.body(base).name!r} rotates by three slides and, behind them, the hinges base/yaw, base/pitch and "
+            "base/roll about the world's z, y and x axes at its own origin, has no other joints and does not bend; it has "
+            f"{[model.joint(joint).name for joint in joints]}. `wirerope_mj.with_rotation(system)` writes them."
+        )
 
 
 def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tables, addresses: list[int]) -> None:

@@ -12,6 +12,7 @@ from wirerope_mj.engine.flexible.panel import NAME, add_panel
 from wirerope_mj.engine.flexible.part import add_part
 from wirerope_mj.engine.system.named_files import named_files
 from wirerope_mj.engine.system.system import System, load_system
+from wirerope_mj.engine.system.tables import TURNS
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import checked_direction, unit_vector
@@ -80,6 +81,40 @@ def with_gravity(system: System, *, up: Sequence[float] | Array) -> System:
     root = model_root(system)
     for option in root.findall("option") or [ET.SubElement(root, "option")]:
         option.set("gravity", " ".join(repr(value) for value in gravity.tolist()))
+    return _as_written(system, written(root))
+
+
+def with_rotation(system: System) -> System:
+    """Give the base of a system hinges for roll, pitch and yaw, which are driven like its slides; its model is text then.
+
+    Without a motion that rotates the base nothing changes. A system whose base has them is returned as it is.
+
+    Raises:
+        ModelError: the model names files of its own, has a deck that bends, or a base that is not driven along x, y and z, or
+            has other joints.
+    """
+    if system.assembly.tables.rotates:
+        return system
+    if has_deck(system):
+        raise ModelError("a deck that bends does not rotate: leave it out, or the rotation.")
+    model, base = system.model, int(system.assembly.subjects.base)
+    slides, joints = len(system.assembly.subjects.driven), int(model.body_jntnum[base]) if base else 0
+    if slides != 3 or joints != 3:
+        raise ModelError(
+            f"a base that rotates has three slides and no other joint; {system.base or 'the world'!r} has {slides} slides "
+            f"among {joints} joints. Write the slides x, y and z into its body."
+        )
+    with system.assembly.scratch.data(model) as data:
+        mujoco.mj_kinematics(model, data)
+        axes = data.xmat[base].reshape(3, 3).copy()
+    root = model_root(system)
+    bodies = [body for body in root.iter("body") if body.get("name") == system.base]
+    if len(bodies) != 1:
+        raise ModelError(f"the base {system.base!r} does not stand in the model's own text: write its hinges by hand.")
+    last = max(number for number, element in enumerate(bodies[0]) if element.tag == "joint")
+    for number, (name, axis) in enumerate(zip(reversed(TURNS), axes[::-1], strict=True)):
+        hinge = ET.Element("joint", name=name, type="hinge", pos="0 0 0", axis=" ".join(repr(c) for c in axis.tolist()))
+        bodies[0].insert(last + 1 + number, hinge)
     return _as_written(system, written(root))
 
 

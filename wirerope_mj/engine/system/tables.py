@@ -21,6 +21,10 @@ from wirerope_mj.mounts.laws.stop_kernels import LOSS
 MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
 # inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
 DRIVE_ARMATURE = 1e10
+# the same of a base that rotates [kg, kg m^2]: the inertia of what turns with it, say 1e4 kg m^2, couples its slides and
+# hinges, and changes their accelerations by 1e-10
+ROTATING_ARMATURE = 1e14
+TURNS = ("base/roll", "base/pitch", "base/yaw")  # names of the hinges by which a base rotates
 
 
 def contact_capacity(model: mujoco.MjModel) -> int:
@@ -114,12 +118,18 @@ class Tables:
     layout: Array  # header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,)
     parameters: Array  # parameters of all laws, (n_p,)
     user: at.UserData  # addresses in userdata
-    drive: Array  # slide accelerations from base acceleration, (n_driven, 3)
+    drive: Array  # slide accelerations from base acceleration, (n_driven, 3); 0 of hinges
+    turning: Array  # hinge accelerations from those of roll, pitch and yaw, (n_driven, 3); 0 of slides
     channels: Integers  # indices of the tracked 3-vectors among the system's sensor values, (n_channels,)
     base_channels: tuple[int, ...]  # numbers of the channels with the acceleration of what is fixed to the driven base
-    tracked: Integers  # numbers of the others, (n_channels - n_base_channels,)
+    tracked: Integers  # numbers of the others, of all where the base rotates, (n_tracked,)
     # per mount where the states of roll, shear and axial stand among the internal states
     states: dict[str, tuple[slice, slice, slice]]
+
+    @property
+    def rotates(self) -> bool:
+        """Whether the base has hinges that are driven."""
+        return bool(self.turning.any())
 
     def rows(self, table: int, columns: int, count: int) -> Array:
         """Return a table of the layout, whose address stands in the header's entry `table`, a view, (count, columns)."""
@@ -143,9 +153,14 @@ def make_tables(
     isolators = {mount.name: mount.isolator for mount in declared}
     mujoco.mj_kinematics(model, data)
     if nominal is not None:
-        drive, n_stops = nominal.drive, nominal.user.n_stops
+        drive, turning, n_stops = nominal.drive, nominal.turning, nominal.user.n_stops
     else:  # the slides' axes are independent: `check_joints`
-        drive = np.linalg.pinv(data.xaxis[list(on.driven)]).T if on.driven else np.zeros((0, 3))
+        hinges = [joint for joint in on.driven if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE]
+        slides = [joint for joint in on.driven if joint not in hinges]
+        drive, turning = np.linalg.pinv(data.xaxis[slides]).T if slides else np.zeros((0, 3)), np.zeros((len(slides), 3))
+        if hinges:
+            about = [[float(model.joint(joint).name.endswith(name)) for name in TURNS] for joint in hinges]
+            drive, turning = np.vstack([drive, np.zeros((len(hinges), 3))]), np.vstack([turning, about])
         n_stops = sum(len(isolator.conditioned.stops) for isolator in isolators.values())
     n_states, channels = sum(isolator.n_states for isolator in isolators.values()), _channels(on, declared)
     # What pushes back on the world, or on a base whose only freedom is the drive, moves nothing.
@@ -158,11 +173,12 @@ def make_tables(
         mujoco.mju_mulQuat(modelled, inverse, data.site_xquat[mount.payload_site])
         row[: at.MOVED] = *both, *bodies[both], *roots[bodies[both]]
         row[at.MOVED], row[at.MODELLED : at.PARTNER] = model.body_weldid[bodies[mount.base_site]] not in still, modelled
-    inertia = DRIVE_ARMATURE + model.body_subtreemass[on.base]
+    rotates = bool(turning.any())
+    inertia = (ROTATING_ARMATURE if rotates else DRIVE_ARMATURE) + model.body_subtreemass[on.base]
     parts = [
         mounts,
         np.zeros((3 * len(declared), at.AXIS_COLUMNS)),
-        [[model.jnt_dofadr[joint], inertia, *row] for joint, row in zip(on.driven, drive, strict=True)],
+        [[model.jnt_dofadr[joint], inertia, *row, *turn] for joint, row, turn in zip(on.driven, drive, turning, strict=True)],
         [[body, roots[body]] for body in on.bodies],
         [
             [site, bodies[site], roots[bodies[site]], on.base, *(data.site_xpos[site] - data.xipos[on.base]), 0]
@@ -175,6 +191,7 @@ def make_tables(
         [[mode.dof, *mode.participation] for mode in on.modes],
         [number for rows in shapes.values() for number in rows],
         np.zeros((n_stops, at.STOP_COLUMNS)),
+        data.xquat[on.base] if rotates else [],
     ]
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
     starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])]).astype(int)
@@ -183,6 +200,7 @@ def make_tables(
     header[: len(counts)] = counts
     header[at.MOUNTS : at.CHANNELS + 1], header[at.N_MODES] = starts[:7], len(on.modes)
     header[at.FORCES], header[at.PAIRS], header[at.MODES], first, header[at.STOPS] = starts[7:12]
+    header[at.BASE_MODELLED] = starts[12] if rotates else 0
     places = dict(zip(shapes, first + np.cumsum([0, *map(len, shapes.values())]), strict=False))
     ends = [[mount.payload_site, mount.base_site] for mount in declared]
     flat[0].reshape(-1, at.MOUNT_COLUMNS)[:, at.SHAPES :] = [[places.get(site, 0) for site in pair] for pair in ends]
@@ -192,16 +210,17 @@ def make_tables(
     header[at.N_CONTACTS] = n_contacts = contact_capacity(model)
     user = at.UserData(
         n_mounts=len(declared), n_states=n_states, n_tree=int(model.nbody), n_channels=len(channels),
-        n_contacts=n_contacts, n_stops=n_stops, n_forces=len(on.forces),
+        n_contacts=n_contacts, n_stops=n_stops, n_forces=len(on.forces), rotates=rotates,
     )  # fmt: skip
     addresses = user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops
     header[at.USER_MOUNTS : at.USER_STOPS + 1] = addresses
     header[at.USER_FORCES], header[at.USER_TRAVELS], header[at.USER_CLOSINGS] = user.forces, user.travels, user.closings
+    header[at.USER_TURNS] = user.turns if rotates else 0
     base_channels = _base_channels(model, on)
     tables = Tables(
-        layout=np.concatenate([header, *flat]), parameters=np.zeros(0), user=user, drive=drive,
+        layout=np.concatenate([header, *flat]), parameters=np.zeros(0), user=user, drive=drive, turning=turning,
         channels=np.array(channels, dtype=np.int64), base_channels=base_channels,
-        tracked=np.setdiff1d(np.arange(len(channels)), base_channels), states={},
+        tracked=np.setdiff1d(np.arange(len(channels)), () if rotates else base_channels), states={},
     )  # fmt: skip
     return with_laws(tables, isolators)
 

@@ -16,6 +16,7 @@ from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.simulate import MOST_STEPS, checked_corners
 from wirerope_mj.engine.simulation.stability import stable_step, variant_rates
+from wirerope_mj.engine.simulation.stages import drive_of
 from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
 from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system import System, once_per_system
@@ -152,7 +153,7 @@ def _stepped(work: Work, ready: _Ready, sink: Sink | None = None, threads: int =
     own = equations(system)
     done = go_in_lanes(
         [Equations(lay=own.lay, fix=own.fix, num=numbers, rest=own.rest, counts=own.counts) for numbers in ready.numbers],
-        system.assembly.tables.drive, motions, ready.states, grid, threads=threads, sink=sink,
+        drive_of(system), motions, ready.states, grid, threads=threads, sink=sink,
     )  # fmt: skip
     extremes = Extremes.of_lanes(system, done)
     deflections = len(system.assembly.subjects.bodies) + 2 * len(system.assembly.subjects.points)
