@@ -10,7 +10,7 @@ from wirerope_mj.content.blocks import Document
 from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.simulation.simulate import check_arguments, check_direction, duration_of
-from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.engine.system import System, load_system, with_rotation
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
@@ -236,7 +236,7 @@ def _scenario(place: Place, case: Case, folder: Path, system: System) -> Entries
             duration=case.duration, folder=folder,
         )  # fmt: skip
         duration = duration_of(motion, case.duration, system)
-        check_direction(system, motion)
+        check_direction(with_rotation(system) if motion.rotates else system, motion)
         check_arguments(accuracy=case.accuracy, timestep=case.timestep, sample_rate=case.sample_rate)
     except (WireRopeError, ValueError) as error:
         kind = type(error) if isinstance(error, WireRopeError) else ModelError
