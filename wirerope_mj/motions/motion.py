@@ -293,7 +293,9 @@ class SumOfMotions(AsCall, BaseMotion):
         if sum(term.up is not None for term in self.terms) > 1:
             raise ValueError("a base falls once: give one drop, the others are load cases of their own.")
         if len({term.centre for term in self.terms if term.rotates}) > 1:
-            raise ValueError("a base rotates about one point: give all motions that rotate it the same `centre`.")
+            raise ValueError(
+                "a base rotates about one point: give all motions that rotate it the same place aboard (`position`)."
+            )
         self._set(duration=max(term.end for term in self.terms))
 
     def _derivative(self, t: Array, order: int) -> Array:

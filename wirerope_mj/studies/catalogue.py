@@ -22,7 +22,7 @@ from wirerope_mj.engine.simulation.stepper import HISTORIES
 from wirerope_mj.engine.statics import equilibrium, static_table
 from wirerope_mj.engine.statics.find import settle_together
 from wirerope_mj.engine.statics.payloads import payloads_of, point_positions
-from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.engine.system import System, load_system, with_rotation
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
@@ -179,6 +179,8 @@ def try_parts(
     """
     if initial not in HISTORIES:
         raise ValueError(f"`initial` must be one of {', '.join(HISTORIES)}, got {initial!r}.")
+    if any(motion.rotates for motion in cases.values()):
+        system = replace(with_rotation(system), limits=system.limits, combined_travel=system.combined_travel)
     tried = [
         TriedPart(name=name, isolator=parts[name], system=on, placement=placement, mounts=len(replaced(system)), reason=why)
         for name, on, why in _systems(system, parts, room)
