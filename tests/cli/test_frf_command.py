@@ -11,7 +11,11 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
+from wirerope_mj.dynamics.frequency_response import result as response_module
+from wirerope_mj.dynamics.periodic import periodic_orbit
 from wirerope_mj.foundation import errors as wr_errors
+from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.resources import models_folder
 
 MODEL = str(models_folder() / "sdof_shaker.xml")
@@ -271,3 +275,28 @@ def test_a_hardening_mount_folds_and_sweeps_jump_there(tmp_path, monkeypatch):
         assert at == pytest.approx(fold["frequency"], rel=1e-9)
         past = (jumped / at - 1.0) * (1.0 if way == "sweep_up" else -1.0)
         assert 0.0 < past < 0.03  # at 4 octaves/min; the steepest change comes some cycles after the branch has ended
+
+
+@pytest.mark.parametrize("found", [True, False])
+def test_another_start_is_named_only_where_it_was_tried(monkeypatch, found):
+    """Where a level has no periodic motion at its start, what the message advises has been computed."""
+    tried = []
+
+    def none(*_, **__):
+        raise ConvergenceError("no motion was found.")
+
+    def orbit(*arguments, frequency, **options):
+        tried.append(frequency)
+        return periodic_orbit(*arguments, frequency=frequency, **options) if found else none()
+
+    monkeypatch.setattr(response_module, "follow_branch", none)
+    monkeypatch.setattr(response_module, "periodic_orbit", orbit)
+    options = ResponseOptions(accelerations=(1.0,), start=10.0, stop=20.0)
+    with pytest.raises(ConvergenceError) as error:
+        frequency_response(wr.load_system("sdof_shaker"), options)
+    if found:
+        assert tried == [10.2]
+        assert str(error.value).endswith("At 10.2 Hz there is a periodic motion, found here: --start 10.2 begins with it.")
+    else:
+        assert tried == [10.2, 11.0, 13.0]
+        assert str(error.value).endswith("None was found at 10.2 and 11 and 13 Hz either.")

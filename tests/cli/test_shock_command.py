@@ -275,3 +275,21 @@ def test_a_deck_that_is_none_is_one_message(command, tmp_path, monkeypatch, caps
     assert 'Expected is a phrase such as "10 Hz 800 kg 4 %"' in error
     assert error.count("\n") == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_a_motion_is_listed_in_one_text_or_written_again(tmp_path):
+    """The same run, bit by bit, in both ways, and in a job."""
+    phrases = ["5 g 11 ms z", "3 g 6 ms z at 20 ms"]
+    common = ["shock", "shock_table", "--duration", "0.06", "--timestep", "5e-4"]
+    again = [word for phrase in phrases for word in ("--half-sine", phrase)]
+    assert main([*common, *again, "--out", str(tmp_path / "again")]) == 0
+    assert main([*common, "--half-sine", "; ".join(phrases), "--out", str(tmp_path / "listed")]) == 0
+    again, listed = ((tmp_path / name / "response.parquet").read_bytes() for name in ("again", "listed"))
+    assert again == listed
+    job = tmp_path / "job.toml"
+    texts = "".join(f'[[case]]\nname = "{name}"\nhalf-sine = {value}\n' for name, value in (
+        ("list", str(phrases).replace("'", '"')), ("text", f'"{"; ".join(phrases)}"'),
+    ))  # fmt: skip
+    job.write_text(f'model = "shock_table"\n{texts}', encoding="utf-8")
+    one, other = (case.scenario.motion for case in wr.load_job(job).cases)
+    assert one == other

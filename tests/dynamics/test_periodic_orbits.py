@@ -146,7 +146,7 @@ def test_weight_rests_on_the_elastic_share_alone():
 
 def test_an_undamped_resonance_has_no_periodic_motion_and_says_so():
     law = wr.KelvinVoigt(k=1.0, c=0.0)
-    with pytest.raises(wr.ConvergenceError, match=r"residual stays at .* after Newton's method from .* `periods=2`"):
+    with pytest.raises(wr.ConvergenceError, match=r"residual stays at .* after Newton's method .* not be periodic there"):
         orbit(law, 1.0, 0.3, accuracy=1e-4)
 
 

@@ -90,3 +90,19 @@ def test_an_isolator_keeps_its_elastic_forces_and_its_limits():
 def test_a_factor_is_above_zero(factor):
     with pytest.raises(ValueError, match="`factor` must be (a finite number|> 0)"):
         example("bouc-wen").with_damping(factor)
+
+
+def test_friction_alone_leaves_dampers_as_they_are():
+    """Of a rope beside a damper, of a friction law with both, and of what is only viscous."""
+    rope, damper = example("bouc-wen"), KelvinVoigt(k=0.0, c=50.0)
+    both = wr.Isolator(name="both", axial=Parallel(laws=(rope, damper)), shear=damper).with_friction(2.0)
+    assert both.axial.laws == (rope.with_damping(2.0), damper)
+    assert both.shear == damper
+    mixed = example("tinker-cutchins")
+    more = mixed.with_friction(2.0)
+    assert (more.f0, more.f1, more.f2) == (2.0 * mixed.f0, 2.0 * mixed.f1, 2.0 * mixed.f2)
+    assert (more.c, more.k1) == (mixed.c, mixed.k1)
+    assert OnBracket(law=rope, stiffness=1e6).with_friction(2.0).law == rope.with_damping(2.0)
+    for wrong in (0.0, -1.0, float("nan")):
+        with pytest.raises(ValueError, match="factor"):
+            rope.with_friction(wrong)

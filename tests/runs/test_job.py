@@ -13,12 +13,14 @@ from kills import interruptible
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.content.job_comparison import job_comparison_content
 from wirerope_mj.foundation.atomic_files import worked_on_alone
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.half_written import hidden_file
 from wirerope_mj.runs import job as job_module
 from wirerope_mj.runs.folder import alterations
-from wirerope_mj.runs.scenario_file import run_verdicts
+from wirerope_mj.runs.job import judged_job
+from wirerope_mj.runs.scenario_file import run_facts, run_verdicts
 
 CASES = """
 name = "Table on one mount"
@@ -266,9 +268,59 @@ def test_two_jobs_are_compared_case_by_case(done, tmp_path, capsys):
     assert main(["compare", str(folder / "out"), str(tmp_path / "out"), "--names", "before", "after"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "after uses more of the limits in Up and hard." in said or "after exceeds limits in Up and hard" in said
-    assert "Up and hard: half-sine: 20 g 11 ms z and 30 g 11 ms z" in said
+    assert "Up and hard: half-sine: 20 g 11 ms z -> 30 g 11 ms z" in said
     assert "motion:" not in said  # that the phrase has said
     assert "not in it" in said
+
+
+MASSES = (
+    "name, mass [kg], x [mm], y [mm], z [mm], size_x [mm], size_y [mm], size_z [mm]\nrack, {mass}, 0, 0, 800, 600, 600, 1200\n"
+)
+
+
+@pytest.mark.slow
+def test_two_jobs_say_which_mounts_have_another_isolator_and_not_digests(tmp_path, capsys):
+    def job(name, isolators, mass):
+        folder = tmp_path / name
+        folder.mkdir()
+        places = [(-300, -300), (300, -300), (-300, 300), (300, 300)]
+        rows = [f"b{n}, {x}, {y}, 54, {part}" for n, ((x, y), part) in enumerate(zip(places, isolators, strict=True), 1)]
+        (folder / "mounts.csv").write_text("name, x [mm], y [mm], z [mm], isolator\n" + "\n".join(rows), encoding="utf-8")
+        (folder / "masses.csv").write_text(MASSES.format(mass=mass), encoding="utf-8")
+        assert main(["new", str(folder / "rack"), "--tables", str(folder)]) == 0
+        text = 'model = "rack/rack.xml"\n[[case]]\nname = "Down"\nhalf-sine = "5 g 11 ms z"\nduration = 0.1\n'
+        wr.run_job(written(folder, text), folder / "out", workers=1)
+        return str(folder / "out")
+
+    parts = ["CB1500-20"] * 4
+    one, other, heavier = (
+        job("one", parts, 400), job("other", [*parts[:2], "CB1500-15", parts[3]], 400), job("heavier", ["CB1500-15"] * 4, 430)
+    )  # fmt: skip
+    capsys.readouterr()
+    assert main(["compare", one, other]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "Down: b3: CB1500-20 -> CB1500-15" in said
+    assert "digest" not in said
+    assert "alpha" not in said  # the parameters of a part are those of its name
+    assert main(["compare", one, heavier]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "Down: b1, b2, b3, b4: CB1500-20 -> CB1500-15" in said
+    assert "mass of rack: 400 kg -> 430 kg" in said
+
+
+def test_a_law_that_was_edited_is_said_by_its_parameter(done):
+    folder = done[0] / "out" / "cases" / "down-mild"
+    facts = run_facts(folder)
+    (stated,) = [
+        key for key in facts if key.endswith("WR12-400: limits.static_load") or key.endswith("400: limits.static_load")
+    ]
+    edited = facts | {stated: "1"}
+    job = judged_job(done[0] / "out")
+    models = {name: {case.name: table for case in job.cases} for name, table in (("a", facts), ("b", edited))}
+    none = {name: {case.name: {} for case in job.cases} for name in "ab"}
+    content = job_comparison_content({"a": job, "b": job}, none, models)
+    (statement,) = [block for block in content.blocks() if getattr(block, "id", "") == "inputs"]
+    assert statement.items == (f"every case: {stated}: {facts[stated]} -> 1",)
 
 
 def test_a_job_compared_with_itself_shows_no_table_without_rows(done, capsys):

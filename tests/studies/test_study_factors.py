@@ -17,7 +17,9 @@ def study(**arguments):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "change"), [("stiffness", "scaled"), ("damping", "with_damping")])
+@pytest.mark.parametrize(
+    ("name", "change"), [("stiffness", "scaled"), ("damping", "with_damping"), ("friction", "with_friction")]
+)
 def test_a_factor_on_a_mount_is_what_the_isolator_makes_of_it(tmp_path, name, change):
     factors = [0.5, 1.0, 2.0]
     result = study(vary={f"mount/m0*/{name}": wr.Choice(*factors)}).run(tmp_path / "study", workers=1)
@@ -97,3 +99,16 @@ def test_any_part_of_the_catalogue_is_chosen_by_a_pattern_and_the_foundation_fol
         assert tops[1] == pytest.approx(tops[0], abs=1e-12)
     with pytest.raises(ValueError, match="no part of the vendors' tables is called 'XY"):
         wr.Study(model="floating_floor.xml", motion=PULSE, duration=0.05, vary={"mount/m01/isolator": wr.Choice("XY*")})
+
+
+def test_friction_is_a_factor_of_mounts_that_have_some():
+    names = study(vary={"mount/m0*/friction": wr.Choice(0.5, 2.0)}).table().column_names
+    assert names == ["variant", "mount/m0*/friction"]
+    with pytest.raises(ModelError, match="has friction that stands by itself"):
+        wr.Study(
+            model="shock_table.xml",
+            motion=PULSE,
+            duration=0.08,
+            sampling="list",
+            vary={"mount/s1/friction": wr.Choice(0.5, 2.0)},
+        ).table()

@@ -128,7 +128,7 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) 
     """Print what two jobs use of their limits, case by case, and what differs between their inputs."""
     from wirerope_mj.content.job_comparison import job_comparison_content
     from wirerope_mj.runs.job import CASES, is_job, judged_job
-    from wirerope_mj.runs.scenario_file import run_inputs
+    from wirerope_mj.runs.scenario_file import run_facts, run_inputs
     from wirerope_mj.views.terminal import print_headline, show
 
     if len(jobs) != 2 or not all(map(is_job, jobs)):
@@ -140,7 +140,15 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) 
         name: {case.name: run_inputs(folder / CASES / case.folder) for case in judged[name].cases}
         for name, folder in zip(names, jobs, strict=True)
     }
-    content = job_comparison_content(judged, inputs)
+    known: dict[tuple[str, ...], dict[str, str]] = {}  # of models that several cases share
+    models: dict[str, dict[str, dict[str, str]]] = {name: {} for name in names}
+    for name, folder in zip(names, jobs, strict=True):
+        for case in judged[name].cases:
+            digests = tuple(f"{key} {text}" for key, text in inputs[name][case.name].items() if key.startswith("model"))
+            if digests not in known:
+                known[digests] = run_facts(folder / CASES / case.folder)
+            models[name][case.name] = known[digests]
+    content = job_comparison_content(judged, inputs, models)
     show(content)
     print_headline(content.verdict)
     return 0

@@ -104,7 +104,7 @@ def option_message(error: CycloptsError, arguments: Sequence[str]) -> str:
         left = ", ".join(map(repr, error.unused_tokens or []))
         fault = (
             f"{left} belongs to no option or argument: a text with spaces needs quotes, and most options "
-            "are written again before each further value, as `--limit A --limit B`."
+            'are written again before each further value, as `--limit A --limit B`; motions may be listed in one text, "A; B".'
         )
     if list(arguments[:1]) in (["run"], ["study"]) or list(arguments[:2]) == ["isolators", "fit"]:
         command += arguments[1:2]  # the scenario or study whose options are meant

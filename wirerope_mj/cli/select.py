@@ -81,6 +81,7 @@ def select(
     from wirerope_mj.foundation.units import STANDARD_GRAVITY
     from wirerope_mj.motions.registry import motion_from_phrase, motion_from_words, motion_of_levels
     from wirerope_mj.runs.new_model import KIND, marks
+    from wirerope_mj.runs.said_motion import listed_phrases
     from wirerope_mj.runs.selection import equipment, read_prices, write_selected
     from wirerope_mj.studies.catalogue import catalogue, select_parts
     from wirerope_mj.views.terminal import print_headline, show
@@ -100,7 +101,8 @@ def select(
     if by in ("price", "mass") and not any(by in own for own in stated.values()):
         raise ValueError(f"`--by {by}` needs `--prices`, a table with a column {by!r}.")
     said = {text: motion_from_words(text) for text in shock or ()}
-    phrases = [(kind, text) for name, kind in MOTIONS.items() for text in motions.get(name) or ()]
+    given = {kind: motions.get(name) or () for name, kind in MOTIONS.items()}
+    phrases = [(kind, phrase) for kind, texts in given.items() for text in texts for phrase in listed_phrases(text)]
     said |= {f"{kind} {text}": motion_from_phrase(kind, text) for kind, text in phrases}
     said |= {file.stem: motion_of_levels(file) for file in levels or ()}
     box = None if mass is None else {"mass": mass, "size": None if size is None else tuple(1e-3 * one for one in size)}

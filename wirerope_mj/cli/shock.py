@@ -58,8 +58,8 @@ def shock(
     """Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.
 
     A motion is said in a few words, in any order: numbers with units, a direction (x, y, z, several as in xyz, -z or a
-    vector such as 1,1,0), and "at 50 ms" where it does not begin at once. What is given several times, or in several
-    options, is added.
+    vector such as 1,1,0), and "at 50 ms" where it does not begin at once. What is given several times, listed
+    with ";" in one text, or in several options, is added.
 
     wirerope shock cabinet --half-sine "15 g 11 ms z at 50 ms" --limit "acceleration/rack = 12 g"
 
@@ -100,11 +100,12 @@ def shock(
     from wirerope_mj.engine.system.on_deck import deck_text
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.resources import model_source
-    from wirerope_mj.runs.said_motion import said_motion, with_dwells_found
+    from wirerope_mj.runs.said_motion import listed_phrases, said_motion, with_dwells_found
     from wirerope_mj.runs.scenario import Scenario
 
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
-    phrases = [(kind, phrase) for name, kind in MOTIONS.items() for phrase in motions.get(name) or ()]
+    given = {kind: motions.get(name) or () for name, kind in MOTIONS.items()}
+    phrases = [(kind, phrase) for kind, texts in given.items() for text in texts for phrase in listed_phrases(text)]
     names = [*dict.fromkeys(kind for kind, _ in phrases), *(file.stem for file in levels or ())]
     names += [record.stem] if record is not None else []
     if not (names or channels or direction):

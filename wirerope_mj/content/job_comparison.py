@@ -20,8 +20,8 @@ _DERIVED = ("inputs", "timestep", "engine")  # inputs that follow from others: d
 _MOTION_OPTIONS = {*SPOKEN_MOTIONS, "levels", "record"}  # options that describe the motion
 
 
-def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Content:
-    """Compose the content of a comparison of two jobs; `inputs` by job and load case."""
+def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs, models: Inputs) -> Content:
+    """Compose the content of a comparison of two jobs; `inputs` and facts of the `models` by job and load case."""
     first, second = jobs.values()
     names = list(jobs)
 
@@ -37,7 +37,7 @@ def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Con
             Section("headlines", "", headlines, "headline"),
             Section("cases", "Load cases", lambda: [_cases(names, first, second)], "summary"),
             Section("limits", "Limits", lambda: [_limits(names, first, second)], "summary"),
-            Section("inputs", "Inputs", lambda: [_inputs(names, first, second, inputs)], "summary"),
+            Section("inputs", "Inputs", lambda: [_inputs(names, first, second, inputs, models)], "summary"),
         ),
     )
 
@@ -118,25 +118,38 @@ def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table 
     )  # fmt: skip
 
 
-def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: Inputs) -> Statement:
+def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: Inputs, models: Inputs) -> Statement:
     """List the inputs and limits of common load cases that differ, each difference once with its cases."""
     differences: dict[str, list[str]] = {}
     common = [case for case in first.verdicts if case in second.verdicts]
     for case in common:
-        before, after = inputs[names[0]].get(case, {}), inputs[names[1]].get(case, {})
-        differ = [key for key in dict.fromkeys((*before, *after)) if before.get(key) != after.get(key)]
+        before, after = (models[name].get(case, {}) for name in names)
+        of_model = _different(before, after)
+        # laws of one isolator in place of another are that isolator's
+        shared = {*before.values()} & {*after.values()}
+        told = [key for key in of_model if ": " not in key or key.partition(": ")[0] in shared]
+        alike: dict[str, list[str]] = {}  # mounts with the same change are said together
+        for key in told:
+            alike.setdefault(f"{before.get(key, 'none')} -> {after.get(key, 'none')}", []).append(key)
+        texts = [f"{listed(keys, most=_SHOWN_LIMITS)}: {change}" for change, keys in alike.items()]
+        before, after = (inputs[name].get(case, {}) for name in names)
+        differ = _different(before, after)
         for key in differ:
-            if key not in _DERIVED and not (key == "motion" and _MOTION_OPTIONS & set(differ)):
-                text = f"{key}: {before.get(key, 'not given')} and {after.get(key, 'not given')}"
-                differences.setdefault(text, []).append(case)
+            if key.startswith("model/"):
+                texts += [] if told else [f"{key}: its text differs, in nothing that moves or bears"]
+            elif key not in _DERIVED and not (key == "motion" and _MOTION_OPTIONS & set(differ)):
+                texts.append(f"{key}: {before.get(key, 'not given')} -> {after.get(key, 'not given')}")
         before, after = (
             {f"limit of {row.criterion} of {row.subject}": with_unit(row.limit, row.unit) for row in rows if row.limit}
             for rows in (first.verdicts[case], second.verdicts[case])
         )
-        for key in dict.fromkeys((*before, *after)):
-            if before.get(key) != after.get(key):
-                text = f"{key}: {before.get(key, 'none')} and {after.get(key, 'none')}"
-                differences.setdefault(text, []).append(case)
-    texts = {text: "every case" if len(of) == len(common) > 1 else listed(of) for text, of in differences.items()}
-    items = tuple(f"{where}: {text}" for text, where in texts.items())
+        texts += [f"{key}: {before.get(key, 'none')} -> {after.get(key, 'none')}" for key in _different(before, after)]
+        for text in texts:
+            differences.setdefault(text, []).append(case)
+    cases = {text: "every case" if len(of) == len(common) > 1 else listed(of) for text, of in differences.items()}
+    items = tuple(f"{where}: {text}" for text, where in cases.items())
     return Statement("inputs", "Inputs that differ:" if items else "No input of a common load case differs.", items=items)
+
+
+def _different(before: Mapping[str, str], after: Mapping[str, str]) -> list[str]:
+    return [key for key in dict.fromkeys((*before, *after)) if before.get(key) != after.get(key)]

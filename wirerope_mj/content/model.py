@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from wirerope_mj.content.blocks import Block, SceneView, Statement
 from wirerope_mj.content.isolator import provenance_statement, ratings_table
 from wirerope_mj.content.judged_run import JudgedRun
@@ -9,6 +11,8 @@ from wirerope_mj.content.numbers import fixed, several
 from wirerope_mj.content.scene_outline import axial_direction, crowded_label, flexible_bodies, mount_labels, mount_position
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.tables import Column, Row, Table, left
 from wirerope_mj.mounts.isolator import Isolator
 
@@ -54,6 +58,43 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
         yield ratings_table(devices)
         for device in devices:
             yield provenance_statement(device)
+
+
+def model_facts(system: System) -> dict[str, str]:
+    """Say what a model holds, as texts by what they are of: isolators of mounts, where these stand, laws, masses.
+
+    Two models that differ in a file differ in one of these, or in nothing that moves.
+    """
+    facts: dict[str, str] = {}
+
+    def note(what: str, values: Array, scale: float, unit: str) -> None:
+        facts[what] = f"{', '.join(f'{round(scale * x, 9) + 0.0:.6g}' for x in values.tolist())}{unit}"
+
+    for name, mount in system.mounts.items():
+        facts[name] = mount.isolator_name
+        note(f"position of {name}", mount.position, 1e3, " mm")
+        note(f"direction of {name}", mount.axes[:, 2], 1.0, "")
+        facts |= {f"{mount.isolator_name}: {key}": text for key, text in _leaves(mount.written.to_dict())}
+    model = system.model
+    for body in np.flatnonzero(model.body_mass > 0.0).tolist():
+        name = model.body(body).name or f"body {body}"
+        note(f"mass of {name}", model.body_mass[[body]], 1.0, " kg")
+        note(f"centre of mass of {name}", model.body_ipos[body], 1e3, " mm")
+        note(f"inertia of {name}", model.body_inertia[body], 1.0, " kg m²")
+    return facts
+
+
+def _leaves(table: Entries, before: str = "") -> Iterator[tuple[str, str]]:
+    """Yield names, such as "axial.laws[0].alpha", and texts of all values in a table."""
+    for key, value in table.items():
+        name = f"{before}{key}"
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{name}.")
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            for number, entry in enumerate(value):
+                yield from _leaves(entry, f"{name}[{number}].")
+        else:
+            yield name, f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def mounts_and_stops(mounts: Sequence[SceneMount]) -> str:

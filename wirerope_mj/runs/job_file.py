@@ -22,7 +22,7 @@ from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
-from wirerope_mj.runs.said_motion import PLAYED, said_motion, with_dwells_found
+from wirerope_mj.runs.said_motion import PLAYED, listed_phrases, said_motion, with_dwells_found
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judged_by
 
@@ -213,7 +213,10 @@ def _cases(path: Path, content: JobFile) -> Iterator[tuple[Place, Path, Case]]:
 
 def _scenario(place: Place, case: Case, folder: Path, system: System) -> Entries:
     """Return motion, simulation and options of a case's scenario."""
-    phrases = [(kind, text) for kind in SPOKEN_MOTIONS for text in _texts(case.phrases.get(kind, ()))]
+    phrases = [
+        (kind, phrase)
+        for kind in SPOKEN_MOTIONS for text in _texts(case.phrases.get(kind, ())) for phrase in listed_phrases(text)
+    ]  # fmt: skip
     levels = [folder / file for file in _texts(case.levels)]
     record = folder / case.record if case.record is not None else None
     where = replace(place, error=ModelError)

@@ -22,6 +22,11 @@ from wirerope_mj.motions.registry import SPOKEN_MOTIONS, motion_from_phrase, mot
 PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit")
 
 
+def listed_phrases(text: str) -> list[str]:
+    """Return the phrases of a text that lists several with ";" between them."""
+    return [phrase.strip() for phrase in text.split(";") if phrase.strip()] or [text]
+
+
 def said_motion(
     phrases: Sequence[tuple[str, str]], *, levels: Sequence[Path] = (), record: Path | None = None,
     channels: Sequence[str] | None = None, direction: str | None = None, played: Entries | None = None,

@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import Verdict, judge
 from wirerope_mj.content.judged_run import JudgedRun, judged_run
+from wirerope_mj.content.model import model_facts
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.response.histories import same_columns
@@ -180,6 +181,11 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
         if file.is_file():
             inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest_of(file)[:_CHARACTERS]}"
     return inputs
+
+
+def run_facts(folder: Path) -> dict[str, str]:
+    """Say what the model of a run holds, as `model_facts` does; RecordError or ModelError if its files are damaged."""
+    return model_facts(system_and_motion(folder, scenario_content(folder))[0])
 
 
 def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:

@@ -33,6 +33,7 @@ class Study(StudyDefinition):
                                       relative: a factor on what the isolator says
         mount/NAME/stiffness          factor on all forces of a mount, friction included
         mount/NAME/damping            factor on what dissipates in a mount
+        mount/NAME/friction           factor on its friction alone, without dampers
         mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50
                                       values of an isolator with [stiffening]; relative: factors on them
         mount/NAME/isolator           Choice of the names of isolator files, of the same laws as the model's, or of the vendors'

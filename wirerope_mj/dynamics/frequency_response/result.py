@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from wirerope_mj.dynamics.periodic import Branch, follow_branch
+from wirerope_mj.dynamics.periodic import Branch, follow_branch, periodic_orbit
 from wirerope_mj.dynamics.periodic.storage import check_steps, require_motion
 from wirerope_mj.dynamics.sweep import FrequencySweep, frequency_sweep
 from wirerope_mj.engine.simulation.simulate import check_direction
@@ -32,6 +32,8 @@ BELOW, ABOVE = 4.0, 2.0
 BEYOND = 100.0
 # Natural frequencies below this fraction of the highest belong to motions without a mount's stiffness [-].
 STILL = 1e-3
+# Parts of the way to the end of the range, at which a start is tried in place of one that has no periodic motion.
+OTHER_STARTS = (0.02, 0.1, 0.3)
 BRANCHES, SWEEPS = "branches.parquet", "sweeps.parquet"
 
 
@@ -234,9 +236,28 @@ def frequency_response(
     for acceleration in options.accelerations:
         try:
             levels.append(_level(system, options, acceleration, report or (lambda text: None), keep, progress))
-        except (ConvergenceError, SimulationError) as error:
-            raise type(error)(f"level {acceleration:.4g} m/s^2: {error}") from None
+        except SimulationError as error:
+            raise SimulationError(f"level {acceleration:.4g} m/s^2: {error}") from None
+        except ConvergenceError as error:
+            beside = _other_start(system, options, acceleration)
+            raise ConvergenceError(f"level {acceleration:.4g} m/s^2: {error} {beside}") from None
     return FrequencyResponse(system=system, name=name, options=options, levels=tuple(levels))
+
+
+def _other_start(system: System, options: ResponseOptions, acceleration: float) -> str:
+    """Say from which frequency near the start of the range a branch can be followed, tried here; or that none was found."""
+    start, stop = options.range
+    tried = [start + part * (stop - start) for part in OTHER_STARTS]
+    for frequency in tried:
+        try:
+            periodic_orbit(
+                system, frequency=frequency, acceleration=acceleration, direction=options.direction, periods=options.periods,
+                smoothing=options.smoothing,
+            )  # fmt: skip
+        except (ConvergenceError, SimulationError):
+            continue
+        return f"At {frequency:.6g} Hz there is a periodic motion, found here: --start {frequency:.6g} begins with it."
+    return f"None was found at {' and '.join(f'{one:.6g}' for one in tried)} Hz either."
 
 
 def _level(

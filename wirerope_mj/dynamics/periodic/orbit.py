@@ -257,8 +257,7 @@ class OrbitSearch:
             f"no motion of period {periods} / ({frequency:.6g} Hz) was found at {acceleration:.4g} m/s^2: the residual stays "
             f"at {best:.2g} (`tolerance` {tolerance:.2g}) after Newton's method from {'the guess and from ' if guess else ''}"
             f"{', '.join(str(n) for n in np.cumsum(SETTLING))} periods of settling, and with finer steps. The motion may not "
-            "be periodic there: try another frequency and follow the branch from it, a lower acceleration, a finer `accuracy`, "
-            "or `periods=2` or 3."
+            "be periodic there."
         )
 
     def closed(self, start: Shot, tolerance: float) -> Shot:

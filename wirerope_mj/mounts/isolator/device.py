@@ -167,6 +167,11 @@ class Isolator(Brief):
         """Return the isolator with the hysteretic and viscous part of every law times a factor > 0, see `Law.with_damping`."""
         return self.multiplied("friction", factor)
 
+    def with_friction(self, factor: float) -> "Isolator":
+        """Return the isolator with the hysteretic part of every law times a factor > 0, see `Law.with_friction`."""
+        laws = {axis: law.with_friction(factor) for axis, law in self.axes.items() if law is not None}
+        return replace(self, spread=None, **laws)  # type: ignore[arg-type]
+
     def multiplied(self, name: str, factor: float) -> "Isolator":
         """Return the isolator with a factor of `wirerope_mj.mounts.laws.law.FACTORS` on every law, see `Law.multiplied`."""
         laws = {axis: law.multiplied(name, factor) for axis, law in self.axes.items() if law is not None}

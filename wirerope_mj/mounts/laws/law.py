@@ -248,6 +248,10 @@ class Law(ABC):
         """
         return self.multiplied("stiffness", factor)
 
+    def with_friction(self, factor: float) -> Self:
+        """Return the law whose hysteretic part is `factor` times this one's along every path; what is viscous stays."""
+        return self.multiplied("friction", factor) if self.rate_independent else self
+
     def with_damping(self, factor: float) -> Self:
         """Return the law whose hysteretic or viscous part is `factor` times this one's along every path, the rest the same.
 

@@ -96,6 +96,9 @@ class Parallel(Law):
         """Why the law does not hold beyond its finite travel."""
         return min(self.laws, key=lambda law: law.finite_travel).travel_rule
 
+    def with_friction(self, factor: float) -> Self:
+        return replace(self, laws=tuple(law.with_friction(factor) for law in self.laws))
+
     def multiplied(self, name: str, factor: float) -> Self:
         return replace(self, laws=tuple(law.multiplied(name, factor) for law in self.laws))
 

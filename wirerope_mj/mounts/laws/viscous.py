@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import raised, some, where
@@ -162,6 +163,10 @@ class TinkerCutchins(Law):
         """Slope of damping and friction at rest, at x = 0 [N s/m]."""
         damping = self.c if self.n == 1.0 else self.c * self.smoothing ** (self.n - 1.0) if self.n < 1.0 else 0.0
         return damping + self.f0 / self.smoothing
+
+    def with_friction(self, factor: float) -> Self:
+        friction = {name: positive("factor", factor) * getattr(self, name) for name in ("f0", "f1", "f2")}
+        return replace(self, **friction)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -39,6 +39,9 @@ class _Wrapped(Law):
     def same_structure(self, other: Law | None) -> bool:
         return self == other
 
+    def with_friction(self, factor: float) -> Self:
+        return replace(self, law=self.law.with_friction(factor))
+
     def multiplied(self, name: str, factor: float) -> Self:
         return replace(self, law=self.law.multiplied(name, factor))
 

@@ -126,6 +126,7 @@ class StiffeningParameter(LawParameter):
 MOUNT_FACTORS: dict[str, tuple[Callable[[Isolator, float], Isolator], str]] = {
     "stiffness": (Isolator.scaled, "all its forces"),
     "damping": (Isolator.with_damping, "what dissipates"),
+    "friction": (Isolator.with_friction, "what dissipates whatever the rate"),
 }
 
 
@@ -135,6 +136,18 @@ class MountFactor(MountColumn):
     form = ", ".join(f"mount/NAME/{name}" for name in MOUNT_FACTORS)
     pattern = re.compile(rf"mount/(.*)/({'|'.join(MOUNT_FACTORS)})")
     acts = "factor"
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        mounts = cls.matching(entry, entry.pattern)
+        for mount in mounts if entry.key == ("friction",) else ():
+            isolator = entry.system.mounts[mount].written
+            if isolator.with_friction(2.0).axes == isolator.axes:
+                raise ModelError(
+                    f"`vary`: {entry.name!r}: no law of isolator {isolator.name!r} of mount {mount!r} has friction that stands "
+                    "by itself; mount/NAME/stiffness is a factor on all of its forces."
+                )
+        return cls.split(entry, mounts)
 
     def nominal_of(self, system: System, target: str) -> float:
         return 1.0
