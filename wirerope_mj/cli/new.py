@@ -21,6 +21,7 @@ def new(
     template: Literal["cabinet", "floor", "genset", "medium-weight-machine", "two-stage"] | None = None,
     deck: Deck = None,
     products: Literal["tensor", "positive"] | None = None,
+    bottoming: bool = True,
     pdf: Flag = False,
     blank: Flag = False,
     force: Force = False,
@@ -51,6 +52,7 @@ def new(
         template: start from a model of the house, without tables; that of genset is made of tables to edit.
         products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm); by default as a text
             of SolidWorks says it, of its columns Lxy positive, of every other table tensor.
+        bottoming: put a stop at each mount where its isolator goes solid, and where its rope is straight, as far as known.
         pdf: write the plan as PDF, too.
         blank: write FOLDER/mounts.csv and FOLDER/masses.csv to fill in, with every column and its meaning, and no model.
     """
@@ -74,7 +76,7 @@ def new(
         if found or name is not None:
             option = "tables" if tables is not None else next(iter(found), "name")
             raise ValueError(f"`--template` comes with tables of its own: leave out `--{option}`, or `--template`.")
-        layout = from_template(folder, template, deck=bends, formats=formats, force=force)
+        layout = from_template(folder, template, deck=bends, bottoming=bottoming, formats=formats, force=force)
     elif "mounts" not in found or "masses" not in found:
         raise ValueError(
             "a model is made from `--mounts FILE` and `--masses FILE`, from `--tables` with both, or from `--template "
@@ -82,7 +84,9 @@ def new(
         )
     else:
         sign = products or ""
-        layout = new_model(folder, found, name=name, products=sign, deck=bends, formats=formats, force=force)
+        layout = new_model(
+            folder, found, name=name, products=sign, deck=bends, bottoming=bottoming, formats=formats, force=force
+        )
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
     if layout is not None and (text := gaps_text(layout)):

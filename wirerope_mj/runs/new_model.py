@@ -17,7 +17,7 @@ from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.foundation.xlsx_rows import sheet_names
-from wirerope_mj.mounts.isolator import Isolator, Provenance
+from wirerope_mj.mounts.isolator import BOTTOM, Isolator, Provenance, bottom_stop
 from wirerope_mj.mounts.laws import Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
 
@@ -49,7 +49,7 @@ def tables_in(source: Path) -> dict[str, Path]:
 
 def new_model(
     folder: Path, tables: Mapping[str, Path], *, name: str | None = None, products: str = "",
-    deck: Deck | None = None, formats: Sequence[str] = ("png",), force: bool = False,
+    deck: Deck | None = None, bottoming: bool = True, formats: Sequence[str] = ("png",), force: bool = False,
 ) -> Layout:  # fmt: skip
     """Write the folder of a model from tables and return what they say.
 
@@ -57,7 +57,8 @@ def new_model(
     `formats`: "png", "pdf", "svg". The model has been loaded before the folder stands. Tables are CSV files or workbooks,
     by their names in `TABLES`, as `read_layout` reads them; `name` is the payload's, by default the model's;
     `products` is the notation of products of inertia, as `read_layout` has it; a `deck` is what the
-    mounts stand on in place of a rigid one.
+    mounts stand on in place of a rigid one. With `bottoming` a stop stands at each mount where its isolator goes solid, as far
+    as that is known, see `wirerope_mj.mounts.isolator.device.bottom_stop`.
 
     RecordError if a table is wrong, or the folder cannot be written; ModelError if an isolator or the model is wrong;
     nothing is written then.
@@ -65,6 +66,10 @@ def new_model(
     called = folder.resolve().name
     check_folder(folder, force=force, kind=KIND, marks=marks(called))
     layout = read_layout(name or called, tables, products=products)
+    if bottoming:
+        devices = {mount.device: load_isolator(layout.isolators[mount.isolator]) for mount in layout.mounts}
+        ends = {device: bottom_stop(isolator) for device, isolator in devices.items()}
+        layout = replace(layout, bottoms={device: stop for device, stop in ends.items() if stop is not None})
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(called)) as temporary:
         (temporary / "isolators").mkdir()
         _write_isolators(layout, temporary / "isolators", tables.get("stops"))
@@ -87,8 +92,9 @@ def new_model(
 
 
 def from_template(
-    folder: Path, template: str, *, deck: Deck | None = None, formats: Sequence[str] = ("png",), force: bool = False
-) -> Layout | None:
+    folder: Path, template: str, *, deck: Deck | None = None, bottoming: bool = True, formats: Sequence[str] = ("png",),
+    force: bool = False,
+) -> Layout | None:  # fmt: skip
     """Write the folder of a model that one edits: tables and model of "genset", the commented model of the others.
 
     Returns:
@@ -96,7 +102,7 @@ def from_template(
     """
     if template == "genset":
         tables = tables_in(models_folder() / "templates" / "genset")
-        return new_model(folder, tables, deck=deck, formats=formats, force=force)
+        return new_model(folder, tables, deck=deck, bottoming=bottoming, formats=formats, force=force)
     from xml.etree import ElementTree as ET
 
     source = models_folder() / _MODELS[template]
@@ -127,6 +133,8 @@ def marks(name: str) -> tuple[str, ...]:
 def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
     for name, file in layout.isolators.items():
         load_isolator(file).save(folder / f"{name}.toml")
+    for bottoming, stop_there in layout.bottoms.items():
+        stop_there.save(folder / f"{BOTTOM}{bottoming}.toml")
     for mount in layout.mounts:
         if mount.bracket is not None:
             device = load_isolator(layout.isolators[mount.isolator])
@@ -186,7 +194,7 @@ def _installed(layout: Layout, model: Path) -> Layout:
 
 
 def gaps_text(layout: Layout) -> str:
-    """Say from where the gaps of the table of stops count; "" without such gaps."""
+    """Say from where the gaps of stops count, and where mounts go solid; "" where there are no stops."""
     laws = {stop.name: stop.law for stop in layout.stops if stop.law is not None}
     installed = {name: law.rest for name, law in laws.items() if law.rest is not None}
     parts = []
@@ -198,5 +206,14 @@ def gaps_text(layout: Layout) -> str:
     if others := [name for name in laws if name not in installed]:
         counts = f"gaps of {listed(others)} count from the unloaded geometry"
         parts.append(f'{counts} (gap_at "installed" in the table of stops counts them at rest)')
+    ends = {device: stop.axial for device, stop in layout.bottoms.items() if isinstance(stop.axial, Stop)}
+    for device, stop in ends.items():
+        names = listed([f"bottom_{mount.name}" for mount in layout.mounts if mount.device == device])
+        straight = f" and is a straight rope at {1e3 * stop.gap_above:.3g} mm of tension (assumed)" if stop.gap_above else ""
+        where = layout.bottoms[device].provenance.source.partition(": ")[2]
+        solid = f"{device} goes solid at {1e3 * (stop.gap_below or 0.0):.3g} mm of compression ({where}){straight}"
+        parts.append(f"{solid}: stops {names} act there with {1e-6 * (stop.k or 0.0):.3g} MN/m (assumed)")
+    unknown = [mount.name for mount in layout.mounts if mount.device not in layout.bottoms]
+    parts += [f"where {listed(unknown)} {'goes' if len(unknown) == 1 else 'go'} solid is not known"] if ends and unknown else []
     text = "; ".join(parts)
     return text and f"{text[0].upper()}{text[1:]}."

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.judge import OF_MOUNTS, headline
 from wirerope_mj.assessment.criteria.loads import closing_text
-from wirerope_mj.assessment.criteria.travel import ELLIPSOID, peak_travel_verdicts
+from wirerope_mj.assessment.criteria.travel import ELLIPSOID, STOPPED, peak_travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (
     ACCELERATION,
     BOTTOMING,
@@ -221,11 +221,15 @@ def _instant(row: Verdict) -> str:
 
 def pressed_lines(verdicts: Sequence[Verdict]) -> list[str]:
     """Name in a line the mounts that are pressed until their bars meet and beyond; no line without such mounts."""
-    flat = dict.fromkeys(row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED)
+    rows = [row for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED]
+    stopped = dict.fromkeys(row.subject for row in rows if row.note.endswith(STOPPED))
+    lines = [f"Bottomed, pressed until solid: {', '.join(stopped)}."] if stopped else []
+    flat = dict.fromkeys(row.subject for row in rows if row.subject not in stopped)
     return [
+        *lines,
         f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model, or "
         "it is too far away or too soft."
-    ] if flat else []  # fmt: skip
+    ] if flat else lines  # fmt: skip
 
 
 def _combined_lines(response: Response, verdicts: Sequence[Verdict], early: str) -> list[str]:

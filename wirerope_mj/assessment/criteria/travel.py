@@ -78,15 +78,20 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
     """Judge the largest compression of every mount against that at which its bars meet, height - 2 bar.
 
     The rated compression, less than that, is where the vendor says that a mount bottoms: see `travel_verdicts`. No law knows
-    that the bars meet; compressions beyond it cannot happen, and show that a stop is missing in the model. Where the isolator
-    does not state the thickness of its bars, the whole height is an upper bound, by which a value can only be exceeded.
+    that the bars meet; compressions beyond it cannot happen, and show that a stop is missing in the model. Where a stop stands
+    at the sites of a mount its gap is the limit. Where the isolator does not state the thickness of its bars, the whole height
+    is an upper bound, by which a value can only be exceeded.
     """
     verdicts = []
+    bottoms = bottoms_of(response)
     for mount in response.scene.isolating:
         deflection = response.peaks.mounts[mount.name].deflection
         compression = max(-float(deflection.minimum[2]), 0.0)
         limit, note = None, "the isolator states no thickness of its bars"
-        if not math.isnan(mount.bar):
+        if mount.name in bottoms:
+            name, gap = bottoms[mount.name]
+            limit, note = gap, f"compression at which {name} closes: {STOPPED}"
+        elif not math.isnan(mount.bar):
             limit = mount.height - 2.0 * mount.bar
             size = f"{1e3 * mount.height:.4g} mm - 2 x {1e3 * mount.bar:.4g} mm"
             note = f"compression at which the bars meet: height less two bars, {size}"
@@ -99,6 +104,27 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
             time=float(deflection.minimum_time[2]), note=note,
         ))  # fmt: skip
     return tuple(verdicts)
+
+
+STOPPED = "a stop holds the mount there"  # Ends the notes on bottoming of mounts with a stop of their own
+
+
+def bottoms_of(response: Response) -> dict[str, tuple[str, float]]:
+    """Find the stop at the sites of each mount where it bottoms: its name and gap in compression [m], by mount."""
+
+    def sites(mount: SceneMount) -> tuple[object, ...]:
+        return (
+            mount.payload_body, mount.base_body, *mount.payload_point.tolist(), *mount.base_point.tolist(),
+            *mount.axes.ravel().tolist(),
+        )  # fmt: skip
+
+    found = {}
+    contacts = response.peaks.contacts or {}
+    for stop in response.scene.stops:
+        contact = contacts.get(stop.name)
+        if contact is not None and contact.axis == "axial" and contact.gap_below and contact.rest is None:
+            found[sites(stop)] = stop.name, contact.gap_below
+    return {mount.name: found[sites(mount)] for mount in response.scene.isolating if sites(mount) in found}
 
 
 def combined_travel(mount: SceneMount, deflection: Array) -> Array:

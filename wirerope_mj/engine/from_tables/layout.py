@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted, short
-from wirerope_mj.mounts.isolator import Bracket
+from wirerope_mj.mounts.isolator import Bracket, Isolator
 from wirerope_mj.mounts.vendor_parts import VendorPart
 
 # by how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding
@@ -163,6 +163,7 @@ class Layout:
     envelope: tuple[Box, ...] = ()
     # files, or parts of the vendors' tables, that mounts and stops name, by name
     isolators: Mapping[str, Path | VendorPart] = field(default_factory=dict)
+    bottoms: Mapping[str, Isolator] = field(default_factory=dict)  # stops where devices bottom, by the device of their mounts
 
     @property
     def payload(self) -> MassProperties:

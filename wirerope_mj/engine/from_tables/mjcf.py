@@ -8,6 +8,7 @@ import numpy as np
 from wirerope_mj.engine.from_tables.layout import Layout, Mass, Sprung
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.mounts.isolator import BOTTOM
 from wirerope_mj.mounts.vendor_parts import load_isolator
 
 _ABOUT = """
@@ -58,11 +59,15 @@ def mjcf_of(layout: Layout, name: str | None = None) -> str:
     custom = ET.SubElement(root, "custom")
     for isolator in dict.fromkeys(placed.device for placed in (*layout.mounts, *layout.stops)):
         ET.SubElement(custom, "text", name=f"isolator/{isolator}", data=f"isolators/{isolator}.toml")
+    for device in layout.bottoms:
+        ET.SubElement(custom, "text", name=f"isolator/{BOTTOM}{device}", data=f"isolators/{BOTTOM}{device}.toml")
     custom.append(ET.Comment(" A mount: its payload site, its base site, its isolator. Stops are mounts too. "))
-    for placed in (*layout.mounts, *layout.stops):
-        mount = ET.SubElement(custom, "tuple", name=f"mount/{placed.name}")
-        sites = ("site", f"{layout.name}/{placed.name}"), ("site", f"deck/{placed.name}")
-        for kind, element in (*sites, ("text", f"isolator/{placed.device}")):
+    tuples = [(placed.name, placed.name, placed.device) for placed in (*layout.mounts, *layout.stops)]
+    bottoming = [placed for placed in layout.mounts if placed.device in layout.bottoms]
+    tuples += [(f"bottom_{placed.name}", placed.name, f"{BOTTOM}{placed.device}") for placed in bottoming]
+    for name, at, device in tuples:
+        mount = ET.SubElement(custom, "tuple", name=f"mount/{name}")
+        for kind, element in (("site", f"{layout.name}/{at}"), ("site", f"deck/{at}"), ("text", f"isolator/{device}")):
             ET.SubElement(mount, "element", objtype=kind, objname=element)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"

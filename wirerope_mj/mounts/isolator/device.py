@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal
 
+import numpy as np
 import tomli_w
 
 from wirerope_mj.foundation.arguments import one_of
@@ -30,7 +31,7 @@ from wirerope_mj.mounts.isolator.parts import (
 from wirerope_mj.mounts.isolator.tables import AXES, read_law
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, is_law, on_bracket
-from wirerope_mj.mounts.laws.stop import largest_gap
+from wirerope_mj.mounts.laws.stop import Stop, largest_gap
 
 COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axes that a coupling couples, by its name
 
@@ -206,6 +207,43 @@ class Isolator(Brief):
         and rule.
         """
         return structure(cls, content, Place(where), {Law: read_law})
+
+
+BOTTOM = "bottom_of_"  # Begins the names of stops where devices bottom
+# Stiffness of that stop over the device's secant to there, and its rounding over the travel: assumed, nobody states them.
+_SOLID, _SEATING = 20.0, 0.02
+
+
+def bottom_stop(device: Isolator) -> Isolator | None:
+    """Make the stop that acts where a device goes solid in compression, and where its rope is straight in tension.
+
+    It goes solid where its bars meet, height - 2 bar, else, of a part of a catalogue, at its largest travel in compression,
+    beyond which the vendor says that it bottoms. None where neither is known, and without an axial law.
+    """
+    geometry, law = device.geometry or Geometry(), device.conditioned.axial
+    if law is None or device.is_stop:
+        return None
+    solid, where = geometry.solid_compression, "its height less two bars"
+    if solid is None and device.provenance.kind == "catalogue":
+        solid, where = device.limits.travel.compression, "the vendor's largest travel in compression"
+    if solid is None:
+        return None
+    straight = geometry.straight_tension
+    assumed = ["the stiffness is 20 times the device's secant to there, without loss, and closes over a fiftieth of the travel"]
+    if straight is not None:
+        assumed.append("the rope is straight where the roundest loop of this size is, and holds there with the same stiffness")
+    reach = min(solid, 0.999 * law.travel_ends[0])
+    path = np.array([0.0, -reach])
+    force = law.trace(path, time=None if law.rate_independent else np.array([0.0, 1e3])).force[-1]
+    stop = Stop(
+        gap_below=round(solid, 9), gap_above=None if straight is None else round(straight, 9), rounding=_SEATING * solid,
+        k=float(f"{_SOLID * abs(float(force)) / reach:.4g}"),
+    )  # fmt: skip
+    size = None if geometry.height is None else 0.5 * geometry.height
+    return Isolator(
+        name=f"Bottom of {device.name}", axial=stop, geometry=None if size is None else Geometry(height=size, width=0.5 * size),
+        provenance=Provenance(kind="estimated", source=f"{device.name}: {where}", assumed=tuple(assumed)),
+    )  # fmt: skip
 
 
 _UNRATED_FRACTION = 0.05  # of the height, where no travel is rated: small enough for every mount

@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self, get_args
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.structure import NEEDED, bounds, check
 from wirerope_mj.mounts.laws import Law
+from wirerope_mj.mounts.rope_loop.half_loop import loop_shape
 
 # Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
 # example.
@@ -129,6 +130,7 @@ class Geometry(Part):
 
     bar: at a compression of height - 2 bar the bars meet. The rope is held inside them and bulges aside, and takes no height:
     rated compressions of Enidine's 50 parts are 0.78 to 0.96 of that, and 36 of them beyond that less a rope.
+    rope is its diameter [m]; with all four the tension is known at which the loops are straight.
     bolts is the number of bolts of the base side, 1, 2 or 4, bolts_along_roll and bolts_along_shear their distances along
     these axes [m]; None = not stated.
     """
@@ -136,6 +138,7 @@ class Geometry(Part):
     height: Length | None = None
     width: Length | None = None
     bar: Length | None = None
+    rope: Length | None = None
     bolts: float | None = None
     bolts_along_roll: Length | None = None
     bolts_along_shear: Length | None = None
@@ -169,6 +172,17 @@ class Geometry(Part):
     def solid_compression(self) -> float | None:
         """Compression at which the bars meet [m]; None where height or bar are not stated."""
         return None if self.height is None or self.bar is None else self.height - 2.0 * self.bar
+
+    @property
+    def straight_tension(self) -> float | None:
+        """Tension at which the rope of the roundest loop of this size is straight [m]; None where a size is not stated."""
+        if self.height is None or self.width is None or self.bar is None or self.rope is None:
+            return None
+        try:
+            taut = loop_shape(height=self.height, width=self.width, bar=self.bar, rope=self.rope).taut()
+        except ValueError:  # no loop: another shape of isolator
+            return None
+        return taut if taut > 0.0 else None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -67,7 +67,9 @@ def fit_sheet(sheet: DataSheet) -> Isolator:
     isolator = Isolator(
         name=sheet.name, axial=axial, spread=Spread(parameters=names, covariance=((variance,) * states,) * states),
         limits=Limits(static_load=sheet.static_load, travel=Travel(compression=compression.travel, **rated)),
-        geometry=Geometry(height=sheet.height, width=sheet.width, bar=None if sheet.bar_assumed else sheet.bar),
+        geometry=Geometry(
+            height=sheet.height, width=sheet.width, **({} if sheet.bar_assumed else {"bar": sheet.bar, "rope": sheet.rope})
+        ),
         rotation=_rotation(sheet, axial, across.get("roll"), curves), **across,
     )  # fmt: skip
     provenance = Provenance(
