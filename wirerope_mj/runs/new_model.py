@@ -211,7 +211,7 @@ def gaps_text(layout: Layout) -> str:
         names = listed([f"bottom_{mount.name}" for mount in layout.mounts if mount.device == device])
         straight = f" and is a straight rope at {1e3 * stop.gap_above:.3g} mm of tension (assumed)" if stop.gap_above else ""
         where = layout.bottoms[device].provenance.source.partition(": ")[2]
-        solid = f"{device} goes solid at {1e3 * (stop.gap_below or 0.0):.3g} mm of compression ({where}){straight}"
+        solid = f"isolator {device} goes solid at {1e3 * (stop.gap_below or 0.0):.3g} mm of compression ({where}){straight}"
         parts.append(f"{solid}: stops {names} act there with {1e-6 * (stop.k or 0.0):.3g} MN/m (assumed)")
     unknown = [mount.name for mount in layout.mounts if mount.device not in layout.bottoms]
     parts += [f"where {listed(unknown)} {'goes' if len(unknown) == 1 else 'go'} solid is not known"] if ends and unknown else []

@@ -19,6 +19,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import ON_MOUNTS, PayloadLimit
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import BOTTOM, bottom_stop
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.new_model import KIND, marks
@@ -105,8 +106,8 @@ def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = Non
     """Write the model on a part that was chosen, its limits in it, into `folder`, and return the path of the model.
 
     The folder's last part is the model's name. With the `box` that `equipment` took a deck is drawn below the part's own
-    height. RecordError if a folder is there that `force` does not replace; ModelError if the model names files of its own,
-    so that no new text of it can be written.
+    height, and each mount has a stop where the part goes solid. RecordError if a folder is there that `force` does not
+    replace; ModelError if the model names files of its own, so that no new text of it can be written.
     """
     system, isolator, name = chosen.system, chosen.isolator, folder.resolve().name
     if system is None or isolator is None:
@@ -115,7 +116,10 @@ def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = Non
     others = {mount.isolator_name: mount.written for mount in system.mounts.values() if mount.isolator.is_stop}
     if box is not None:
         part = next(one for one in vendor_parts() if one.name == chosen.name)
-        own = load_system(mjcf_of(box_layout(part, mounts=chosen.placement, **box)), isolators={part.name: isolator})
+        stop = bottom_stop(isolator)
+        others = {} if stop is None else {f"{BOTTOM}{part.name}": stop}
+        layout = replace(box_layout(part, mounts=chosen.placement, **box), bottoms={part.name: stop} if stop else {})
+        own = load_system(mjcf_of(layout), isolators={part.name: isolator, **others})
         system = replace(own, limits=system.limits)
     made = load_system(with_part(system, replaced(system), chosen.name), isolators={**others, chosen.name: isolator})
     moved = [mount.position - made.mounts[key].position for key, mount in system.mounts.items()]

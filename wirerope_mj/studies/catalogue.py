@@ -31,7 +31,8 @@ from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.payload_limits import SIDES, PayloadLimit
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator import BOTTOM, Isolator, bottom_stop
+from wirerope_mj.mounts.laws import Stop
 from wirerope_mj.mounts.vendor_parts import catalogue as catalogue
 from wirerope_mj.studies.measures import measures, needs_samples, payload_bodies, payload_points
 from wirerope_mj.studies.needed_mount import NeededMount, needed_mount
@@ -44,6 +45,7 @@ _FINER = 2.0
 _CERTAIN = 5.0  # differences of two runs beyond a limit from which on it is exceeded for certain
 _SWINGS = 6.0  # slowest periods after the motion: the largest peaks lie within them
 _SAMPLES = 10.0  # ends of steps asked for [1/s]: peaks are those of every step, and fewer samples are faster
+_UNKNOWN = 1.0  # gap of a stop [m] where it is not known where a part goes solid: no part travels as far
 _RATE = 1000.0  # where samples judge what peaks do not [Hz]
 _GREW = "a mount goes beyond where its law holds, or the motion grows without bound"
 # Measures that are utilisations of limits, and the criteria that they stand for.
@@ -245,7 +247,6 @@ def _systems(
 ) -> Iterator[tuple[str, System | None, str]]:
     """Yield name, system and "" of each part, or None and why there is none."""
     mounts = replaced(system)
-    names = {system.mounts[name].isolator_name for name in mounts}
     weight = sum(one.mass for one in payloads_of(system)) * math.hypot(*system.model.opt.gravity)
     base: System | None = None
     for name, isolator in parts.items():
@@ -257,14 +258,15 @@ def _systems(
         if lacking:
             yield name, None, f"its table states nothing in {' and '.join(lacking)}"
             continue
-        changes = {mount: isolator for mount in mounts}
+        changes = in_place(system, isolator)
         shifts = shifted(system, isolator)
         try:
             on = varied(base, isolators=changes, positions=shifts) if base is not None else None
         except ModelError:  # its laws are laid out otherwise than those of the last
             on = None
         if on is None:
-            loaded = load_system(system.path or system.mjcf, isolators={**system.isolators, **dict.fromkeys(names, isolator)})
+            placed = {system.mounts[mount].isolator_name: own for mount, own in changes.items()}
+            loaded = load_system(system.path or system.mjcf, isolators={**system.isolators, **placed})
             base = replace(loaded, limits=system.limits, combined_travel=system.combined_travel)
             on = varied(base, positions=shifts)
         try:
@@ -273,6 +275,15 @@ def _systems(
             if not str(error).startswith(_NO_ROOM):
                 raise
             yield name, None, str(error)
+
+
+def in_place(system: System, isolator: Isolator) -> dict[str, Isolator]:
+    """Return the isolators of mounts where a part takes their place, and of the stops where it then goes solid, by mount."""
+    placed, bottom = dict.fromkeys(replaced(system), isolator), bottom_stop(isolator)
+    for name, mount in system.mounts.items():
+        if mount.isolator_name.startswith(BOTTOM) and isinstance(law := mount.isolator.axial, Stop):
+            placed[name] = bottom or replace(mount.isolator, axial=replace(law, gap_below=_UNKNOWN, gap_above=None))
+    return placed
 
 
 def shifted(system: System, isolator: Isolator) -> dict[str, list[float]]:

@@ -210,8 +210,9 @@ class Isolator(Brief):
 
 
 BOTTOM = "bottom_of_"  # Begins the names of stops where devices bottom
-# Stiffness of that stop over the device's secant to there, and its rounding over the travel: assumed, nobody states them.
-_SOLID, _SEATING = 20.0, 0.02
+# Stiffness of that stop over the device's secant to there, as bump stops beside such devices have (14 MN/m at a WR16-400), and
+# its rounding over the travel: assumed, nobody states them.
+_SOLID, _SEATING = 50.0, 0.02
 
 
 def bottom_stop(device: Isolator) -> Isolator | None:
@@ -229,7 +230,7 @@ def bottom_stop(device: Isolator) -> Isolator | None:
     if solid is None:
         return None
     straight = geometry.straight_tension
-    assumed = ["the stiffness is 20 times the device's secant to there, without loss, and closes over a fiftieth of the travel"]
+    assumed = ["the stiffness is 50 times the device's secant to there, without loss, and closes over a fiftieth of the travel"]
     if straight is not None:
         assumed.append("the rope is straight where the roundest loop of this size is, and holds there with the same stiffness")
     reach = min(solid, 0.999 * law.travel_ends[0])
