@@ -145,8 +145,8 @@ def test_parts_are_simulated_and_the_chosen_one_becomes_a_model_with_the_limits(
     assert " 280.00 10.00 " in shown  # four of them; six cost 420
     system = wr.load_system(out / "chosen.xml")
     assert {limit.kind for limit in system.limits} == {"acceleration", "clearance"}
-    assert {mount.isolator.name for mount in system.mounts.values()} == {"Enidine WR20-600"}
-    assert len(system.mounts) == 4
+    names = [mount.isolator.name for mount in system.mounts.values()]
+    assert sorted(names) == ["Bottom of Enidine WR20-600"] * 4 + ["Enidine WR20-600"] * 4
 
 
 @pytest.mark.parametrize(

@@ -89,13 +89,14 @@ def new(
         )
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
-    if layout is not None and (text := gaps_text(layout)):
-        print(plain(text))
     try:
-        return statics(str(model))
+        code = statics(str(model))
     except ConvergenceError as error:  # the model stands, as its tables say it: its mounts are too few or too soft
         print(plain(f"wirerope: {error}"), file=sys.stderr)
-        return MISSING
+        code = MISSING
+    if layout is not None and (text := gaps_text(layout)):
+        print(plain(f"  {text}"))
+    return code
 
 
 def _write_blank_tables(folder: Path, *, force: bool) -> int:

@@ -65,7 +65,7 @@ class DrawnScene:
 
 
 def mount_labels(scene: Scene) -> dict[str, str]:
-    short = all(len(mount.name) <= LONGEST_LABEL for mount in scene.mounts)
+    short = all(len(mount.name) <= LONGEST_LABEL for mount in scene.drawn)
     return {mount.name: mount.name if short else str(number + 1) for number, mount in enumerate(scene.mounts)}
 
 
@@ -139,7 +139,7 @@ def label_groups(scene: Scene, view: View) -> list[tuple[Array, list[str]]]:
     labels, positions = mount_labels(scene), mount_positions(scene)
     spread = float(np.ptp([position[view.right] for position in positions.values()])) if positions else 0.0
     groups: list[tuple[Array, list[str]]] = []
-    for mount in scene.mounts:
+    for mount in scene.drawn:
         at = view.seen(positions[mount.name])
         near = next((names for position, names in groups if np.abs(at - position).max() <= _COINCIDENT * spread), None)
         if near is None:

@@ -111,20 +111,13 @@ STOPPED = "a stop holds the mount there"  # Ends the notes on bottoming of mount
 
 def bottoms_of(response: Response) -> dict[str, tuple[str, float]]:
     """Find the stop at the sites of each mount where it bottoms: its name and gap in compression [m], by mount."""
-
-    def sites(mount: SceneMount) -> tuple[object, ...]:
-        return (
-            mount.payload_body, mount.base_body, *mount.payload_point.tolist(), *mount.base_point.tolist(),
-            *mount.axes.ravel().tolist(),
-        )  # fmt: skip
-
     found = {}
     contacts = response.peaks.contacts or {}
     for stop in response.scene.stops:
         contact = contacts.get(stop.name)
         if contact is not None and contact.axis == "axial" and contact.gap_below and contact.rest is None:
-            found[sites(stop)] = stop.name, contact.gap_below
-    return {mount.name: found[sites(mount)] for mount in response.scene.isolating if sites(mount) in found}
+            found[stop.sites] = stop.name, contact.gap_below
+    return {mount.name: found[mount.sites] for mount in response.scene.isolating if mount.sites in found}
 
 
 def combined_travel(mount: SceneMount, deflection: Array) -> Array:

@@ -66,6 +66,12 @@ class SceneMount:
     bolts: Annotated[Array, Shape((3,), finite=False)] = field(default_factory=lambda: np.full(3, np.nan))
     bar: Size = math.nan  # thickness of one of its bars [m]; NaN if unknown
 
+    @property
+    def sites(self) -> tuple[object, ...]:
+        """Bodies, points and axes, the same of two mounts at the same sites."""
+        numbers = np.concatenate([self.payload_point, self.base_point, self.axes.ravel()]).tolist()
+        return self.payload_body, self.base_body, *numbers
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Scene(Brief):
@@ -85,6 +91,12 @@ class Scene(Brief):
     def isolating(self) -> tuple[SceneMount, ...]:
         """The mounts that are no stops, as tables, loops and histories list them; stops are listed with contacts."""
         return tuple(mount for mount in self.mounts if not mount.stop)
+
+    @property
+    def drawn(self) -> tuple[SceneMount, ...]:
+        """The mounts without the stops at the sites of another, which they would cover in a plan."""
+        taken = {mount.sites for mount in self.isolating}
+        return tuple(mount for mount in self.mounts if not mount.stop or mount.sites not in taken)
 
     @property
     def stops(self) -> tuple[SceneMount, ...]:

@@ -56,7 +56,7 @@ def scene_svgs(view: SceneView) -> list[str]:
         else:
             shown += _shapes(outlines(after, side), place)
             bodies = {body.name: body for body in moved.bodies}
-            for mount in moved.mounts:  # a line from the base's site to the payload's
+            for mount in moved.drawn:  # a line from the base's site to the payload's
                 payload = bodies[mount.payload_body]
                 end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
                 (x, y), (to_x, to_y) = place(side.seen(np.stack([mount_position(moved, mount), end]))).tolist()
@@ -133,7 +133,7 @@ def _shapes(drawn: Sequence[Outline], place: Place, *, pale: bool = False) -> It
 
 def _mounts(scene: Scene, view: View, place: Place, absent: Sequence[str]) -> Iterator[str]:
     for number, device in enumerate(_devices(scene)):
-        for mount in scene.mounts:
+        for mount in scene.drawn:
             if mount.isolator == device:
                 at = place(view.seen(mount_position(scene, mount)))
                 cross = f'<path d="M{at[0] - 3:.1f} {at[1] - 3:.1f}l6 6m0-6l-6 6" stroke="{_INK}" stroke-width="1.2"/>'
@@ -179,4 +179,4 @@ def _key(scene: Scene) -> str:
 
 
 def _devices(scene: Scene) -> list[str]:
-    return list(dict.fromkeys(mount.isolator for mount in scene.mounts))
+    return list(dict.fromkeys(mount.isolator for mount in scene.drawn))
