@@ -15,17 +15,25 @@ from wirerope_mj.content.selection import kind_of
 from wirerope_mj.content.spectrum_charts import rms_along, spectrum_panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table, left
+from wirerope_mj.motions import RandomVibration
 from wirerope_mj.motions.spectra.psd import PowerSpectralDensity, isolation_frequency
 
-_EXCITED = 1e-4  # of the base's largest density, above which it excites: below it is leakage of the window
 _MIDDLE = 1000.0  # frequency of the octave band that all others are counted from [Hz]
 _LINES = 2  # of the density in a band, at the least
 
 
-def transmissibility_of(base: PowerSpectralDensity, body: PowerSpectralDensity) -> tuple[Array, Array]:
-    """Compute the root of the ratio of two densities where the base is excited: frequencies [Hz] and ratios, (n,)."""
-    rows = np.flatnonzero((base.density >= _EXCITED * base.density.max()) & (base.frequency > 0.0))
+def transmissibility_of(
+    base: PowerSpectralDensity, body: PowerSpectralDensity, band: tuple[float, float]
+) -> tuple[Array, Array]:
+    """Compute the root of the ratio of two densities in a band [Hz] of the base's: frequencies [Hz] and ratios, (n,)."""
+    rows = np.flatnonzero((base.frequency >= band[0]) & (base.frequency <= band[1]) & (base.density > 0.0))
     return base.frequency[rows], np.sqrt(body.density[rows] / base.density[rows])
+
+
+def _band(run: JudgedRun) -> tuple[float, float]:
+    """Find the lowest and the highest frequency at which the base vibrates [Hz]."""
+    points = [part.psd for part in run.motion.parts if isinstance(part, RandomVibration)]
+    return min(psd[0][0] for psd in points), max(psd[-1][0] for psd in points)
 
 
 def random_blocks(run: JudgedRun) -> Iterator[Block]:
@@ -38,7 +46,7 @@ def random_blocks(run: JudgedRun) -> Iterator[Block]:
     for axis, along in run.spectra.densities.items():
         curves = []
         for number, (name, density) in enumerate((name, one) for name, one in along.items() if name != BASE):
-            frequency, ratio = transmissibility_of(along[BASE], density)
+            frequency, ratio = transmissibility_of(along[BASE], density, _band(run))
             top, isolation = int(ratio.argmax()), isolation_frequency(frequency, ratio)
             into, out = rms_along(run, BASE, axis), rms_along(run, name, axis)
             rows.append((name, axis, into, out, out / into, float(ratio[top]), float(frequency[top]), isolation))
@@ -74,8 +82,7 @@ def _bands(run: JudgedRun) -> Table:
     rows: list[Row] = []
     names = [name for name in next(iter(run.spectra.densities.values())) if name != BASE]
     for axis, along in run.spectra.densities.items():
-        frequency, _ = transmissibility_of(along[BASE], along[BASE])
-        first, last = (round(math.log2(end / _MIDDLE)) for end in frequency[[0, -1]])
+        first, last = (round(math.log2(end / _MIDDLE)) for end in _band(run))
         for octave in range(first, last + 1):
             middle = _MIDDLE * 2.0**octave
             low, high = middle / math.sqrt(2.0), middle * math.sqrt(2.0)

@@ -22,7 +22,7 @@ def required_spectrum_blocks(run: JudgedRun) -> Iterator[Block]:
     """Yield what the base's motion achieves of the spectra that it was made for; nothing without such a spectrum."""
     if not run.achieved:
         return
-    yield _answer(run.achieved, run.axis_pairs)
+    yield _answer(run)
     yield spectra_table({"": run.achieved})
     if run.axis_pairs:
         yield pairs_table({"": run.axis_pairs})
@@ -44,15 +44,17 @@ def spectra_chart(achieved: Sequence[AchievedSpectrum]) -> Chart:
     )  # fmt: skip
 
 
-def _answer(achieved: Sequence[AchievedSpectrum], pairs: Sequence[AxisPair]) -> Statement:
+def _answer(run: JudgedRun) -> Statement:
+    achieved, pairs, simulated = run.achieved, run.axis_pairs, float(run.response.time[-1])
     worst = min(achieved, key=lambda one: one.lowest[0])
     ratio, frequency = worst.lowest
     where = f"along {worst.direction} at {number(frequency)} Hz"
     text = f"The base's motion envelops the required spectrum: lowest ratio {fixed(ratio, 3)}, {where}"
     if ratio < ENVELOPED:
-        text = (
-            f"The base's motion falls below the required spectrum, to {fixed(ratio, 3)} of it {where}: `required-spectrum` in "
-            "place of `spectrum`, or a factor, makes it envelop"
+        text = f"The base's motion falls below the required spectrum, to {fixed(ratio, 3)} of it {where}: " + (
+            f"only {simulated:.4g} s of its {run.motion.end:.4g} s are simulated"
+            if simulated < run.motion.end
+            else "`required-spectrum` in place of `spectrum`, or a factor, makes it envelop"
         )
     values: dict[str, float | str | None] = {"lowest_ratio": ratio, "at_Hz": frequency, "along": worst.direction}
     if pairs:
@@ -61,7 +63,18 @@ def _answer(achieved: Sequence[AchievedSpectrum], pairs: Sequence[AxisPair]) -> 
         text += f"; its axes are {'' if independent else 'not '}independent (largest coherence {fixed(coherence, 2)}, "
         text += f"correlation {fixed(correlation, 2)} at any delay)"
         values |= {"largest_coherence": coherence, "largest_correlation": correlation}
-    return Statement("required-spectrum", f"{text}.", tone="within" if ratio >= ENVELOPED else "unjudged", values=values)
+    below = [one for one in achieved if one.peak < ENVELOPED * float(one.required[-1])]
+    items = []
+    if below:
+        ratios = listed([f"{fixed(one.peak / float(one.required[-1]), 2)} along {one.direction}" for one in below])
+        items.append(
+            f"Above the last frequency, {number(float(below[0].frequencies[-1]))} Hz, the achieved spectrum falls to the "
+            f"base's peak, {ratios} of the required one: let the file go on to the highest frequency that matters."
+        )
+    if run.motion.velocity_jumps:
+        items.append("Sudden changes of the base's velocity are not part of the achieved spectrum.")
+    tone = "within" if ratio >= ENVELOPED else "unjudged"
+    return Statement("required-spectrum", f"{text}.", items=tuple(items), tone=tone, values=values)
 
 
 def spectra_table(achieved: Mapping[str, Sequence[AchievedSpectrum]]) -> Table:
