@@ -51,7 +51,7 @@ SLIPS = {
     f"{IDENTIFY} --start folder": "folder: no such file. A search starts at a law file or at an isolator file",
     f"{IDENTIFY} --fix n": "`--fix` must be NAME=VALUE with a number in SI units, got 'n'",
     "frf shock_table --direction q": "`--direction` must be x, y, z, -x, -y, -z or a vector such as 1,1,0, got 'q'",
-    "select --mass 100 --mounts 2.5": "`mounts` must be how many stand below",
+    "select --mass 100 --mounts 2.5": "`mounts` must be how many stand where",
     "select worksheet --mass 100 --mounts 2.5": "`--mounts` must be an integer, got '2.5'",
 }
 

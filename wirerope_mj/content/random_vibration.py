@@ -45,7 +45,9 @@ def random_blocks(run: JudgedRun) -> Iterator[Block]:
     best: tuple[float, str] = (-math.inf, "")
     for axis, along in run.spectra.densities.items():
         curves = []
-        for number, (name, density) in enumerate((name, one) for name, one in along.items() if name != BASE):
+        for number, (name, density) in enumerate(along.items()):  # numbered as in the chart of the densities
+            if name == BASE:
+                continue
             frequency, ratio = transmissibility_of(along[BASE], density, _band(run))
             top, isolation = int(ratio.argmax()), isolation_frequency(frequency, ratio)
             into, out = rms_along(run, BASE, axis), rms_along(run, name, axis)
@@ -92,7 +94,7 @@ def _bands(run: JudgedRun) -> Table:
             outs = [float(along[name].rms_between(low, high)) for name in names]
             cells: list[Cell] = [cell for out in outs for cell in (out, out / into if into else None)]
             rows.append((axis, middle, into, *cells))
-    columns = [*left("axis"), Column("octave", "Hz", 4), Column("base", "g")]
+    columns = [*left("axis"), Column("octave", "Hz"), Column("base", "g")]
     for name in names:
         columns += [Column(name, "g"), Column("out / in", form="z.2f")]
     return Table(
