@@ -90,6 +90,7 @@ from .motions import Measured as Measured
 from .motions import MeasuredChannel as MeasuredChannel
 from .motions import PayloadForce as PayloadForce
 from .motions import RandomVibration as RandomVibration
+from .motions import RotationalDrop as RotationalDrop
 from .motions import Sawtooth as Sawtooth
 from .motions import Scaled as Scaled
 from .motions import ShipMotion as ShipMotion

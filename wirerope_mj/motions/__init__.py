@@ -11,6 +11,7 @@ from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.measured import Measured, MeasuredChannel, load_measured
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.registry import motion_from_dict
+from wirerope_mj.motions.rotational_drop import RotationalDrop
 from wirerope_mj.motions.scaled import Scaled, Turned
 from wirerope_mj.motions.ship_motion import ShipMotion
 from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact

@@ -52,7 +52,7 @@ class Drop(ShockTableImpact):
     face, the bisector of the faces for an edge or a corner. Gravity must point against it: `wirerope_mj.with_gravity`;
     scenarios see to it. A simulation begins unloaded, as a case in the air is, so that nothing swings while it falls and the
     drop is the velocity step V (1 + e). The base is translated: an edge that stays on the ground while the case turns about
-    it is none of this, nor is what follows a rebound.
+    it is a `RotationalDrop`; what follows a rebound is left out.
     """
 
     kind: ClassVar[str] = "drop"

@@ -352,6 +352,11 @@ class SumOfMotions(AsCall, BaseMotion):
         return next((term.up for term in self.terms if term.up is not None), None)
 
     @property
+    def initial(self) -> str:
+        """State in which a simulation begins unless another is asked for: that of the term that falls."""
+        return next((term.initial for term in self.terms if term.up is not None), "settled")
+
+    @property
     def loaded_sites(self) -> tuple[str, ...]:
         """Sites at which forces of any term act, each once."""
         return tuple(dict.fromkeys(site for term in self.terms for site in term.loaded_sites))

@@ -33,6 +33,7 @@ from wirerope_mj.motions.phrases import SpokenMotion
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, StruckPlate, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.record import Record
+from wirerope_mj.motions.rotational_drop import RotationalDrop
 from wirerope_mj.motions.scaled import Scaled, Turned
 from wirerope_mj.motions.ship_motion import ShipMotion
 from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
@@ -50,6 +51,7 @@ REGISTERED: tuple[type[BaseMotion] | type[DesignSpectrum] | type[SpectrumMatch],
     DoubleHalfSine,
     DoubleTriangle,
     Drop,
+    RotationalDrop,
     ShockTableImpact,
     DecayingSine,
     StruckPlate,

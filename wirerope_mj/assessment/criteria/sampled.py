@@ -86,7 +86,8 @@ def steady_interval(motion: Entries) -> tuple[bool, float, float]:
 
 # Field that holds the duration of a blow, by the kind of its motion; a blow without one changes the base's velocity at once
 DURATION_FIELDS = {
-    "velocity-step": "", "drop": "", "shock-table-impact": "pulse_duration", "decaying-sine": "impact_duration",
+    "velocity-step": "", "drop": "", "rotational-drop": "", "shock-table-impact": "pulse_duration",
+    "decaying-sine": "impact_duration",
 }  # fmt: skip
 
 

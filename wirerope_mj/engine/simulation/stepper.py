@@ -74,7 +74,9 @@ class Stepper:
         grid, user, segment, accelerations = self._grid, self.user, base.number, base.accelerations
         start, length = grid.start[segment], grid.stop[segment] - grid.start[segment]
         if grid.event[segment] == at.JUMP:
-            leave_behind(self.system, self.model, self.data, velocity_jump(self.motion, float(start)))
+            rates = self.motion._angles(np.array([start - SAME_TIME, start]), 1)
+            jump = velocity_jump(self.motion, float(start))
+            leave_behind(self.system, self.model, self.data, jump, rates[1] - rates[0])
         self._place_base(base.positions, base.rates)
         user[at.EVENT] = grid.event[segment]
         user[at.STAGE_POINTS], user[at.STAGE_START] = accelerations.shape[0], start
@@ -202,7 +204,7 @@ def base_before(motion: BaseMotion, drive: Drive, time: float) -> tuple[Array, A
     now = np.array([time])
     rates = along_slides(drive.slides, motion.velocity(now) - velocity_jump(motion, time))
     if motion.rotates:
-        rates = rates + along_slides(drive.hinges, motion._angles(now, 1))
+        rates = rates + along_slides(drive.hinges, motion._angles(now - SAME_TIME, 1))
     return drive.positions(motion, now)[0], rates[0]
 
 
@@ -216,8 +218,10 @@ def acceleration_before(motion: BaseMotion, time: float) -> Array:
     return motion.acceleration(np.array([max(time - SAME_TIME, 0.0)]))[0]
 
 
-def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jump: Array) -> None:
+def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jump: Array, turn: Array) -> None:
     """Let what rides on the base through joints keep its momentum while the base's velocity jumps by `jump` [m/s], (3,).
+
+    The rates of roll, pitch and yaw jump by `turn` [rad/s], (3,).
 
     No spring passes on an impulse: M_rr dv_r + M_rb dv_b = 0 for the riding coordinates r and the driven ones b, so that a
     slide between base and frame takes up the whole jump; a mode of a flexible part that of its participation.
@@ -233,7 +237,8 @@ def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jum
     mujoco.mj_makeM(model, data)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
-    impulse = mass[riding][:, driven] @ (system.assembly.tables.drive @ jump)
+    tables = system.assembly.tables
+    impulse = mass[riding][:, driven] @ (tables.drive @ jump + tables.turning @ turn)
     data.qvel[riding] -= np.linalg.solve(mass[np.ix_(riding, riding)], impulse)
 
 
