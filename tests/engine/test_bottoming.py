@@ -1,5 +1,7 @@
 """Mounts that go solid: the stops of new models against an own integration, their energy, and what is judged and said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -8,8 +10,10 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge, verdict_lines
 from wirerope_mj.cli import main
 from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.mounts.isolator import Geometry, Limits, Provenance, Travel, bottom_stop
-from wirerope_mj.studies.catalogue import in_place
+from wirerope_mj.studies.catalogue import in_place, shifted
+from wirerope_mj.studies.vary.variants import Maker
 
 G, MASS, K, C = wr.STANDARD_GRAVITY, 80.0, 2.0e4, 60.0
 SOLID = 0.06 - 2.0 * 0.01
@@ -140,4 +144,30 @@ def test_where_a_part_takes_its_place_a_mount_goes_solid_where_the_part_does(mad
     assert placed["bottom_m1"].axial == bottom_stop(part).axial
     unknown = in_place(system, wr.Isolator(name="a", axial=wr.KelvinVoigt(k=K, c=C)))
     assert unknown["bottom_m1"].axial.gap_below == 1.0
+    shifts = shifted(system, placed)  # the payload's bar stays, the foundation follows the height: 60 to 89 mm
+    assert shifts["m1"] == shifts["bottom_m1"] == pytest.approx([0.0, 0.0, -0.0145], abs=1e-12)
+    bottoms = {name: one for name, one in placed.items() if name.startswith("bottom_")}
+    assert varied(system, isolators=bottoms, positions=shifts).bottoms == {f"m{n}": f"bottom_m{n}" for n in range(1, 5)}
     assert load_system("block/block.xml").mounts["bottom_m1"].isolator.axial.gap_below == pytest.approx(SOLID)
+
+
+@pytest.mark.quick
+def test_stops_where_mounts_go_solid_follow_what_varies(made):
+    system = made()
+    higher = replace(
+        system.mounts["m1"].isolator, name="higher", geometry=Geometry(height=0.08, width=0.08, bar=0.01, rope=0.006)
+    )
+    higher.save("block/isolators/higher.toml")
+    vary = {
+        "mount/m1/position_shift/z": wr.Choice(0.002), "mount/m2/isolator": wr.Choice("isolators/higher.toml"),
+        "mount/m3/fitted": wr.Choice(False),
+    }  # fmt: skip
+    study = wr.Study(model="block/block.xml", motion=PULSE, vary=vary, variants=1, sampling="random", duration=0.1)
+    work = study.work
+    variant = Maker(work.system, work.motions, work.columns).system(study.table().to_pylist()[0])
+    moved = {name: variant.mounts[name].position - mount.position for name, mount in system.mounts.items()}
+    for mount, shift in (("m1", 0.002), ("m2", -0.01), ("m4", 0.0)):  # half of what the part is higher, downwards
+        assert moved[mount] == pytest.approx([0.0, 0.0, shift], abs=1e-12)
+        assert moved[f"bottom_{mount}"] == pytest.approx(moved[mount], abs=1e-15)
+    assert variant.mounts["bottom_m2"].isolator.axial.gap_below == pytest.approx(0.06)
+    assert not variant.mounts["bottom_m3"].isolator.stops

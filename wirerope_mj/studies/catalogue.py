@@ -31,8 +31,7 @@ from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.payload_limits import SIDES, PayloadLimit
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator import BOTTOM, Isolator, bottom_stop
-from wirerope_mj.mounts.laws import Stop
+from wirerope_mj.mounts.isolator import Isolator, bottom_in_place
 from wirerope_mj.mounts.vendor_parts import catalogue as catalogue
 from wirerope_mj.studies.measures import measures, needs_samples, payload_bodies, payload_points
 from wirerope_mj.studies.needed_mount import NeededMount, needed_mount
@@ -45,7 +44,6 @@ _FINER = 2.0
 _CERTAIN = 5.0  # differences of two runs beyond a limit from which on it is exceeded for certain
 _SWINGS = 6.0  # slowest periods after the motion: the largest peaks lie within them
 _SAMPLES = 10.0  # ends of steps asked for [1/s]: peaks are those of every step, and fewer samples are faster
-_UNKNOWN = 1.0  # gap of a stop [m] where it is not known where a part goes solid: no part travels as far
 _RATE = 1000.0  # where samples judge what peaks do not [Hz]
 _GREW = "a mount goes beyond where its law holds, or the motion grows without bound"
 # Measures that are utilisations of limits, and the criteria that they stand for.
@@ -259,7 +257,7 @@ def _systems(
             yield name, None, f"its table states nothing in {' and '.join(lacking)}"
             continue
         changes = in_place(system, isolator)
-        shifts = shifted(system, isolator)
+        shifts = shifted(system, changes)
         try:
             on = varied(base, isolators=changes, positions=shifts) if base is not None else None
         except ModelError:  # its laws are laid out otherwise than those of the last
@@ -279,16 +277,14 @@ def _systems(
 
 def in_place(system: System, isolator: Isolator) -> dict[str, Isolator]:
     """Return the isolators of mounts where a part takes their place, and of the stops where it then goes solid, by mount."""
-    placed, bottom = dict.fromkeys(replaced(system), isolator), bottom_stop(isolator)
-    for name, mount in system.mounts.items():
-        if mount.isolator_name.startswith(BOTTOM) and isinstance(law := mount.isolator.axial, Stop):
-            placed[name] = bottom or replace(mount.isolator, axial=replace(law, gap_below=_UNKNOWN, gap_above=None))
-    return placed
+    stops = system.bottoms.values()
+    placed = {name: bottom_in_place(system.mounts[name].written, isolator) for name in stops}
+    return dict.fromkeys(replaced(system), isolator) | placed
 
 
-def shifted(system: System, isolator: Isolator) -> dict[str, list[float]]:
-    """Return by how much mid-heights move [m] where a part takes the place of a model's isolators, (3,) by mount."""
-    shifts = {name: system.mounts[name].shift_for(isolator) for name in replaced(system)}
+def shifted(system: System, placed: Mapping[str, Isolator]) -> dict[str, list[float]]:
+    """Return by how much mid-heights move [m] where other isolators take the places of a model's, (3,) by mount."""
+    shifts = {name: system.mounts[name].shift_for(isolator) for name, isolator in placed.items()}
     return {name: shift for name, shift in shifts.items() if shift is not None}
 
 

@@ -33,7 +33,7 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.structure import Place, Positive, bounds, check, structure
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
-from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator import BOTTOM, Isolator
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 Value = TypeVar("Value")
@@ -143,6 +143,13 @@ class System(Summarised):
         lines |= {isolator: ", ".join(names) for isolator, names in by_isolator.items()}
         source = self.path.name if self.path else "MJCF text"
         return f"System of {source}: {len(self.mounts)} mounts, {self.model.nv} degrees of freedom", lines
+
+    @property
+    def bottoms(self) -> dict[str, str]:
+        """The stops where mounts go solid, which stand at the sites of a mount, by that mount."""
+        at = {(one.payload_site, one.base_site): name for name, one in self.mounts.items() if not one.isolator.is_stop}
+        stops = {name: one for name, one in self.mounts.items() if BOTTOM in one.isolator_name and one.isolator.is_stop}
+        return {at[sites]: name for name, one in stops.items() if (sites := (one.payload_site, one.base_site)) in at}
 
     @property
     def name(self) -> str:

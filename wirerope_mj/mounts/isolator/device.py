@@ -240,11 +240,26 @@ def bottom_stop(device: Isolator) -> Isolator | None:
         gap_below=round(solid, 9), gap_above=None if straight is None else round(straight, 9), rounding=_SEATING * solid,
         k=float(f"{_SOLID * abs(float(force)) / reach:.4g}"),
     )  # fmt: skip
-    size = None if geometry.height is None else 0.5 * geometry.height
     return Isolator(
-        name=f"Bottom of {device.name}", axial=stop, geometry=None if size is None else Geometry(height=size, width=0.5 * size),
+        name=f"Bottom of {device.name}", axial=stop, geometry=_core(device),
         provenance=Provenance(kind="estimated", source=f"{device.name}: {where}", assumed=tuple(assumed)),
     )  # fmt: skip
+
+
+def _core(device: Isolator) -> Geometry | None:
+    """Return the geometry of a stop inside a device: as high, so that it follows where another takes its place."""
+    height = device.geometry and device.geometry.height
+    return Geometry(height=height, width=0.25 * height) if height else None
+
+
+_NOWHERE = 1.0  # Gap of a stop [m] where it is not known where a device goes solid: none travels as far
+
+
+def bottom_in_place(stop: Isolator, device: Isolator) -> Isolator:
+    """Return the stop of a mount where another device takes its place; one that never closes where nothing is known."""
+    assert isinstance(stop.axial, Stop)
+    unknown = replace(stop, axial=replace(stop.axial, gap_below=_NOWHERE, gap_above=None), geometry=_core(device))
+    return bottom_stop(device) or unknown
 
 
 _UNRATED_FRACTION = 0.05  # of the height, where no travel is rated: small enough for every mount

@@ -14,7 +14,7 @@ from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, changed
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator import AXES, Isolator, Limits
+from wirerope_mj.mounts.isolator import AXES, Isolator, Limits, bottom_in_place
 from wirerope_mj.studies.vary.mount_quantities import MOUNT_FACTORS
 from wirerope_mj.studies.vary.quantities import MotionSettings
 from wirerope_mj.studies.vary.quantity import WHOLE, Draft, InputColumn, without_force
@@ -77,6 +77,14 @@ class Maker:
         draft = Draft(system=self._system)
         for column in self._of_system:
             column.apply(draft, row[column.name])
+        for mount, stop in self._system.bottoms.items():  # where it goes solid, unless that varies by itself
+            for moves in (draft.position_shifts, draft.turns):
+                if mount in moves:
+                    moves.setdefault(stop, moves[mount])
+            if mount in draft.isolators and stop not in draft.parameters:
+                draft.isolators.setdefault(stop, bottom_in_place(self._system.mounts[stop].written, draft.isolators[mount]))
+            if mount in draft.absent:
+                draft.absent.add(stop)
         return draft
 
     def moves(self, draft: Draft, isolators: Mapping[str, Isolator]) -> Changes:
