@@ -100,6 +100,8 @@ def folder(tmp_path_factory):
 @pytest.mark.slow
 def test_two_commands_make_the_document_and_their_peaks_are_those_of_an_integration(folder):
     assert (folder / "job/report.docx").stat().st_size > 10_000
+    page = (folder / "job/cases/roll-and-shock/report.html").read_text(encoding="utf-8")
+    assert 'id="base-rotation-extremes"' in page
     response = wr.load_response(folder / "job/cases/roll-and-shock")
     cab = response.bodies["cab"]
     assert np.allclose(cab.position[0, :2], CENTRE[:2], atol=0.002)  # at rest it has moved by a millimetre

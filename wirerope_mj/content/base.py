@@ -42,8 +42,11 @@ def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
     if run.motion.loaded_sites:
         yield _loads_chart(response, run.motion, run.selection.window)
     axes = moving_axes(response)
+    if run.motion.rotates:
+        yield from _rotation_blocks(response, run.motion, run.selection.window)
     if not axes:
-        yield Statement(text="The base rests.", tone="quiet")
+        text = "The base's origin rests." if run.motion.rotates else "The base rests."
+        yield Statement(text=text, tone="quiet")
         yield from record_blocks(run)
         return
     yield _motion_chart(response, run.motion, run.selection.window, axes)
@@ -109,6 +112,34 @@ def _loads_chart(response: Response, motion: BaseMotion, window: tuple[float, fl
         caption="What acts on the payload, along the axes of its site, and what the mounts pass on to the foundation, along "
         "the world's, without what they carry at the beginning.",
         alt="Histories of the forces on the payload and on the foundation.",
+    )  # fmt: skip
+
+
+def _rotation_blocks(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Iterator[Block]:
+    """Yield the base's roll, pitch and yaw, with their extremes and those of its angular velocity and acceleration."""
+    angles = motion.angular_displacement(response.time)
+    spin, turning = motion.angular_velocity(response.time), motion.angular_acceleration(response.time)
+    turned = [axis for axis in range(3) if np.abs(angles[:, axis]).max(initial=0.0) > 0.0]
+    names = ("roll", "pitch", "yaw")
+    curves = [Curve(response.time, in_unit(angles[:, axis], "deg"), name=names[axis], kind=axis) for axis in turned]
+    about = listed([f"{names[axis]} about {'xyz'[axis]}" for axis in turned])
+    yield Chart(
+        id="base-rotation", rows=[[Panel(curves, "angle [deg]", xlabel="time [s]", xlim=window, unit="deg")]], height=55.0,
+        caption=f"The base's rotation, {about}, axes of the world as modelled; roll first, then pitch, then yaw.",
+        alt=f"Histories of the base's {about}.",
+    )  # fmt: skip
+    columns = [*left("angle"), Column("minimum", "deg"), Column("maximum", "deg")]
+    columns += [Column("angular velocity", "rad/s"), Column("angular acceleration", "rad/s^2")]
+    rows: list[list[Cell]] = [
+        [
+            names[axis], float(angles[:, axis].min()), float(angles[:, axis].max()), float(np.abs(spin[:, axis]).max()),
+            float(np.abs(turning[:, axis]).max()),
+        ]
+        for axis in turned
+    ]  # fmt: skip
+    yield Table(
+        "base-rotation-extremes", "Extremes of the base's rotation", columns, rows,
+        note="Angular velocity and acceleration are the largest about the world's x, y and z.",
     )  # fmt: skip
 
 

@@ -93,7 +93,7 @@ _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRA
 # Displayed units to one SI unit; the g is a divisor, so that integers of it stay integers.
 _PER_SI = {
     "mm": 1e3, "ms": 1e3, "mrad": 1e3, "kN": 1e-3, "kN/m": 1e-3, "mm/s": 1e3, "N/mm": 1e-3, "MB": 1e-6, "%": 100.0,
-    "g²/Hz": STANDARD_GRAVITY**-2,
+    "g²/Hz": STANDARD_GRAVITY**-2, "deg": 180.0 / math.pi,
 }  # fmt: skip
 
 

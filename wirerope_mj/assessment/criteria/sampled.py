@@ -68,7 +68,7 @@ def sampled_peak(time: Array, values: Array) -> tuple[float, float]:
 
 
 # Kinds of motions that go on steadily.
-STEADY = frozenset({"sweep", "sine", "vibration-lines", "harmonic-force", "unbalance"})
+STEADY = frozenset({"sweep", "sine", "ship-motion", "vibration-lines", "harmonic-force", "unbalance"})
 
 
 def steady_interval(motion: Entries) -> tuple[bool, float, float]:
