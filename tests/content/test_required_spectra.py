@@ -56,7 +56,9 @@ def test_the_document_of_a_job_shows_them_once(tmp_path, capsys):
     )
     (tmp_path / "job.toml").write_text(f'model = "shock_table"\n[simulate]\naccuracy = 1e-3\n{cases}', encoding="utf-8")
     assert main(["cases", "job.toml", "--out", "job", "--docx", "--workers", "1"]) == 0
-    assert "Required and achieved response spectra of the base" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "earthquake: The base's motion envelops the required spectrum" in out
+    assert "Required and achieved response spectra of the base" in out
     document = Document(tmp_path / "job" / "report.docx")
     texts = [paragraph.text for paragraph in document.paragraphs]
     assert texts.count("Required and achieved response spectra of the base") == 1

@@ -15,7 +15,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import devices_of, model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.numbers import listed, several, shown, shown_unit, with_unit
-from wirerope_mj.content.required_spectra import pairs_table, spectra_chart, spectra_table
+from wirerope_mj.content.required_spectra import pairs_table, required_statement, spectra_chart, spectra_table
 from wirerope_mj.content.run import START, run_content
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
@@ -75,6 +75,9 @@ def job_content(job: JudgedJob) -> Content:
 
     def required() -> Iterator[Block]:
         made = {case.name: case for case in job.cases if case.run.achieved}
+        for name, case in made.items():
+            said = required_statement(case.run)
+            yield replace(said, id=f"{case.folder}/{said.id}", text=f"{name}: {said.text}")
         if made:
             yield spectra_table({name: case.run.achieved for name, case in made.items()})
         if pairs := {name: case.run.axis_pairs for name, case in made.items() if case.run.axis_pairs}:

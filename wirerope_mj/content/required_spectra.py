@@ -22,7 +22,7 @@ def required_spectrum_blocks(run: JudgedRun) -> Iterator[Block]:
     """Yield what the base's motion achieves of the spectra that it was made for; nothing without such a spectrum."""
     if not run.achieved:
         return
-    yield _answer(run)
+    yield required_statement(run)
     yield spectra_table({"": run.achieved})
     if run.axis_pairs:
         yield pairs_table({"": run.axis_pairs})
@@ -44,7 +44,8 @@ def spectra_chart(achieved: Sequence[AchievedSpectrum]) -> Chart:
     )  # fmt: skip
 
 
-def _answer(run: JudgedRun) -> Statement:
+def required_statement(run: JudgedRun) -> Statement:
+    """State whether the base's motion envelops the required spectra, whether its axes are independent, and what is lacking."""
     achieved, pairs, simulated = run.achieved, run.axis_pairs, float(run.response.time[-1])
     worst = min(achieved, key=lambda one: one.lowest[0])
     ratio, frequency = worst.lowest
