@@ -48,9 +48,14 @@ def test_a_model_that_nothing_holds_up_is_written_and_exits_with_1_as_the_help_s
     good_tables()
     write("mounts.csv", MOUNTS, [f"m{n}, {x}, {y}, 100, enidine_wr12_400, 0, 0" for n, x, y in SOFT])
     write("masses.csv", MASSES, ["engine, 90000, 0, 0, 600, 6000, 6000, 6000, 0"])
-    assert main(["new", "genset", "--mounts", "mounts.csv", "--masses", "masses.csv"]) == 1
+    new = ["new", "genset", "--mounts", "mounts.csv", "--masses", "masses.csv"]
+    assert main([*new, "--no-bottoming"]) == 1
     assert "no equilibrium was found" in capsys.readouterr().err
     assert Path("genset/genset.xml").is_file()
+    assert main([*new, "--force"]) == 1  # it rests where its mounts are solid, and not on the first loading
+    said = capsys.readouterr().out
+    assert "Isolation is short-circuited at rest, after long vibration: bottom_m" in said
+    assert "Bottomed, pressed until solid: m1, m2, m3." in said
 
 
 def compiled(path="genset/genset.xml"):

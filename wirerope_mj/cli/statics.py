@@ -33,7 +33,7 @@ def statics(model: Model, *, deck: Deck = None, json: Path | None = None) -> int
     print_warnings(warnings)
     table = static_table(system)
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
-    verdicts = rested_verdicts(table) + static_load_verdicts(table) + rest_travel_verdicts(isolators, table)
+    verdicts = rested_verdicts(table) + static_load_verdicts(table) + rest_travel_verdicts(isolators, table, system.bottoms)
     stability = {history: modes(system, history=sag.history).stability for history, sag in table.sags.items()}
     show(statics_content(system.name, table, verdicts, stability))
     if json is not None:

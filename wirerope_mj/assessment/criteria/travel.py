@@ -16,6 +16,7 @@ from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.units import duration_text
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS, falling_text, travel_in, travel_reached
+from wirerope_mj.mounts.laws import Stop
 
 
 def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -55,8 +56,13 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
     return verdicts
 
 
-def rest_travel_verdicts(isolators: Mapping[str, Isolator], table: StaticTable) -> tuple[Verdict, ...]:
-    """Judge the travel and bottoming of every mount at rest, history by history; `isolators` by mount."""
+def rest_travel_verdicts(
+    isolators: Mapping[str, Isolator], table: StaticTable, bottoms: Mapping[str, str] | None = None
+) -> tuple[Verdict, ...]:
+    """Judge the travel and bottoming of every mount at rest, history by history.
+
+    `isolators` and `bottoms`, the names of stops where mounts go solid, are by mount.
+    """
     verdicts: list[Verdict] = []
     for history, sag in table.sags.items():
         for name, mount in sag.listed.items():
@@ -65,12 +71,16 @@ def rest_travel_verdicts(isolators: Mapping[str, Isolator], table: StaticTable) 
             rated, geometry = isolators[name].limits.travel.stated, isolators[name].geometry
             reached = travel_reached(mount.deflection, mount.deflection)
             rows = [(Criterion(TRAVEL, sense=rating), reached[rating], rated.get(rating)) for rating in RATINGS]
-            rows.append((BOTTOMING, reached["compression"], geometry and geometry.solid_compression))
-            note = f"at rest, {history}"
+            solid, note = None if geometry is None else geometry.solid_compression, f"at rest, {history}"
             verdicts += [
                 Verdict(criterion=criterion, subject=name, value=float(value), limit=limit, unit="m", note=note)
                 for criterion, value, limit in rows
             ]
+            if name in (bottoms or {}):
+                law = isolators[(bottoms or {})[name]].axial
+                solid, note = (law.gap_below if isinstance(law, Stop) else solid), f"{note}: {STOPPED}"
+            value = float(reached["compression"])
+            verdicts.append(Verdict(criterion=BOTTOMING, subject=name, value=value, limit=solid, unit="m", note=note))
     return tuple(verdicts)
 
 
