@@ -157,6 +157,8 @@ def test_a_base_without_hinges_and_decks_that_bend_are_refused_by_name():
         wr.with_rotation(wr.load_system("sdof_shaker"))
     with pytest.raises(wr.ModelError, match="the hinges base/yaw, base/pitch and base/roll"):
         wr.load_system(boxed().mjcf.replace("base/pitch", "own"), isolators=boxed().isolators)
+    with pytest.raises(wr.ModelError, match="'block' moves by joints of its own in the world and would not turn with the base"):
+        wr.with_rotation(wr.load_system("shock_table"))
     assert wr.with_rotation(boxed()) is boxed()
 
 

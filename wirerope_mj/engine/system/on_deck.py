@@ -90,8 +90,8 @@ def with_rotation(system: System) -> System:
     Without a motion that rotates the base nothing changes. A system whose base has them is returned as it is.
 
     Raises:
-        ModelError: the model names files of its own, has a deck that bends, or a base that is not driven along x, y and z, or
-            has other joints.
+        ModelError: the model names files of its own, has a deck that bends, a base that is not driven along x, y and z or has
+            other joints, or a payload that does not float.
     """
     if system.assembly.tables.rotates:
         return system
@@ -104,6 +104,13 @@ def with_rotation(system: System) -> System:
             f"a base that rotates has three slides and no other joint; {system.base or 'the world'!r} has {slides} slides "
             f"among {joints} joints. Write the slides x, y and z into its body."
         )
+    for name in system.payloads:
+        body = model.body(name).id
+        if body != base and model.jnt_type[model.body_jntadr[body]] != mujoco.mjtJoint.mjJNT_FREE:
+            raise ModelError(
+                f"the body {name!r} moves by joints of its own in the world and would not turn with the base {system.base!r}: "
+                "give it a <freejoint/>."
+            )
     with system.assembly.scratch.data(model) as data:
         mujoco.mj_kinematics(model, data)
         axes = data.xmat[base].reshape(3, 3).copy()
