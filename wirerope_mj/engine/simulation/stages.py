@@ -102,9 +102,7 @@ class Stages:
     rates: Array
     # of the base at all half steps, 2 steps + 1 for every segment, one segment after the other, (n_points, 3)
     accelerations: Array
-    turns: (
-        Array  # second derivatives of roll, pitch and yaw at the same instants, (n_points, 3), or (0,) where it has no hinges
-    )
+    turns: Array  # second derivatives of roll, pitch, yaw at the same instants, (n_points, 3); (0,) where it has no hinges
     # forces and moments at the sites for them, at the same instants, (n_points, n_forces, 6), or (0,) without any
     forces: Array
     ends: Integers  # where a segment's accelerations end among them, (n,)
