@@ -7,6 +7,8 @@ from dataclasses import MISSING, fields
 import numpy as np
 import pytest
 from commands import refused
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
@@ -15,6 +17,7 @@ from wirerope_mj.engine.from_tables.forms import _MEANING, blank_table
 from wirerope_mj.engine.from_tables.read import COLUMNS
 from wirerope_mj.foundation.schema import blank_form
 from wirerope_mj.foundation.structure import Place, keys_of, structure, tables_in
+from wirerope_mj.motions.registry import motion_from_phrase
 from wirerope_mj.mounts.vendor_parts import vendor_parts
 from wirerope_mj.mounts.vendor_parts.short_sheet import ShortSheet, fit_short, ratios, read_short_sheet
 from wirerope_mj.runs.job_file import JobFile, load_job
@@ -178,3 +181,42 @@ def test_what_is_wrong_with_a_sheet_is_one_message_that_names_it(tmp_path, capsy
     message = refused(capsys, "isolators", "fit", sheet, tmp_path / "out.toml")
     assert said in message
     assert "sheet.toml" in message
+
+
+@pytest.mark.slow
+def test_a_camera_on_four_mounts_of_three_figures_goes_through_random_vibration_in_six_commands(tmp_path, monkeypatch):
+    """From a blank sheet to the rms on three axes and the isolation frequency, and along z beside SciPy's integration."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rv.csv").write_text("frequency [Hz], psd [g^2/Hz]\n10, 0.01\n100, 0.01\n300, 0.001\n", encoding="utf-8")
+    commands = [
+        ["isolators", "blank", "sheet.toml"],  # figures: 8 N/mm, 20 N, 20 mm
+        ["isolators", "fit", "sheet.toml", "isolator.toml"],
+        ["new", "tables", "--blank"],  # 2.4 kg on four mounts
+        ["new", "camera", "--tables", "tables"],
+        ["shock", "camera/camera.xml", "--psd", "rv.csv 3 s xyz seed 1", "--out", "run"],
+        ["frf", "camera/camera.xml", "--acceleration-g", "0.5", "--start", "8", "--stop", "40", "--out", "frf"],
+    ]
+    for command in commands:
+        assert main(command) == 0
+        if command[0] == "new" and "--blank" in command:  # the isolator is that of the sheet
+            table = tmp_path / "tables" / "mounts.csv"
+            table.write_text(table.read_text(encoding="utf-8").replace("WR2-800", "../isolator.toml"), encoding="utf-8")
+    run = wr.load_response(tmp_path / "run")
+    assert all(np.std(run.bodies["camera"].acceleration[:, axis]) > 0.0 for axis in range(3))
+
+    system, motion = wr.load_system("camera/camera.xml"), motion_from_phrase("psd", "rv.csv 3 s z seed 1")
+    alone = wr.simulate(system, motion, duration=3.0, initial="unloaded", sample_rate=4000.0, accuracy=1e-5)
+    law, mass = wr.load_isolator("isolator.toml").axial.laws, 2.4
+    fine = np.arange(0.0, 3.0, 1.0 / 40000.0)
+    base = CubicSpline(fine, motion.acceleration(fine)[:, 2])
+
+    def rates(t, state):
+        x, v, *z = state
+        force = sum(np.exp(one.c * x) * (zi + one.k1 * x + one.k3 * x**3) for one, zi in zip(law, z, strict=True))
+        slips = [one.alpha * v - one.beta * abs(v) * abs(zi) * zi for one, zi in zip(law, z, strict=True)]  # n = 2, gamma = 0
+        return [v, -4.0 * force / mass - 9.80665 - float(base(t)), *slips]
+
+    found = solve_ivp(rates, (0.0, 3.0), np.zeros(4), rtol=1e-7, atol=1e-9, t_eval=alone.time[:-1], max_step=1e-3)
+    deflection = alone.mounts["m1"].deflection[:-1, 2]
+    # both integrate a force with corners; 1e-5 of the peaks is the step's own accuracy
+    assert np.abs(found.y[0] - deflection).max() < 1e-3 * np.abs(deflection).max()

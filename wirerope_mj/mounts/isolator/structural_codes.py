@@ -24,10 +24,9 @@ Units = Literal["N-m-kg", "N-mm-t"]
 Damping = Literal["structural", "viscous"]
 CLOSE = 1e-6  # of the largest force, which straight lines between the points of a table may miss the curve by
 _ANSYS_POINTS = 20  # of a COMBIN39, the origin among them
-_SAMPLES = 40_000  # of a curve's side, among which points are chosen: each friction scale of the catalogue has hundreds
+_SAMPLES = 5_000  # of a curve's side, among which points are chosen
 _MOST = 4_000  # points of a side
 _FRACTIONS = (0.1, 0.25, 0.5, 1.0)  # of the range, at which loops say how far secants differ
-_SLOW = 1e6  # seconds from one sample of a static curve to the next, of laws that know the rate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,11 +189,18 @@ def _table(axis: str, law: Law, ends: tuple[float, float], amplitude: float, fre
 
 
 def _side(law: Law, end: float) -> tuple[Array, Array]:
-    """Return deflections from zero to an end and forces of the first loading, slow where the law knows the rate, each (n,)."""
+    """Return deflections from zero to an end and the forces at rest of the first loading there, each (n,)."""
     # denser near zero, where friction yields
     way = end * np.linspace(0.0, 1.0, _SAMPLES + 1) ** 2
-    time = None if law.rate_independent else _SLOW * np.arange(way.size)
-    return way, law.trace(way, time=time).force
+    force = np.zeros(way.size)
+    for part in law.components:
+        if part.rate_independent:
+            force += part.trace(way).force
+        elif part.bracket_stiffness < math.inf:
+            raise ValueError(f"{part.name} on a bracket has no static curve here: export the isolator without its bracket.")
+        else:  # at rest, with its branches relaxed
+            force += [part.trace([x, x], time=[0.0, 1.0], rate=[0.0, 0.0]).force[0] for x in way.tolist()]
+    return way, force
 
 
 def _chosen(way: Array, force: Array, largest: float, count: int, *, few: bool) -> tuple[Array, float]:
