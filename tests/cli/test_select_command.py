@@ -154,7 +154,7 @@ def test_parts_are_simulated_and_the_chosen_one_becomes_a_model_with_the_limits(
     [
         ((*BOX, *SHOCK), "`--mounts` must say how many there are"),
         ((*BOX, *SHOCK, "--mounts", "3"), "1 or an even number"),
-        ((*BOX, "--mounts", "4"), "`--shock` must say at least one load case"),
+        ((*BOX, "--mounts", "4"), "there must be at least one load case: say its motion"),
         ((*BOX, "--mounts", "4", "--shock", "unbalance engine 1 kg.mm 5 Hz x"), "has no end"),
         ((*BOX, "--mounts", "4", *SHOCK, "--by", "price"), "`--by price` needs `--prices`"),
         ((*BOX, "--mounts", "4", *SHOCK, "--parts", "XX*"), "no part of the vendors' tables is called 'XX*'"),

@@ -70,7 +70,9 @@ def required_statement(run: JudgedRun) -> Statement:
         ratios = listed([f"{fixed(one.peak / float(one.required[-1]), 2)} along {one.direction}" for one in below])
         items.append(
             f"Above the last frequency, {number(float(below[0].frequencies[-1]))} Hz, the achieved spectrum falls to the "
-            f"base's peak, {ratios} of the required one: let the file go on to the highest frequency that matters."
+            f"base's peak, {ratios} of the required one: let the file go on to the highest frequency that matters, or "
+            f"scale the motion by {fixed(max(float(one.required[-1]) / one.peak for one in below), 2)} where a standard asks "
+            "for the zero-period acceleration itself."
         )
     if run.motion.velocity_jumps:
         items.append("Sudden changes of the base's velocity are not part of the achieved spectrum.")

@@ -68,7 +68,7 @@ def equipment(
             text: load_system(mjcf_of(box_layout(part, mounts=text, **(box or {}))), isolators=isolators) for text in mounts
         }
     if not cases:
-        raise ValueError('`--shock` must say at least one load case, for instance --shock "half-sine 15 g 11 ms z".')
+        raise ValueError('there must be at least one load case: say its motion, for instance --half-sine "15 g 11 ms z".')
     judged = {}
     for name, system in systems.items():
         for case, motion in cases.items():
