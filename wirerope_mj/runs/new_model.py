@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 from wirerope_mj.content.numbers import listed
 from wirerope_mj.engine.flexible import Deck
@@ -206,7 +207,7 @@ def gaps_text(layout: Layout) -> str:
     if others := [name for name in laws if name not in installed]:
         counts = f"gaps of {listed(others)} count from the unloaded geometry"
         parts.append(f'{counts} (gap_at "installed" in the table of stops counts them at rest)')
-    ends = {device: stop.axial for device, stop in layout.bottoms.items() if isinstance(stop.axial, Stop)}
+    ends = {device: cast(Stop, stop.axial) for device, stop in layout.bottoms.items()}
     for device, stop in ends.items():
         names = listed([f"bottom_{mount.name}" for mount in layout.mounts if mount.device == device])
         straight = f" and is a straight rope at {1e3 * stop.gap_above:.3g} mm of tension (assumed)" if stop.gap_above else ""

@@ -16,7 +16,6 @@ from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.units import duration_text
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS, falling_text, travel_in, travel_reached
-from wirerope_mj.mounts.laws import Stop
 
 
 def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -78,7 +77,7 @@ def rest_travel_verdicts(
             ]
             if name in (bottoms or {}):
                 law = isolators[(bottoms or {})[name]].axial
-                solid, note = (law.gap_below if isinstance(law, Stop) else solid), f"{note}: {STOPPED}"
+                solid, note = (law.parameter("gap_below") if law else solid), f"{note}: {STOPPED}"
             value = float(reached["compression"])
             verdicts.append(Verdict(criterion=BOTTOMING, subject=name, value=value, limit=solid, unit="m", note=note))
     return tuple(verdicts)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, cast
 
 import numpy as np
 import tomli_w
@@ -257,8 +257,7 @@ _NOWHERE = 1.0  # Gap of a stop [m] where it is not known where a device goes so
 
 def bottom_in_place(stop: Isolator, device: Isolator) -> Isolator:
     """Return the stop of a mount where another device takes its place; one that never closes where nothing is known."""
-    assert isinstance(stop.axial, Stop)
-    unknown = replace(stop, axial=replace(stop.axial, gap_below=_NOWHERE, gap_above=None), geometry=_core(device))
+    unknown = replace(stop, axial=replace(cast(Stop, stop.axial), gap_below=_NOWHERE, gap_above=None), geometry=_core(device))
     return bottom_stop(device) or unknown
 
 
