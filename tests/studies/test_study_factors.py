@@ -101,14 +101,15 @@ def test_any_part_of_the_catalogue_is_chosen_by_a_pattern_and_the_foundation_fol
         wr.Study(model="floating_floor.xml", motion=PULSE, duration=0.05, vary={"mount/m01/isolator": wr.Choice("XY*")})
 
 
-def test_friction_is_a_factor_of_mounts_that_have_some():
-    names = study(vary={"mount/m0*/friction": wr.Choice(0.5, 2.0)}).table().column_names
-    assert names == ["variant", "mount/m0*/friction"]
-    with pytest.raises(ModelError, match="has friction that stands by itself"):
+@pytest.mark.parametrize("factor", ["friction", "damping"])
+def test_friction_and_damping_are_factors_of_mounts_that_have_some(factor):
+    names = study(vary={f"mount/m0*/{factor}": wr.Choice(0.5, 2.0)}).table().column_names
+    assert names == ["variant", f"mount/m0*/{factor}"]
+    with pytest.raises(ModelError, match=f"{factor}' is a factor on what dissipates.* has such a part that stands by itself"):
         wr.Study(
             model="shock_table.xml",
             motion=PULSE,
             duration=0.08,
             sampling="list",
-            vary={"mount/s1/friction": wr.Choice(0.5, 2.0)},
+            vary={f"mount/s1/{factor}": wr.Choice(0.5, 2.0)},
         ).table()

@@ -140,13 +140,15 @@ class MountFactor(MountColumn):
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
         mounts = cls.matching(entry, entry.pattern)
-        for mount in mounts if entry.key == ("friction",) else ():
-            isolator = entry.system.mounts[mount].written
-            if isolator.with_friction(2.0).axes == isolator.axes:
-                raise ModelError(
-                    f"`vary`: {entry.name!r}: no law of isolator {isolator.name!r} of mount {mount!r} has friction that stands "
-                    "by itself; mount/NAME/stiffness is a factor on all of its forces."
-                )
+        change, acts_on = MOUNT_FACTORS[entry.key[0]]
+        isolators = [entry.system.mounts[mount].written for mount in mounts]
+        if all(
+            change(isolator, 2.0).axes == isolator.axes for isolator in isolators
+        ):  # of a pattern, stops may stay as they are
+            raise ModelError(
+                f"`vary`: {entry.name!r} is a factor on {acts_on}, and no law of isolator {isolators[0].name!r} of mount "
+                f"{mounts[0]!r} has such a part that stands by itself; mount/NAME/stiffness is a factor on all of its forces."
+            )
         return cls.split(entry, mounts)
 
     def nominal_of(self, system: System, target: str) -> float:
