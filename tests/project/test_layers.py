@@ -198,6 +198,13 @@ def test_every_module_is_used_by_another():
         assert used_by or is_room or module in commands, f"nothing uses {module}"
 
 
+def test_files_of_tests_have_names_of_their_own():
+    """pytest imports them by their names alone: of two that are called alike in different folders it collects one."""
+    files = Path(__file__).parents[1].rglob("test_*.py")
+    names = [file.name for file in files]
+    assert sorted(names) == sorted(set(names))
+
+
 def test_the_map_names_what_exists():
     page = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`((?:wirerope_mj|tests|models|scenarios)/[\w/.]*)`", page))
