@@ -57,6 +57,26 @@ def test_numbers_of_another_site_are_refused(tmp_path, monkeypatch, capsys, word
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.quick
+@pytest.mark.parametrize(("name", "first", "second"), [
+    ("ac156", ["--sds", "1.2", "--z-h", "1"], ["--sds", "0.4", "--z-h", "0"]),
+    ("en1998", ["--ag", "0.25", "--ground", "B"], ["--ag", "0.1", "--ground", "B"]),
+])  # fmt: skip
+def test_levels_of_two_sites_stand_in_one_folder(tmp_path, name, first, second):
+    for stem, site in (("site1", first), ("site 2", second)):
+        assert main(["levels", name, *site, "--out", str(tmp_path / f"{stem}.toml")]) == 0
+    kinds = ("horizontal", "vertical")
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *(f"{stem}_{kind}.csv" for stem in ("site1", "site 2") for kind in kinds), "site1.toml", "site 2.toml",
+    }  # fmt: skip
+    horizontal, weaker = (
+        table((tmp_path / f"{stem}_horizontal.csv").read_text(encoding="utf-8"))[:, 1].max() for stem in ("site1", "site 2")
+    )
+    assert weaker < 0.5 * horizontal
+    motion = motion_of_levels(tmp_path / "site 2.toml")
+    assert motion.end > 20.0
+
+
 def spectrum(time, acceleration, frequencies):
     """Find peaks of absolute acceleration of oscillators of 5 % damping by their state-space solution."""
     peaks = []

@@ -132,7 +132,8 @@ def levels(
         z_h: of ac156: height of the attachment over that of the building, from 0 to 1.
         ag: of en1998: design ground acceleration on rock times the importance factor [g].
         ground: of en1998: type of the ground, whose soil factor and corner periods of type 1 are taken.
-        out: where it is written; NAME.toml in the current folder by default.
+        out: where it is written; NAME.toml in the current folder by default. Tables of spectra stand beside it and begin as it
+            does: site2_horizontal.csv of site2.toml.
     """
     from wirerope_mj.cli.tables import print_questions
     from wirerope_mj.foundation.atomic_files import atomic_file
@@ -154,10 +155,10 @@ def levels(
             if (value is not None) != (standard == name):
                 verb = "needs" if standard == name else "alone takes"
                 raise ValueError(f"the file of levels {standard} {verb} --{key.replace('_', '-')}.")
-    filled_in = WRITERS[name](**sites[name]) if name in LEVELS else {}
-    files = filled_in or {f"{name}.toml": templates[name].read_text(encoding="utf-8")}
     target = out or Path(f"{name}.toml")
-    written = {target if file == f"{name}.toml" else target.parent / file: text for file, text in files.items()}
+    filled_in = WRITERS[name](**sites[name], stem=target.stem) if name in LEVELS else {}
+    files = filled_in or {f"{target.stem}.toml": templates[name].read_text(encoding="utf-8")}
+    written = {target if file == f"{target.stem}.toml" else target.parent / file: text for file, text in files.items()}
     for path in written:
         if path.exists() and not force:
             raise RecordError(f"{path}: the file exists; --force replaces it.")
