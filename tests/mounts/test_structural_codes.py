@@ -145,6 +145,46 @@ def test_the_loop_that_a_table_leaves_out_is_said(tmp_path, capsys, ending):
 
 
 @pytest.mark.parametrize("units", LENGTH)
+@pytest.mark.parametrize("ending", ["inp", "mac"])
+def test_a_file_without_stiffness_of_the_cycles_says_what_a_linear_analysis_needs(tmp_path, ending, units):
+    text = exported(tmp_path, ending, "--units", units)
+    said = " ".join(line.lstrip("!* ") for line in text.splitlines() if line[0] in "!*")
+    tables, stiff, slopes = READERS[ending](text)[0], [], []
+    for axis, law in wr.load_isolator(NAME).axes.items():
+        loop, (origin,) = wr.cyclic_test(law, AMPLITUDE)[0], np.flatnonzero(tables[axis][:, 0] == 0.0)
+        stiff.append(f"{axis} {loop.secant_stiffness / LENGTH[units]:.6g}")
+        way, force = np.diff(tables[axis][origin - 1 : origin + 2], axis=0).T
+        slopes.append((force / way).max() * LENGTH[units] / loop.secant_stiffness)
+        if ending == "inp":  # thousands of points are as near as their first chord is short
+            tangent = law.trace([0.0, 1e-9]).force[1] / 1e-9  # friction has not yielded
+            assert slopes[-1] == pytest.approx(tangent / loop.secant_stiffness, rel=0.01)
+    unit = {"N-m-kg": "N/m", "N-mm-t": "N/mm"}[units]
+    assert f"needs this stiffness in place of the tables: {', '.join(stiff)} {unit}" in said
+    stated = [float(said.partition("first loading, ")[2].split()[place]) for place in (0, 2)]
+    assert stated == pytest.approx([min(slopes), max(slopes)], rel=5e-3)  # three digits are printed
+
+
+def test_abaqus_goes_on_with_the_last_slope_and_keeps_the_points(tmp_path):
+    """By default *CONNECTOR BEHAVIOR extrapolates at a constant force, and Abaqus/Explicit regularizes tables."""
+    (line,) = [line for line in exported(tmp_path, "inp").splitlines() if line.startswith("*CONNECTOR BEHAVIOR")]
+    assert line.split(", ")[1:] == ["NAME=MOUNT_LAW", "EXTRAPOLATION=LINEAR", "REGULARIZE=OFF"]
+
+
+@pytest.mark.parametrize("ending", READERS)
+def test_secants_stand_in_the_order_of_their_amplitudes(tmp_path, capsys, ending):
+    text = exported(tmp_path, ending)
+    said, softer = " ".join(line.lstrip("!*$ ") for line in text.splitlines()), []
+    for axis, table in READERS[ending](text)[0].items():
+        shorter = min(-table[0, 0], table[-1, 0])
+        loops = wr.cyclic_test(wr.load_isolator(NAME).axes[axis], [0.1 * shorter, shorter])
+        small, whole = (1e-3 * loop.secant_stiffness for loop in loops)
+        assert f"{small:.4g} N/mm at a tenth of the table's range and {whole:.4g} N/mm at all of it" in said
+        softer.append(whole < small)
+    assert any(softer)
+    assert " ".join(capsys.readouterr().out.split()).count("N/mm at all of it") == len(softer)
+
+
+@pytest.mark.parametrize("units", LENGTH)
 def test_stiffness_and_damping_are_those_of_the_loop(tmp_path, units):
     """K of the secant, loss factor W / (pi K A^2), damper W / (pi omega A^2)."""
     isolator, frequency, per_metre = wr.load_isolator(NAME), 8.0, 1.0 / LENGTH[units]

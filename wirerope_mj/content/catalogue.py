@@ -128,21 +128,21 @@ def structural_content(export: StructuralExport) -> Content:
     """Say what a structural code is told of an isolator, and what its tables and constants leave out."""
     rows: list[Row] = []
     for table in export.tables:
-        loop, (low, high) = table.loop, table.secants
+        loop, (small, whole) = table.loop, table.secants
         damper = table.viscous(export.frequency)
-        cells = (table.points[0, 0], table.points[-1, 0], len(table.points), table.missed, loop.secant_stiffness, low, high)
+        cells = (table.points[0, 0], table.points[-1, 0], len(table.points), table.missed, loop.secant_stiffness, small, whole)
         rows.append((table.axis, *cells, table.loss_factor, damper, loop.dissipated_energy, table.width))
     columns = (
         *left("axis"), Column("table\nfrom", "mm", ".4g"), Column("to", "mm", ".4g"), Column("points", form=".0f"),
-        Column("misses\ncurve by", "%", ".2g"), Column("secant", "N/mm", ".4g"), Column("secants\nfrom", "N/mm", ".4g"),
-        Column("to", "N/mm", ".4g"), Column("loss\nfactor", form=".4g"), Column("damper", "N s/m", ".4g"),
+        Column("misses\ncurve by", "%", ".2g"), Column("secant", "N/mm", ".4g"), Column("secant at\na tenth", "N/mm", ".4g"),
+        Column("at all", "N/mm", ".4g"), Column("loss\nfactor", form=".4g"), Column("damper", "N s/m", ".4g"),
         Column("energy\nleft out", "J", ".4g"), Column("force\noff by", "%", ".3g"),
     )  # fmt: skip
     note = (
         f"Secant, loss factor, damper (at {export.frequency:.4g} Hz), energy: of a closed cycle of "
-        f"{in_unit(export.amplitude, 'mm'):.4g} mm; the table is elastic and leaves that energy out. Secants from, to: of "
-        "cycles from a tenth of the table's range to all of it. Misses the curve, force off: in parts of the largest force, of "
-        "the lines between points, and of that cycle from the table."
+        f"{in_unit(export.amplitude, 'mm'):.4g} mm; the table is elastic and leaves that energy out. Secant at a tenth, at "
+        "all: of cycles of that part of the table's range, on its shorter side. Misses the curve, force off: in parts of the "
+        "largest force, of the lines between points, and of that cycle from the table."
     )
     return Content(
         title=f"{export.isolator.name} for {export.code}, {export.units.replace('-', ', ')}",

@@ -26,7 +26,7 @@ CLOSE = 1e-6  # of the largest force, which straight lines between the points of
 _ANSYS_POINTS = 20  # of a COMBIN39, the origin among them
 _SAMPLES = 5_000  # of a curve's side, among which points are chosen
 _MOST = 4_000  # points of a side
-_FRACTIONS = (0.1, 0.25, 0.5, 1.0)  # of the range, at which loops say how far secants differ
+_FRACTIONS = (0.1, 1.0)  # of the range on its shorter side, at which loops say how far secants differ
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,12 +38,20 @@ class AxisTable:
     missed: float  # largest distance of the straight lines between them from the curve, over the largest force [-]
     loop: Loop  # closed cycle of the stated amplitude about zero
     width: float  # largest distance of that loop's force from the static curve, over the loop's largest force [-]
-    secants: tuple[float, float]  # least and largest secant stiffness of loops from a tenth of the range to all of it [N/m]
+    # secant stiffness of loops of a tenth of the range on its shorter side, and of all of it, in this order [N/m]
+    secants: tuple[float, float]
 
     @property
     def loss_factor(self) -> float:
         """Twice the damping ratio: W / (pi K A^2) of the loop."""
         return 2.0 * self.loop.damping_ratio
+
+    @property
+    def slope(self) -> float:
+        """The steeper slope of the table at zero [N/m]."""
+        origin = int(np.argmin(np.abs(self.points[:, 0])))
+        steps = np.diff(self.points[max(origin - 1, 0) : origin + 2], axis=0)
+        return float((steps[:, 1] / steps[:, 0]).max())
 
     def viscous(self, frequency: float) -> float:
         """Return the damper [N s/m] that dissipates what the loop does, at a frequency [Hz]: W / (pi omega A^2)."""
@@ -75,8 +83,17 @@ class StructuralExport:
             "beyond their ends the last slope goes on",
             f"stiffness and {damped}: of closed cycles of {size} about zero, and of no other amplitude",
         ]
+        if self.code in _LINEAR:
+            unit = "N/mm" if self.units == "N-mm-t" else "N/m"
+            stiff = {table.axis: self.scaled(table.loop.secant_stiffness, "N/m") for table in self.tables}
+            slopes = [table.slope / table.loop.secant_stiffness for table in self.tables]
+            texts.append(
+                "a linear analysis (modal, harmonic) takes the slope of the tables at zero, that of the first loading, "
+                f"{min(slopes):.3g} to {max(slopes):.3g} times the stiffness of the cycles; it needs this stiffness in place "
+                f"of the tables: {', '.join(f'{axis} {k:.6g}' for axis, k in stiff.items())} {unit}, {_LINEAR[self.code]}"
+            )
         for table in self.tables:
-            loop, (low, high) = table.loop, table.secants
+            loop, (small, whole) = table.loop, table.secants
             texts.append(
                 f"{table.axis}: a loop of {size} dissipates {loop.dissipated_energy:.6g} J a cycle (damping "
                 f"ratio {loop.damping_ratio:.4g}) that the table leaves out, and its force is up to "
@@ -84,9 +101,9 @@ class StructuralExport:
             )
             texts.append(
                 f"{table.axis}: secant stiffness {1e-3 * loop.secant_stiffness:.6g} N/mm at this amplitude, "
-                f"{1e-3 * low:.4g} to {1e-3 * high:.4g} N/mm from a tenth of the table's range to all of it; between its "
-                f"{len(table.points)} points the table misses the curve by up to {100.0 * table.missed:.2g} % of the largest "
-                "force"
+                f"{1e-3 * small:.4g} N/mm at a tenth of the table's range and {1e-3 * whole:.4g} N/mm at all of it; between "
+                f"its {len(table.points)} points the table misses the curve by up to {100.0 * table.missed:.2g} % of the "
+                "largest force"
             )
         if self.isolator.coupling is not None:
             texts.append(f"the coupling of the axes ({self.isolator.coupling}) is left out: each axis is as it is alone")
@@ -181,10 +198,10 @@ def _table(axis: str, law: Law, ends: tuple[float, float], amplitude: float, fre
     way, force = (np.concatenate([low[::-1], high]) for low, high in zip(*sides, strict=True))
     static = np.interp(loop.deflection, way, force)
     loops = cyclic_test(law, [part * min(ends) for part in _FRACTIONS], frequency=frequency)
-    stiffness = [one.secant_stiffness for one in loops]
+    small, whole = (one.secant_stiffness for one in loops)
     return AxisTable(
         axis=axis, points=points, missed=max(missed_below, missed_above), loop=loop,
-        width=float(np.abs(loop.force - static).max() / np.abs(loop.force).max()), secants=(min(stiffness), max(stiffness)),
+        width=float(np.abs(loop.force - static).max() / np.abs(loop.force).max()), secants=(small, whole),
     )  # fmt: skip
 
 
@@ -272,7 +289,8 @@ def _abaqus(export: StructuralExport) -> Iterator[str]:
     yield "*CONNECTOR SECTION, ELSET=MOUNT, BEHAVIOR=MOUNT_LAW"
     yield "CARTESIAN, CARDAN" if export.isolator.rotation is not None else "CARTESIAN"
     yield "MOUNT_AXES"
-    yield "*CONNECTOR BEHAVIOR, NAME=MOUNT_LAW"
+    # beyond a table's ends its force stays by default, and Abaqus/Explicit thins its points out
+    yield "*CONNECTOR BEHAVIOR, NAME=MOUNT_LAW, EXTRAPOLATION=LINEAR, REGULARIZE=OFF"
     for table in export.tables:
         component = AXES.index(table.axis) + 1
         yield f"*CONNECTOR ELASTICITY, NONLINEAR, COMPONENT={component}"
@@ -321,6 +339,12 @@ def _ansys(export: StructuralExport) -> Iterator[str]:
             yield f"R,{number},{_real(export.scaled(getattr(rotation, axis), 'N m'))}"
             yield from (f"TYPE,{number}", f"REAL,{number}", "E,1,2")
 
+
+# Where codes whose entries hold no stiffness of the cycles take it
+_LINEAR = {
+    "Abaqus": "each as *CONNECTOR ELASTICITY without NONLINEAR",
+    "Ansys": "each as K of its COMBIN14, without the COMBIN39",
+}
 
 # Codes, the endings of their files, what begins a comment, and what writes their entries
 CODES: Mapping[str, tuple[tuple[str, ...], str, Callable[[StructuralExport], Iterator[str]]]] = {
