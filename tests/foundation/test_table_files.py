@@ -274,6 +274,77 @@ def test_files_of_other_libraries_are_read_and_say_what_they_lack(tmp_path, name
             wr.load_record(path, **{key: value for key, value in asked.items() if key != "unit"})
 
 
+def hdf5(path, columns, **attributes):
+    """Write datasets, each with its own attributes, and attributes of the file."""
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file.attrs.update(attributes)
+        for name, (values, own) in columns.items():
+            file.create_dataset(name, data=values).attrs.update(own)
+
+
+def test_an_axis_of_another_length_is_never_left_out_in_silence(tmp_path):
+    path, g = tmp_path / "r.h5", {"unit": "g"}
+    hdf5(path, {"x": (WAVE[:-1], g), "y": (WAVE[:-1], g), "z": (WAVE, g)}, fs=1.0 / STEP)
+    with pytest.raises(wr.RecordError, match="z has another number of samples than the other columns"):
+        wr.load_record(path)
+    check(path, channels={"z": "z"})
+    with pytest.raises(wr.RecordError, match="different numbers of samples, x 399, z 400"):
+        wr.load_record(path, channels={"x": "x", "z": "z"})
+    np.savez(tmp_path / "r.npz", x_g=WAVE, z=WAVE.astype(complex), fs=1.0 / STEP)
+    with pytest.raises(wr.RecordError, match=r"z has another .* or holds no numbers"):
+        wr.load_record(tmp_path / "r.npz")
+
+
+def test_channels_that_begin_at_different_instants_are_not_played_in_phase(tmp_path):
+    from nptdms import ChannelObject, TdmsWriter
+
+    def late(path, *, in_offset):
+        with TdmsWriter(path) as file:
+            for name, start in (("x", 0.25), ("z", 0.0)):
+                stated = {"wf_increment": STEP, "unit_string": "g", "wf_start_offset": start * in_offset}
+                stated["wf_start_time"] = np.datetime64("2026-01-01T00:00:00", "us") + round(1e6 * start * (1 - in_offset))
+                file.write_segment([ChannelObject("rig", name, WAVE, stated)])
+
+    for in_offset in (0, 1):
+        late(tmp_path / "r.tdms", in_offset=in_offset)
+        with pytest.raises(wr.RecordError, match="begin up to 0.25 s after each other. Use a file for each, with `start`"):
+            wr.load_record(tmp_path / "r.tdms")
+        check(tmp_path / "r.tdms", channels={"z": "z"})
+    hdf5(path := tmp_path / "r.h5", {"x": (WAVE, {"unit": "g", "t0": 0.25}), "z": (WAVE, {"unit": "g", "t0": 0.0})}, fs=1000.0)
+    with pytest.raises(wr.RecordError, match="begin up to 0.25 s after"):
+        wr.load_record(path)
+    with warnings.catch_warnings(action="ignore"):  # of its own
+        from obspy import Stream, Trace, UTCDateTime
+    begins = {"X": UTCDateTime(2026, 1, 1) + 0.25, "Z": UTCDateTime(2026, 1, 1)}
+    traces = [Trace(WAVE.astype(np.float32), {"channel": c, "delta": STEP, "starttime": t}) for c, t in begins.items()]
+    Stream(traces).write(str(tmp_path / "r.mseed"), format="MSEED")
+    with pytest.raises(wr.RecordError, match="begin up to 0.25 s after"):
+        wr.load_record(tmp_path / "r.mseed", unit="g")
+
+
+def test_counts_intervals_and_rates_are_those_that_the_file_states(tmp_path):
+    path = tmp_path / "r.h5"
+    counts, factor = np.rint(WAVE / PEAK * 30000).astype(np.int16), PEAK / 30000
+    hdf5(path, {"z": (counts, {"units": "g", "scale_factor": factor, "dt": 1e3 * STEP, "dt_unit": "ms"})})
+    np.testing.assert_allclose(wr.load_record(path).samples[:, 2], G * counts * factor, rtol=1e-12)
+    hdf5(path, {"z": (counts, {"units": np.array([b"g"]), "gain": 2.0})}, fs=1.0 / STEP)
+    with pytest.raises(wr.RecordError, match="/z holds counts, and its gain is not applied"):
+        wr.load_record(path)
+    hdf5(path, {"z": (WAVE, {"unit": "g", "dt": STEP, "dt_unit": "Hz"})})
+    with pytest.raises(wr.RecordError, match="dt is in Hz; known units: s, ms"):
+        wr.load_record(path)
+    hdf5(path, {"a/z": (WAVE, {"unit": "g", "fs": 1000.0}), "b/x": (WAVE, {"unit": "g", "fs": 500.0})})
+    with pytest.raises(wr.RecordError, match=r"a\.z, b\.x have different rates, or some have none"):
+        wr.load_record(path)
+    check(path, channels={"a.z": "z"})
+    hdf5(path, {"acc": (np.column_stack([WAVE, WAVE]), {"unit": "g"}), "fs": (1000.0, {})})
+    check(path, channels={"acc(:,2)": "z"})
+    np.savez(tmp_path / "r.npz", z_g=WAVE, fs=1000.0, about="text")
+    check(tmp_path / "r.npz")
+
+
 def test_a_library_that_is_missing_is_named_with_the_extra(tmp_path, monkeypatch):
     write_tdms(path := tmp_path / "r.tdms")
     monkeypatch.setitem(sys.modules, "nptdms", None)

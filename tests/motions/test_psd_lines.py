@@ -110,6 +110,10 @@ def test_bands_with_slopes_are_what_a_specification_prints(tmp_path):
         ("20,80,0.04,\n100,200,,-3\n", "line 3: the band must begin at 80 Hz, where the one before ends, .* got 100 to 200 Hz"),
         ("0,80,0.04,\n", "line 2: the band must begin above 0 Hz and end above its begin, got 0 to 80 Hz"),
         ("20,80,0.04,3\n", "line 2: a band has either a level > 0 or a slope, the other cell is empty"),
+        (
+            "10,40,0.01,\n40,80,,3\n80,200,0.04,\n",
+            "from 40 Hz ends 3 dB below the level from 80 Hz on; 6.02 dB/octave",
+        ),
         ("20,80,,\n", "line 2: a band has either a level > 0 or a slope"),
         ("20,80,-1,\n", "line 2: a band has either a level > 0"),
     ],

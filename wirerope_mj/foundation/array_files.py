@@ -3,7 +3,8 @@
 import math
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from wirerope_mj.foundation.parquet_files import read_table
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.table_header import Header
-from wirerope_mj.foundation.units import split_unit
+from wirerope_mj.foundation.units import FREQUENCY_UNITS, TIME_UNITS, find_unit, split_unit
 
 _REMEDY = "Export it again, or as CSV."
 # names of a scalar that is a sampling rate [Hz], and of one that is an interval [s], in small letters without signs
@@ -24,26 +25,31 @@ _RATES = frozenset(("fs", "fsamp", "samplerate", "samplingrate", "samplefrequenc
 _STEPS = frozenset(
     ["dt", "ts", "deltat", "deltax", "increment", "interval", "sampleinterval", "samplinginterval", "timestep", "xincrement"]
 )
+_STARTS = frozenset(("t", "start", "starttime", "tstart", "toffset", "startoffset"))  # of what begins later: t0 among them
+_CALIBRATIONS = {"gain", "sensitivity", "calibration", "calib", "scale"}
 _HDF5 = b"\x89HDF\r\n"
 # how records begin that obspy reads: miniSEED, GSE2, IRIS' texts, K-NET and KiK-net; SAC is known by its ending
 _SEISMIC = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03|WID2 |TIMESERIES |Origin Time\s")
 
 
-def columns_of_array_file(path: Path) -> Header | None:
+def columns_of_array_file(path: Path, wanted: Collection[str] = ()) -> Header | None:
     """Read a file of arrays as columns, its header without a line; None of others.
 
     A matrix is so many columns, the fields of a struct or of a group are called test.acc, and beside a vector without time a
-    scalar fs, or dt, is its rate, or interval. A WAV file has fractions of its full scale.
+    scalar fs, or dt, is its rate, or interval: its own, else that of the struct or group which holds it. A WAV file has
+    fractions of its full scale. Of columns of several lengths those that are as long as the `wanted` ones are read, else the
+    most; `Header.left_out` names the others.
 
     Raises:
-        RecordError: the file is damaged or holds no columns of numbers, or the library that reads it is missing.
+        RecordError: the file is damaged or holds no columns of numbers, the columns have different instants, or the library
+            that reads it is missing.
         OSError: the file cannot be read.
     """
     with regular(path).open("rb") as file:
         head = file.read(1024)
     ending = path.suffix.lower()
     if head.startswith(b"PAR1") or ending == ".parquet":
-        return _parquet(path)
+        return _parquet(path, wanted)
     if _HDF5 in (head[:6], head[512:518]):
         kind, read, library = "HDF5", _hdf5, "h5py"
     elif head.startswith(b"MATLAB") or ending == ".mat":
@@ -72,10 +78,10 @@ def columns_of_array_file(path: Path) -> Header | None:
         if isinstance(error, OSError) and error.errno is not None:
             raise RecordError(f"{path}: the record cannot be read: {why_unread(error)}") from None
         raise RecordError(f"{path}: this is no {kind} file that can be read. {_REMEDY}") from None
-    return _of_variables(path, content)
+    return _of_variables(path, content, wanted)
 
 
-def _parquet(path: Path) -> Header:
+def _parquet(path: Path, wanted: Collection[str]) -> Header:
     table = read_table(path, kind="a Parquet file", remedy=_REMEDY)
     columns = {}
     for name, column in zip(table.column_names, table.columns, strict=True):
@@ -85,29 +91,74 @@ def _parquet(path: Path) -> Header:
             name = f"{name} [s]"
         if values.dtype.kind in "fiu":
             columns[str(name)] = values.astype(np.float64)
-    return _of_columns(path, columns, {})
+    return _of_columns(path, columns, {}, wanted, left=())
 
 
-def _of_columns(path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float]) -> Header:
-    """Return the columns that have the most common length; without time among them, with that of a rate or an interval."""
-    lengths = [column.size for column in columns.values() if column.size > 1]
+def _of_columns(
+    path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float], wanted: Collection[str], left: Sequence[str]
+) -> Header:
+    """Return the wanted columns, or those of the most common length; without time among them, with that of their rate.
+
+    `left` are columns of the file that hold no numbers.
+    """
+    lengths = {name: column.size for name, column in columns.items() if column.size > 1}
     if not lengths:
         held = short(plain(", ".join([*columns, *scalars]))) or "nothing that is a number"
         raise RecordError(f"{path}: the file holds no columns of numbers; it holds {held}. {_REMEDY}")
-    usual = max(lengths, key=lambda length: (lengths.count(length), length))
-    kept = {name: column for name, column in columns.items() if column.size == usual}
-    left = {split_unit(name)[0] for name in columns if name not in kept}
-    scalars = {name: value for name, value in scalars.items() if name.rpartition(".")[0] not in left}
+    asked = [name for name in lengths if {name, split_unit(name)[0], split_unit(name)[0].rpartition(".")[2]} & {*wanted}]
+    among = [lengths[name] for name in asked or lengths]
+    usual = max(among, key=lambda length: (among.count(length), length))
+    if asked and len(set(among)) > 1:
+        sizes = ", ".join(f"{split_unit(name)[0]} {lengths[name]}" for name in asked)
+        raise RecordError(f"{path}: the columns have different numbers of samples, {short(plain(sizes))}. Use a file for each.")
+    timed = {name for name in columns if lengths.get(name) == usual and _TIME.search(split_unit(name)[0].lower())}
+    kept = [name for name in columns if lengths.get(name) == usual and (not asked or name in asked or name in timed)]
     names, units = zip(*map(split_unit, kept), strict=True)
-    numbers = np.column_stack(list(kept.values()))
-    steps = {name: value for name, value in scalars.items() if _bare(name) in _STEPS and 0.0 < value < math.inf}
-    steps |= {name: 1.0 / value for name, value in scalars.items() if _bare(name) in _RATES and 0.0 < value < math.inf}
-    timed = any(re.search(r"(?:^|[._ ])(?:time|t|zeit)(?:$|[._ ])", name.lower()) for name in names)
-    if len(set(steps.values())) == 1 and not timed:
-        step = next(iter(steps.values()))
-        names, units = ("time", *names), ("s", *units)
-        numbers = np.column_stack([step * np.arange(usual), numbers])
-    return Header(path, 0, names, units, content=numbers)
+    numbers = np.column_stack([columns[name] for name in kept])
+    if not timed:
+        steps = {_step(name, scalars) for name in names}
+        starts = {min(_nearest(name, scalars, ("start",)), default=0.0) for name in names}
+        if len(steps) > 1:
+            raise RecordError(
+                f"{path}: the columns {short(plain(', '.join(names)))} have different rates, or some have none. Choose those "
+                "of one rate by channels= (--channels), or use a file for each."
+            )
+        if None not in steps:
+            (step,) = steps
+            assert step is not None
+            if max(starts) - min(starts) > 1e-3 * step:
+                raise RecordError(
+                    f"{path}: the columns {short(plain(', '.join(names)))} begin up to {max(starts) - min(starts):.6g} s after "
+                    "each other. Use a file for each, with `start` (--start), or write them over one time."
+                )
+            names, units = ("time", *names), ("s", *units)
+            numbers = np.column_stack([step * np.arange(usual), numbers])
+    others = tuple(split_unit(name)[0] for name in lengths if lengths[name] != usual)
+    return Header(path, 0, names, units, content=numbers, left_out=(*others, *left))
+
+
+_TIME = re.compile(r"(?:^|[._ ])(?:time|t|zeit)(?:$|[._ ])")
+
+
+def _step(column: str, scalars: Mapping[str, float]) -> float | None:
+    """Return the interval of a column [s] that scalars say; None if none does, or several differ."""
+    positive = {name: value for name, value in scalars.items() if 0.0 < value < math.inf}
+    inverse = {name: 1.0 / value for name, value in positive.items()}
+    steps = _nearest(column, positive, _STEPS) | _nearest(column, inverse, _RATES)
+    if not steps:  # said elsewhere, as info.fs
+        steps = {value for name, value in positive.items() if _bare(name) in _STEPS}
+        steps |= {value for name, value in inverse.items() if _bare(name) in _RATES}
+    return steps.pop() if len(steps) == 1 else None
+
+
+def _nearest(column: str, scalars: Mapping[str, float], called: Collection[str]) -> set[float]:
+    """Return the scalars of some names that are a column's own, else those of the struct or group that holds it, and so on."""
+    place = column
+    while True:
+        found = {value for name, value in scalars.items() if name.rpartition(".")[0] == place and _bare(name) in called}
+        if found or not place:
+            return found
+        place = place.rpartition(".")[0]
 
 
 def _bare(name: str) -> str:
@@ -144,15 +195,41 @@ def _hdf5(path: Path) -> Mapping[str, Any]:
                 if as_matlab == b"char":
                     found[name] = "".join(map(chr, values.ravel()))
                     continue
-            unit = attributes.get("units", attributes.get("unit", ""))
-            unit = unit.decode(errors="replace") if isinstance(unit, bytes) else str(unit)
+            if attributes.keys() & {"scale_factor", "add_offset"}:
+                values = values * attributes.get("scale_factor", 1.0) + attributes.get("add_offset", 0.0)
+            elif values.dtype.kind in "iu" and (factors := attributes.keys() & _CALIBRATIONS):
+                raise RecordError(
+                    f"{path}: {member.name} holds counts, and its {min(factors)} is not applied. Store values in their unit."
+                )
+            unit = _text(attributes.get("units", attributes.get("unit", "")))
             found[f"{name} [{unit}]" if unit else name] = values
-            found |= {f"{name}.{key}": value for key, value in attributes.items() if _bare(key) in _RATES | _STEPS}
-        found |= {key: value for key, value in group.attrs.items() if _bare(key) in _RATES | _STEPS}
-        return found
+            found |= {f"{name}.{key}": value for key, value in _intervals(path, attributes).items()}
+        return found | _intervals(path, {key.lower(): value for key, value in group.attrs.items()})
 
     with h5py.File(path) as file:
         return content(file)
+
+
+def _text(value: Any) -> str:
+    """Return the text of an attribute: bytes, an array of one of them, or a text."""
+    value = value.ravel()[0] if isinstance(value, np.ndarray) and value.size == 1 else value
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+
+
+def _intervals(path: Path, attributes: Mapping[str, Any]) -> dict[str, float]:
+    """Return rates [Hz], intervals and starts [s] among attributes; a unit may stand beside each, as dt_unit."""
+    found: dict[str, float] = {}
+    for key, value in attributes.items():
+        known = FREQUENCY_UNITS if _bare(key) in _RATES else TIME_UNITS if _bare(key) in _STEPS | _STARTS else None
+        if known is None or np.size(value) != 1:
+            continue
+        said = next((_text(attributes[f"{key}_{word}"]) for word in ("unit", "units") if f"{key}_{word}" in attributes), "")
+        unit = find_unit(said, known) if said else next(iter(known))
+        if unit is None:
+            raise RecordError(f"{path}: {short(plain(key))} is in {short(plain(said))}; known units: {', '.join(known)}.")
+        with suppress(ValueError):
+            found["start" if _bare(key) in _STARTS else key] = float(np.ravel(value)[0]) * known[unit]
+    return found
 
 
 def _tdms(path: Path) -> Mapping[str, Any]:
@@ -168,7 +245,13 @@ def _tdms(path: Path) -> Mapping[str, Any]:
             named = content.setdefault(group.name, {})
             named[f"{channel.name} [{unit}]" if unit else channel.name] = values
             if step := channel.properties.get("wf_increment"):
-                named[f"{channel.name}.increment"] = float(step)
+                over = str(channel.properties.get("wf_xunit_string") or "s")
+                if (known := find_unit(over, TIME_UNITS)) is None:
+                    raise RecordError(f'{path}: channel {channel.name} is over "{short(plain(over))}" and not over time.')
+                began = channel.properties.get("wf_start_time", np.datetime64(0, "us")) - np.datetime64(0, "us")
+                named[f"{channel.name}.increment"] = float(step) * TIME_UNITS[known]
+                offset = float(channel.properties.get("wf_start_offset", 0.0)) * TIME_UNITS[known]
+                named[f"{channel.name}.start"] = began / np.timedelta64(1, "s") + offset
     return content if len(content) > 1 else next(iter(content.values()), {})
 
 
@@ -196,14 +279,20 @@ def _seismic(path: Path) -> Mapping[str, Any]:
         f"{name} [m/s^2]" if scaled else name: np.asarray(trace.data) * (trace.stats.calib if scaled else 1.0)
         for name, trace in zip(names, traces, strict=True)
     }
-    return {**columns, "dt": float(traces[0].stats.delta)}
+    if not scaled and any(trace.stats.calib != 1.0 for trace in traces):
+        raise RecordError(
+            f"{path}: its calibration, {traces[0].stats.calib:g}, is not applied. Store its values in their unit."
+        )
+    starts = {f"{name}.start": float(trace.stats.starttime.timestamp) for name, trace in zip(names, traces, strict=True)}
+    return {**columns, **starts, "dt": float(traces[0].stats.delta)}
 
 
-def _of_variables(path: Path, content: Mapping[str, Any]) -> Header:
+def _of_variables(path: Path, content: Mapping[str, Any], wanted: Collection[str]) -> Header:
     """Return the columns among variables and what they hold: vectors, lines of matrices, scalars, lists of names."""
     columns: dict[str, Array] = {}
     scalars: dict[str, float] = {}
     texts: dict[str, list[str]] = {}
+    left: list[str] = []
     for name, value in _leaves(content):
         many = isinstance(value, np.ndarray | list) and np.ndim(value) > 0
         # an empty text of MATLAB's is an array of none
@@ -216,12 +305,15 @@ def _of_variables(path: Path, content: Mapping[str, Any]) -> Header:
             elif values.size == max(values.shape):
                 columns[name] = values.ravel()
             else:
-                wide = values.shape[0] < values.shape[1]
+                wide, (bare, unit) = values.shape[0] < values.shape[1], split_unit(name)
+                end = f" [{unit}]" if unit else ""
                 lines = enumerate(values if wide else values.T, 1)
-                columns |= {f"{name}({i},:)" if wide else f"{name}(:,{i})": line for i, line in lines}
+                columns |= {f"{bare}({i},:){end}" if wide else f"{bare}(:,{i}){end}": line for i, line in lines}
         elif isinstance(value, int | float | np.number):
             scalars[name] = float(value)
-    return _of_columns(path, _named_by_texts(columns, texts), scalars)
+        elif many and np.size(value) > 1:
+            left.append(split_unit(name)[0])
+    return _of_columns(path, _named_by_texts(columns, texts), scalars, wanted, left)
 
 
 def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -229,7 +321,12 @@ def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
     if isinstance(content, Mapping):
         for key, value in content.items():
             yield from _leaves(value, f"{name}.{key}" if name else str(key))
-    elif isinstance(content, np.ndarray | list) and len(content) and all(isinstance(one, Mapping) for one in content):
+    elif (
+        isinstance(content, np.ndarray | list)
+        and np.ndim(content)
+        and len(content)
+        and all(isinstance(one, Mapping) for one in content)
+    ):
         for number, one in enumerate(content, 1):
             yield from _leaves(one, f"{name}({number})")
     elif (

@@ -5,7 +5,7 @@ some loggers are read by what they hold, not by the ending of their names.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TextIO
@@ -42,13 +42,13 @@ COMMENTS = ("#", "%", "//")
 _OPENS_CELL = re.compile(r'(?:^|[,;\t|])\s*"')  # a quotation mark elsewhere may be an inch
 
 
-def read_header(path: Path, *, kind: str, example: str, sheet: str = "") -> Header:
+def read_header(path: Path, *, kind: str, example: str, sheet: str = "", columns: Collection[str] = ()) -> Header:
     """Read the header of a table in any container.
 
     It is the first row with two units, or that above a row of units, or the last one above as many numbers, else the first that
     is no comment (#, %); what a rig or a logger says of itself may stand above it. Where numbers begin at once it may be the
     last comment. Units stand as `split_unit` splits them. Of a workbook the `sheet` is read, in small letters, the first where
-    none is called so.
+    none is called so, and of a file of arrays the columns that are as long as the `columns` that are asked for.
 
     Messages say what the file should be, `kind`, as "cyclic test", and show an `example` of its header.
 
@@ -59,7 +59,7 @@ def read_header(path: Path, *, kind: str, example: str, sheet: str = "") -> Head
     try:
         if not regular(path).exists():
             raise RecordError(f"{path}: no such file. {wanted}")
-        if header := columns_of_array_file(path):
+        if header := columns_of_array_file(path, columns):
             return _checked(header)
         if foreign := foreign_kind(path):
             raise RecordError(f"{path}: {foreign}")

@@ -40,6 +40,7 @@ class Header:
     encoding: str = "utf-8"  # of a text
     last: int = 0  # number of the last row of the header, where units or other names stand below the first
     unnamed: frozenset[int] = frozenset()  # columns without a name
+    left_out: tuple[str, ...] = ()  # columns of a file of arrays that are of another length, or hold no numbers
     # how sure it is, where it was found among rows: 3 with two units at least, 2 above a row of units, 1 with as many names as
     # there are numbers below, 0 as the first row
     surety: int = 0

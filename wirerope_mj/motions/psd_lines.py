@@ -142,6 +142,9 @@ def psd_points(path: Path) -> Points:
     return _joined_bands(header.location, bands)
 
 
+_MEETS = 0.5  # Largest step at the end of a slope [dB]: slopes are printed in whole decibels
+
+
 def _joined_bands(location: str, bands: Sequence[tuple[float, float, float, float]]) -> Points:
     """Return the points of bands (from, to, level, slope) [Hz, Hz, level, dB/octave]; a slope goes on from a band beside it."""
     ends = [(level, level) for _, _, level, _ in bands]
@@ -154,6 +157,14 @@ def _joined_bands(location: str, bands: Sequence[tuple[float, float, float, floa
                 ends[i] = (ends[i + 1][0] / growths[i], ends[i + 1][0])
     if any(math.isnan(level) for level, _ in ends):
         raise RecordError(f"{location}: no band has a level; one with a slope goes on from it.")
+    for i, (low, high, level, slope) in enumerate(bands[:-1]):
+        gap = 10.0 * math.log10(ends[i + 1][0] / ends[i][1])
+        if math.isnan(level) and abs(gap) > _MEETS:
+            meets = slope + gap / math.log2(high / low)
+            raise RecordError(
+                f"{location}: the slope of {slope:g} dB/octave from {low:g} Hz ends {abs(gap):.2g} dB "
+                f"{'below' if gap > 0 else 'above'} the level from {high:g} Hz on; {meets:.3g} dB/octave would meet it."
+            )
     points: list[tuple[float, float]] = []
     for (low, high, _, _), (first, last) in zip(bands, ends, strict=True):
         if not points or abs(points[-1][1] / first - 1.0) > 1e-12:

@@ -238,7 +238,8 @@ def _opened(path: Path, names: Iterable[str] = ()) -> tuple[Header, int, Clock |
 
     RecordError: no column, or none alone, is the time.
     """
-    header = read_header(path, kind="record", example='"time [s], z [g]"')
+    asked = [name.rpartition("#")[0] or name for name in names]
+    header = read_header(path, kind="record", example='"time [s], z [g]"', columns=asked)
     _, first = next(iter(numbered_rows(header)), (0, [""] * len(header.names)))
     clocks = [column for column, cell in enumerate(first[: len(header.names)]) if is_clock_time(cell)]
     called = [column for column, name in enumerate(header.names) if _TIME_COLUMN.fullmatch(name)]
@@ -317,6 +318,11 @@ def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> tupl
 def _axis_columns(header: Header, time: int) -> dict[int, Direction]:
     """Return the indices of the columns that are named after an axis, with their directions."""
     columns: dict[int, Direction] = {}
+    if lost := [name for name in header.left_out if _AXIS_COLUMN.fullmatch(underscored_unit(name, ACCELERATION_UNITS)[0])]:
+        raise RecordError(
+            f"{header.location}: {short(plain(', '.join(lost)))} has another number of samples than the other columns, or "
+            "holds no numbers. Choose columns of one length by channels= (--channels), or use a file for each."
+        )
     for column, name in enumerate(header.names):
         match = _AXIS_COLUMN.fullmatch(name) or _AXIS_COLUMN.fullmatch(underscored_unit(name, ACCELERATION_UNITS)[0])
         if not match or column == time:
