@@ -63,6 +63,20 @@ def test_each_example_of_a_form_is_accepted(name):
         structure(kind, base | {key: value}, Place("form"))
 
 
+@pytest.mark.parametrize("unit", ["lbf", "lb"])
+def test_the_units_that_the_head_of_a_blank_sheet_names_are_read(tmp_path, unit):
+    """1 lbf is 4.4482216152605 N, 1 lb/in is that over 25.4 mm."""
+    path = tmp_path / "sheet.toml"
+    assert main(["isolators", "blank", str(path)]) == 0
+    keys = ["travel_in", "static_load_lbf", "stiffness_lb_per_in"]
+    assert all(key in path.read_text(encoding="utf-8").partition("\n\n")[0] for key in keys)
+    path.write_text(f'name = "a"\ntravel_in = 1.0\nstatic_load_{unit} = 5.0\nstiffness_lb_per_in = 45.0\n', encoding="utf-8")
+    sheet = read_short_sheet(path)
+    assert sheet.travel == pytest.approx(0.0254, rel=1e-12)
+    assert sheet.static_load == pytest.approx(5.0 * 4.4482216152605, rel=1e-11)  # twelve digits are kept
+    assert sheet.stiffness == pytest.approx(45.0 * 4.4482216152605 / 0.0254, rel=1e-11)
+
+
 def test_a_form_without_an_example_is_a_fault_of_the_class():
     with pytest.raises(TypeError, match="needs an example"):
         blank_form(Place)

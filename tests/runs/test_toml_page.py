@@ -21,7 +21,7 @@ pytestmark = pytest.mark.quick
 ROOT = Path(__file__).parents[2]
 PAGE, LAWS_PAGE = ((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("toml_files.md", "laws.md"))
 NAMED = {*re.findall(r"`\[*([\w.-]+)\]*`", PAGE + LAWS_PAGE), *SPOKEN_MOTIONS}  # whose options are those of docs/shock.md
-UNIT = r"(m|mm|cm|in|um|ft|N|daN|kN|lbf|kip|kgf|N_per_mm|lb_per_in|J)"
+UNIT = r"(m|mm|cm|in|um|ft|N|daN|kN|lbf|lb|kip|kgf|N_per_mm|lb_per_in|J)"
 
 
 def keys_in(content):

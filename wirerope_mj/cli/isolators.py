@@ -150,7 +150,7 @@ def blank(out: Path, *, force: Force = False) -> int:
 
     title = (
         f"A data sheet of an isolator: `wirerope isolators fit {out.name} ISOLATOR.toml` makes an isolator of it.\n"
-        "Units stand in the keys: travel_in, static_load_lb.., stiffness_lb_per_in are read as well as mm, N and N/mm."
+        "Units stand in the keys: travel_in, static_load_lbf, stiffness_lb_per_in are read as well as mm, N and N/mm."
     )
     write_form(blank_form(ShortSheet, title=title), out, force=force)
     return 0

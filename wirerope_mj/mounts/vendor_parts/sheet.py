@@ -77,7 +77,8 @@ def two_stiffnesses(travel: float, vibration: float, shock: float, amplitude: fl
 _LARGEST = 1e9  # number that no data sheet states, in any of its units; nor does any state one over it
 Number = Annotated[float, bounds(ge=1.0 / _LARGEST, le=_LARGEST)]
 Length = Annotated[Number, In({unit: LENGTH_UNITS[unit] for unit in ("mm", "in")})]
-Force = Annotated[Number, In({unit: FORCE_UNITS[unit] for unit in ("N", "daN", "kN")})]
+# a sheet's pound of load is one of force, as that of its stiffness in lb/in
+Force = Annotated[Number, In({unit: FORCE_UNITS[unit] for unit in ("N", "daN", "kN", "lbf")} | {"lb": FORCE_UNITS["lbf"]})]
 Stiffness = Annotated[Number, In({unit.replace("/", "_per_"): value for unit, value in STIFFNESS_UNITS.items()})]
 Pairs = tuple[tuple[Number, Number], ...]
 
