@@ -9,8 +9,9 @@ from scipy.spatial.transform import Rotation
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.engine.from_tables.cad_list import BESIDE, columns_of_masses
+from wirerope_mj.engine.from_tables.cad_list import columns_of_masses
 from wirerope_mj.engine.from_tables.read import read_masses
+from wirerope_mj.engine.from_tables.sheet import BESIDE
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 
 pytestmark = pytest.mark.quick
@@ -33,7 +34,17 @@ LISTS = {
         "iyz [kg m^2]\nHousing, 1.8, 0, 2, 55, 6e-3, 5e-3, 4e-3, -2e-4, 0, 1e-4\n"
     ),
 }  # fmt: skip
-SAID = {"solidworks": "as SolidWorks prints L", "onshape": "elements of the tensor, -sum x y dm", "own": None}
+LISTS["unknown"] = (
+    "Part Name,Mass (grams),Center of Mass X (mm),Center of Mass Y (mm),Center of Mass Z (mm),Ixx (grams * mm^2),"
+    "Iyy (grams * mm^2),Izz (grams * mm^2),Ixy (grams * mm^2),Ixz (grams * mm^2),Iyz (grams * mm^2)\n"
+    "Housing,1800,0,2,55,6e6,5e6,4e6,-2e5,0,1e5\n"
+)
+SAID = {
+    "solidworks": "as SolidWorks prints L",
+    "onshape": "elements of the tensor, -sum x y dm",
+    "own": None,
+    "unknown": "elements of the tensor, -sum x y dm",
+}
 
 
 def written(folder, text, name="masses.csv"):
@@ -53,9 +64,20 @@ def test_a_list_is_read_and_says_which_sign_of_products_is_taken(tmp_path, progr
     assert mass.properties.inertia == pytest.approx(TENSOR, rel=1e-12)
     assert len(said) == (SAID[program] is not None)
     assert all(issubclass(one.category, RecordWarning) and SAID[program] in str(one.message) for one in said)
+    # L are SolidWorks' about the centre of mass, and of a table the docs say it
+    assert any("about each part's own centre of mass" in str(one.message) for one in said) == (
+        program in ("onshape", "unknown")
+    )
 
 
-@pytest.mark.parametrize("program", LISTS)
+def test_the_option_for_products_does_not_say_about_which_point_moments_called_i_are(tmp_path):
+    with pytest.warns(RecordWarning, match=r'moments of inertia are, "Ixx"; .* own centre of mass') as said:
+        read_masses(written(tmp_path, LISTS["unknown"]), products="tensor")
+    assert len(said) == 1
+    assert "sign" not in str(said[0].message)
+
+
+@pytest.mark.parametrize("program", sorted(LISTS.keys() - {"unknown"}))
 def test_the_option_says_the_sign_without_a_word(tmp_path, program):
     path = written(tmp_path, LISTS[program])
     for products, sign in (("tensor", 1.0), ("positive", -1.0)):

@@ -1,7 +1,13 @@
 """Columns of the lists that CAD programs export, called as a table of masses calls them."""
 
 import re
+import warnings
 from collections.abc import Sequence
+
+from wirerope_mj.engine.from_tables.mass_text import POSITIVE, TENSOR
+from wirerope_mj.engine.from_tables.sheet import BESIDE, Row
+from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.plain_text import short
 
 MOMENTS, PRODUCTS = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz")
 _CENTRE = r"(?:cent(?:er|re) of (?:mass|gravity)|com|cog|cg|centroid|schwerpunkt|centre de masse|baricentro)"
@@ -20,7 +26,6 @@ _BESIDE = (
     r"material|werkstoff|density|dichte|volume|volumen|(?:surface )?area|oberfl\w+|description|revision|state|configuration|"
     r"appearance|vendor|supplier|comments?|bemerkung|finish|color|colour|level|ebene|pos\.?|no\.?|#"
 )
-BESIDE = "beside"  # column that is not read
 
 
 def columns_of_masses(names: Sequence[str]) -> tuple[str, ...]:
@@ -40,3 +45,39 @@ def columns_of_masses(names: Sequence[str]) -> tuple[str, ...]:
     if "name" not in found and (numbers := [k for k, name in enumerate(names) if re.fullmatch(_NUMBER, name.casefold())]):
         found[numbers[0]] = "name"
     return tuple(found)
+
+
+def sign_of_products(rows: Sequence[Row], products: str) -> float:
+    """Return 1 where products of inertia are elements of the tensor, -1 where they are +sum x y dm.
+
+    A list of a CAD program, whose columns are not called as a table's, does not say which; SolidWorks' L are +sum x y dm, and
+    about the centre of mass, unless it is told otherwise. A warning says what is taken.
+    """
+    written = {name: text for name, text in rows[0].written.items() if name != BESIDE}
+    sign = -1.0 if products == POSITIVE else 1.0
+    if all(text.casefold() == name for name, text in written.items()):
+        return sign
+    moments, crossed = (
+        [written[name] for name in names if any(row.has(name) and row.number(name) for row in rows)]
+        for names in (MOMENTS, PRODUCTS)
+    )
+    solidworks = any(text.casefold().startswith("l") for text in (*moments, *crossed))
+    unsaid = []
+    # moments that are called I are in SolidWorks those at the origin, whatever the sign of the products
+    if moments and not solidworks and (not products or moments[0].casefold().startswith("ix")):
+        unsaid.append(
+            f'about which point its moments of inertia are, "{short(moments[0])}"; they are taken about each part\'s own '
+            "centre of mass, which columns called name, x, y, z, ixx say without this warning. Where they are about the "
+            "origin, move them first"
+        )
+    if crossed and not products:
+        taken, option = "elements of the tensor, -sum x y dm", POSITIVE
+        if solidworks:
+            sign, taken, option = -1.0, "+sum x y dm, as SolidWorks prints L", TENSOR
+        unsaid.append(
+            f'the sign of its products of inertia, "{short(crossed[0])}"; they are taken as {taken}. `--products {option}` '
+            "takes them the other way"
+        )
+    if unsaid:
+        warnings.warn(f"{rows[0].location}: the list does not say {'; nor '.join(unsaid)}.", RecordWarning, stacklevel=2)
+    return sign

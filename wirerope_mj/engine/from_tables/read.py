@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.engine.flexible.panel import DAMPING
-from wirerope_mj.engine.from_tables.cad_list import MOMENTS, PRODUCTS, columns_of_masses
+from wirerope_mj.engine.from_tables.cad_list import MOMENTS, PRODUCTS, columns_of_masses, sign_of_products
 from wirerope_mj.engine.from_tables.layout import (
     ACTS,
     Box,
@@ -25,7 +25,7 @@ from wirerope_mj.engine.from_tables.layout import (
     check_places,
     why_impossible,
 )
-from wirerope_mj.engine.from_tables.mass_text import POSITIVE, TENSOR, read_mass_text
+from wirerope_mj.engine.from_tables.mass_text import POSITIVE, read_mass_text
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
 from wirerope_mj.engine.from_tables.urdf import read_urdf
 from wirerope_mj.foundation.arrays import Array
@@ -280,7 +280,7 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
         rows = read_sheet(
             path, kind="table of masses", needed=needed, further={**further, "quantity": PURE}, called=columns_of_masses
         )
-        sign = _sign_of_products(rows, products)
+        sign = sign_of_products(rows, products)
         masses = tuple(_mass(row, sign) for row in _without_totals(rows))
     last = masses[-1]  # where a total stands; another part may well weigh as much as the rest
     others = sum(mass.properties.mass for mass in masses[:-1])
@@ -290,29 +290,6 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
             "total, leave it out.", RecordWarning, stacklevel=2,
         )  # fmt: skip
     return masses
-
-
-def _sign_of_products(rows: Sequence[Row], products: str) -> float:
-    """Return 1 where products of inertia are elements of the tensor, -1 where they are +sum x y dm.
-
-    A list of a CAD program does not say which; SolidWorks' L are +sum x y dm unless it is told otherwise. A warning says what
-    is taken.
-    """
-    if products:
-        return -1.0 if products == POSITIVE else 1.0
-    given = [(row, name) for row in rows for name in PRODUCTS if row.has(name) and row.number(name)]
-    foreign = [row.written[name] for row, name in given if row.written[name].casefold() != name]
-    if not foreign:
-        return 1.0
-    solidworks = foreign[0].casefold().startswith("l")
-    taken, option = "+sum x y dm, as SolidWorks prints L", TENSOR
-    if not solidworks:
-        taken, option = "elements of the tensor, -sum x y dm", POSITIVE
-    warnings.warn(
-        f'{rows[0].location}: the list does not say the sign of its products of inertia, "{short(foreign[0])}"; they are taken '
-        f"as {taken}. `--products {option}` takes them the other way.", RecordWarning, stacklevel=2,
-    )  # fmt: skip
-    return -1.0 if solidworks else 1.0
 
 
 def _without_totals(rows: Sequence[Row]) -> list[Row]:

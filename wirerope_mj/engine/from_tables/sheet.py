@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from wirerope_mj.engine.from_tables.cad_list import BESIDE
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.table_files import number_in, read_header, rows_below
@@ -12,6 +11,7 @@ from wirerope_mj.foundation.table_header import Header
 from wirerope_mj.foundation.units import UNITS, in_si
 
 PURE, TEXT = "number", "text"  # kinds of columns that need no unit
+BESIDE = "beside"  # column that is not read
 
 
 @dataclass(frozen=True)
