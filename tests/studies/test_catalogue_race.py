@@ -14,9 +14,10 @@ from wirerope_mj.engine.statics.find import settle_together
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.units import STANDARD_GRAVITY as G
 from wirerope_mj.motions.registry import motion_from_words
+from wirerope_mj.mounts.isolator import bottom_in_place
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.selection import equipment, write_selected
-from wirerope_mj.studies.catalogue import CRITERIA, TriedPart, catalogue, select_parts, try_parts
+from wirerope_mj.studies.catalogue import CRITERIA, TriedPart, catalogue, in_place, select_parts, try_parts
 from wirerope_mj.studies.measures import measures
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
@@ -53,6 +54,25 @@ def test_the_first_swing_of_a_guided_box_has_the_energy_of_its_velocity():
     assert one.acceleration == pytest.approx((-force[-1] - 50.0 * G) / 50.0, rel=2e-3)
 
 
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("name", "mounts", "case"),
+    [("WR16-900", "4 ceiling", "half-sine 50 g 11 ms z"), ("WR12-400", "4", "half-sine 60 g 11 ms z")],
+)
+def test_a_box_is_selected_on_the_stops_that_the_written_model_has(tmp_path, name, mounts, case):
+    """Both parts go solid, or their ropes straight, under these shocks, and neither is as high as the part placed first."""
+    box, cases = {"mass": 420.0, "size": (0.6, 0.6, 0.6)}, {case: motion_from_words(case)}
+    systems, _ = equipment(None, cases, box=box, mounts=[mounts], fragility=20.0 * G)
+    (one,) = try_parts(systems[mounts], {name: load_isolator(name)}, cases, placement=mounts)
+    assert one.measures[case]["struck"] == 4
+    response = wr.simulate(wr.load_system(write_selected(one, tmp_path / "chosen", box=box)), cases[case], duration=1.0)
+    moved = [point.relative_displacement for point in response.peaks.points.values()]
+    moves = max(np.abs([peak.minimum, peak.maximum]).max() for peak in moved)
+    # 1e-3 of a part within its limits, and of one beyond them the last two steps before it was certain
+    assert one.acceleration == pytest.approx(response.peaks.bodies["equipment"].acceleration.value, rel=1e-2)
+    assert one.displacement == pytest.approx(moves, rel=1e-2)
+
+
 def test_the_part_that_comes_first_does_in_a_run_of_its_own_what_the_selection_says(tmp_path):
     systems, cases = request()
     found = select_parts(systems, catalogue("WR16-[346]00"), cases)
@@ -87,12 +107,18 @@ def whole_runs(system, cases, parts):
         if isinstance(isolator, wr.Isolator) and all(isolator.axes.values()):
             grown = isolator.geometry.height - system.mounts["below_1"].written.geometry.height
             shifts = {key: -0.5 * grown * mount.axes[:, 2] for key, mount in system.mounts.items()}
-            systems[name] = varied(system, isolators=dict.fromkeys(system.mounts, isolator), positions=shifts)
+            stop = next(mount.written for mount in system.mounts.values() if mount.isolator.is_stop)
+            own = {"WR16-400": isolator, "bottom_of_WR16-400": bottom_in_place(stop, isolator)}
+            on = replace(wr.load_system(system.mjcf, isolators=own), limits=system.limits)
+            systems[name] = varied(on, positions=shifts)
     settle_together(list(systems.values()), "virgin")
     used = dict.fromkeys(systems, 0.0)
-    names = sorted(systems, key=lambda name: slowest_period(systems[name]))
+    alike = {}
+    for name in sorted(systems, key=lambda name: slowest_period(systems[name])):
+        alike.setdefault(systems[name].assembly.tables.layout.tobytes(), []).append(name)
+    groups = [names[first : first + 8] for names in alike.values() for first in range(0, len(names), 8)]
     for motion in cases.values():
-        for some in (names[first : first + 8] for first in range(0, len(names), 8)):
+        for some in groups:
             duration = motion.end + 10.0 * slowest_period(systems[some[-1]])
             results = wr.simulate_batch([systems[name] for name in some], motion, duration=duration, timestep=1e-4)
             for name, one in zip(some, results, strict=True):
@@ -112,7 +138,7 @@ def test_no_part_that_keeps_the_limits_in_a_whole_run_is_left_out(seed):
     found = select_parts(systems, parts, cases)
     whole = whole_runs(system, cases, parts)
     for one in found.tried:
-        if one.name in whole and not abs(whole[one.name] - 1.0) < 5e-3:
+        if one.name in whole and "short-circuited at rest" not in one.reason and not abs(whole[one.name] - 1.0) < 5e-3:
             assert one.meets == (whole[one.name] <= 1.0), one.name
     best = min(whole.values())
     if best < 0.995:
@@ -139,10 +165,10 @@ def test_equilibria_found_side_by_side_have_the_bits_of_those_found_alone():
     systems, _ = request()
     (base,) = systems.values()
     devices = [load_isolator(name) for name in ("WR16-300", "WR16-600", "CB1500-30")]
-    together = [varied(base, isolators=dict.fromkeys(base.mounts, one)) for one in devices]
+    together = [varied(base, isolators=in_place(base, one)) for one in devices]
     settle_together(together, "virgin")
     for one, device in zip(together, devices, strict=True):
-        own = varied(base, isolators=dict.fromkeys(base.mounts, device))
+        own = varied(base, isolators=in_place(base, device))
         np.testing.assert_array_equal(wr.equilibrium(one).state.values, wr.equilibrium(own).state.values)
 
 

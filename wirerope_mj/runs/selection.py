@@ -62,11 +62,7 @@ def equipment(
     elif model is not None:
         systems = {"": load_system(model_source(model, folder=None, asker="a selection"))}
     else:
-        part = next(one for one in vendor_parts() if one.name == _PLACED)
-        isolators = {part.name: load_isolator(part)}
-        systems = {
-            text: load_system(mjcf_of(box_layout(part, mounts=text, **(box or {}))), isolators=isolators) for text in mounts
-        }
+        systems = {text: _box_on(_PLACED, text, box or {}) for text in mounts}
     if not cases:
         raise ValueError('there must be at least one load case: say its motion, for instance --half-sine "15 g 11 ms z".')
     judged = {}
@@ -93,6 +89,16 @@ def equipment(
     return judged, dict(cases)
 
 
+def _box_on(name: str, mounts: str, box: Entries) -> System:
+    """Make the box on mounts of a part, each with a stop where the part goes solid, as far as that is known."""
+    part = next(one for one in vendor_parts() if one.name == name)
+    isolator = load_isolator(part)
+    stop = bottom_stop(isolator)
+    layout = replace(box_layout(part, mounts=mounts, **box), bottoms={} if stop is None else {name: stop})
+    stops = {} if stop is None else {f"{BOTTOM}{name}": stop}
+    return load_system(mjcf_of(layout), isolators={name: isolator, **stops})
+
+
 def read_prices(path: Path) -> dict[str, dict[str, float]]:
     """Read price and mass [kg] of one part, by its name, from a CSV or XLSX table with "name" and "price" or "mass [kg]".
 
@@ -113,14 +119,9 @@ def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = Non
     if system is None or isolator is None:
         raise ModelError(f"{chosen.name} has no isolator: {chosen.reason}")
     check_folder(folder, force=force, kind=KIND, marks=marks(name))
-    others = {mount.isolator_name: mount.written for mount in system.mounts.values() if mount.isolator.is_stop}
     if box is not None:
-        part = next(one for one in vendor_parts() if one.name == chosen.name)
-        stop = bottom_stop(isolator)
-        others = {} if stop is None else {f"{BOTTOM}{part.name}": stop}
-        layout = replace(box_layout(part, mounts=chosen.placement, **box), bottoms={part.name: stop} if stop else {})
-        own = load_system(mjcf_of(layout), isolators={part.name: isolator, **others})
-        system = replace(own, limits=system.limits)
+        system = replace(_box_on(chosen.name, chosen.placement, box), limits=system.limits)
+    others = {mount.isolator_name: mount.written for mount in system.mounts.values() if mount.isolator.is_stop}
     made = load_system(with_part(system, replaced(system), chosen.name), isolators={**others, chosen.name: isolator})
     moved = [mount.position - made.mounts[key].position for key, mount in system.mounts.items()]
     if np.abs(moved).max() > 1e-9:
