@@ -186,7 +186,9 @@ def test_a_damping_that_no_law_has_with_the_usual_friction_moves_the_shock_stiff
         ("travel_mm = 0", "`travel_mm`"), ("travel_mm = -20", "`travel_mm`"), ("travl_mm = 20", "Did you mean `travel_mm`"),
         ("travel_mm = 20\nshock_stiffness_N_per_mm = 9", "secants"), ("travel_mm = 20\ndamping = 0.9", "damping ratio"),
         ('travel_mm = 20\nstiffness_of = "shock"\nshock_stiffness_N_per_mm = 3', "leave one of them out"),
-        ("travel_mm = 20\nheight_mm = 15", "taut"),
+        ("travel_mm = 20\nheight_mm = 15", "`travel` of 20 mm in compression must be at most the"),
+        ("travel_mm = 40\nheight_mm = 30\nbar_mm = 5", "20 mm between the bars, `height` of 30 mm less twice `bar` of 5 mm"),
+        ("travel_mm = 20\nheight_mm = 36\nbar_mm = 5\nwidth_mm = 20", "the rope is taut"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_sheet_is_one_message_that_names_it(tmp_path, capsys, line, said):

@@ -49,12 +49,21 @@ def fit_sheet(sheet: DataSheet) -> Isolator:
     """Return the isolator that reproduces the values of a data sheet.
 
     Raises:
-        ValueError: no rope loop has the envelope of the sheet.
+        ValueError: no rope loop has the envelope of the sheet, or the travel is larger than what is between its bars.
         ConvergenceError: no law has all its values.
     """
     compression, shear = sheet.compression, sheet.shear
     rated = {} if shear is None else {"shear": shear.travel, "roll": (sheet.roll or shear).travel}
-    curves = axis_curves(sheet.shape, bar=sheet.bar, compression=compression.travel, roll=rated.get("roll"))
+    try:
+        curves = axis_curves(sheet.shape, bar=sheet.bar, compression=compression.travel, roll=rated.get("roll"))
+    except ValueError as error:
+        room = sheet.height - 2.0 * sheet.bar
+        if compression.travel <= room:
+            raise
+        raise ValueError(
+            f"`travel` of {1e3 * compression.travel:.6g} mm in compression must be at most the {1e3 * room:.6g} mm between the "
+            f"bars, `height` of {1e3 * sheet.height:.6g} mm less twice `bar` of {1e3 * sheet.bar:.6g} mm."
+        ) from error
     rule = RULES[sheet.scales]
     cubic = rule.asymmetry * curves.axial_cubic * compression.hardening
     along = ElasticShape(asymmetry=rule.asymmetry * curves.asymmetry, cubic=cubic)
