@@ -166,6 +166,40 @@ def test_stops_close_after_their_gap_and_stand_in_files_of_their_own(here):
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize(("acts", "direction"), [
+    ("up", "0, 0, -1"), ("down", "0, 0, -1"), ("up", "1, 0, 0"), ("down", "1, 0, 1e-6"), ("up-down", "0, 0, -1"),
+    ("all-round", "0, 0, -1"),
+])  # fmt: skip
+def test_a_stop_that_acts_up_or_down_must_be_upright(here, capsys, acts, direction):
+    """Down of a stop that points down is up: what a table says of it would be the opposite."""
+    good_tables()
+    further = ", gap_up [mm], acts, direction_x, direction_y, direction_z"
+    gap, gap_up = {"up": ("", 7), "down": (3, "")}.get(acts, (3, 7))
+    row = f"s1, -800, 0, 100, {gap}, 10, 15, {gap_up}, {acts}"
+    write("stops.csv", STOPS + further, [f"{row}, {direction}"])
+    assert make("--stops", "stops.csv") == 2
+    said = capsys.readouterr().err
+    assert f'line 2: "s1" acts {acts}, which is told from a direction that points up' in said
+    assert 'leave column "acts" empty' in said
+
+
+def test_stops_that_point_down_say_where_their_gaps_count_along_their_direction(here, capsys):
+    """Of a ceiling stop the payload has gone away by its sag; equal gaps both ways have no up and down."""
+    good_tables()
+    further = ", acts, gap_at, direction_x, direction_y, direction_z"
+    rows = ["s1, -800, 0, 900, 3, 10, 15, , installed, 0, 0, -1", "s2, 800, 0, 100, 3, 10, 15, up-down, installed, 0, 0, -1"]
+    write("stops.csv", STOPS + further, [*rows, "s3, 0, 0, 100, 3, 10, 15, down, installed, 0, 0, 1"])
+    assert make("--stops", "stops.csv") == 0
+    said = capsys.readouterr().out
+    loads = {name: load.deflection[2] for name, load in wr.equilibrium(wr.load_system("genset/genset.xml")).mounts.items()}
+    assert loads["s1"] > 0.0 > loads["s3"]
+    low, high = sorted([1e3 * loads["s1"], 1e3 * loads["s2"]])
+    down = f"Gaps of s3 count at rest, as installed, where the payload has gone down by {-1e3 * loads['s3']:.3g} mm"
+    along = f"gaps of s1, s2 count at rest, as installed, where the payload has moved along each stop's direction by {low:.3g}"
+    assert down in said
+    assert f"{along} to {high:.3g} mm" in said
+
+
 def test_gaps_of_an_all_round_snubber_count_from_rest_where_it_is_installed(here, capsys):
     """Pushed by a steady acceleration beyond the gap, each side touches once the payload has moved 3 mm from rest."""
     write("mounts.csv", MOUNTS, FEET)

@@ -199,11 +199,16 @@ def gaps_text(layout: Layout) -> str:
     laws = {stop.name: stop.law for stop in layout.stops if stop.law is not None}
     installed = {name: law.rest for name, law in laws.items() if law.rest is not None}
     parts = []
-    if installed:
-        sags = [-1e3 * rest[2] for rest in installed.values()]
-        low, high = f"{min(sags):.3g}", f"{max(sags):.3g}"
-        sag = f"{low} mm" if low == high else f"{low} to {high} mm"
-        parts.append(f"gaps of {listed(list(installed))} count at rest, as installed, where the payload has gone down by {sag}")
+    rises = {stop.name: float(stop.axes[2, 2]) for stop in layout.stops}
+    for upright, way in ((True, "gone down by"), (False, "moved along each stop's direction by")):
+        moves = {
+            name: 1e3 * (-rest[2] if upright else rest[2])
+            for name, rest in installed.items() if (rises[name] > 1.0 - 1e-9) == upright
+        }  # fmt: skip
+        if moves:
+            low, high = f"{min(moves.values()):.3g}", f"{max(moves.values()):.3g}"
+            far = f"{low} mm" if low == high else f"{low} to {high} mm"
+            parts.append(f"gaps of {listed(list(moves))} count at rest, as installed, where the payload has {way} {far}")
     if others := [name for name in laws if name not in installed]:
         counts = f"gaps of {listed(others)} count from the unloaded geometry"
         parts.append(f'{counts} (gap_at "installed" in the table of stops counts them at rest)')

@@ -151,7 +151,15 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
                 )
             law, isolator = None, _isolator(row, path, isolators)
         else:
-            law = _stop_law(row)
+            law, rise = _stop_law(row), float(_axes(row)[2, 2])
+            # beyond 45 degrees a stop acts more across than up or down
+            least = -math.sqrt(0.5) if law.gap_across is not None else math.sqrt(0.5)
+            if row.has("acts") and rise < least and law.gap != law.gap_up:
+                raise row.error(
+                    f'"{short(name)}" acts {row.text("acts")}, which is told from a direction that points up (within 45 '
+                    f"degrees), and its own {'points down' if rise <= -math.sqrt(0.5) else 'is level'}: make it upright, or "
+                    'leave column "acts" empty; the stop then pushes the payload along its direction.'
+                )
             # rest, and with it the isolator, is another at every place
             isolator = laws.setdefault((law, "" if law.rest is None else name), f"stop_of_table_{len(laws) + 1}")
         stops.append(Placed(name, _position(row), _axes(row), isolator, row.location, law))
