@@ -157,7 +157,7 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
             if row.has("acts") and rise < least and law.gap != law.gap_up:
                 raise row.error(
                     f'"{short(name)}" acts {row.text("acts")}, which is told from a direction that points up (within 45 '
-                    f"degrees), and its own {'points down' if rise <= -math.sqrt(0.5) else 'is level'}: make it upright, or "
+                    f"degrees), and its own {'points down' if rise <= -math.sqrt(0.5) else 'leans more'}: make it upright, or "
                     'leave column "acts" empty; the stop then pushes the payload along its direction.'
                 )
             # rest, and with it the isolator, is another at every place
