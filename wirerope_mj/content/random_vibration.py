@@ -51,7 +51,9 @@ def random_blocks(run: JudgedRun) -> Iterator[Block]:
             frequency, ratio = transmissibility_of(along[BASE], density, _band(run))
             top, isolation = int(ratio.argmax()), isolation_frequency(frequency, ratio)
             into, out = rms_along(run, BASE, axis), rms_along(run, name, axis)
-            rows.append((name, axis, into, out, out / into, float(ratio[top]), float(frequency[top]), isolation))
+            rows.append(
+                (name, axis, into, out, out / into if into else math.nan, float(ratio[top]), float(frequency[top]), isolation)
+            )
             curves.append(Curve(frequency, ratio, name=short(name), kind=kind_of(run.selection, name, number)))
             from_on = f"isolates from {with_unit(isolation, 'Hz')} on" if math.isfinite(isolation) else "does not isolate"
             text = f"{name} along {axis} {from_on}, transmissibility {fixed(float(ratio[top]), 1)} at "
