@@ -14,6 +14,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import catalogue_folder, models_folder
+from wirerope_mj.runs.selection import equipment
 
 G = wr.STANDARD_GRAVITY
 TABLES = models_folder() / "templates" / "genset"
@@ -245,6 +246,8 @@ def test_gaps_of_an_all_round_snubber_count_from_rest_where_it_is_installed(here
         )  # fmt: skip
     with pytest.raises(wr.ModelError, match="stop 's1' was installed under load"):
         wr.simulate(system, wr.HalfSine(peak=60.0, duration=0.02, direction="z"), duration=0.1, initial="unloaded")
+    with pytest.warns(wr.ModelWarning, match=r"the gaps of s1 are as installed .* `wirerope new`"):
+        equipment("genset/genset.xml", {"shock": wr.HalfSine(peak=60.0, duration=0.02, direction="z")})
 
 
 @pytest.mark.slow

@@ -183,10 +183,12 @@ def test_the_command_takes_motions_heights_and_rooms_and_says_the_answer_first(t
         "Load cases 1: half-sine 10 g 11 ms z 2:"
     )
     assert "psd psd.csv 2 s z seed 1" in out
+    assert "under psd psd.csv 2 s z seed 1 the largest accelerations are judged; 3-sigma accelerations are not judged" in out
     assert "it is higher than 100 mm" in out
     assert "--all lists them" in out
     assert " CB1500-20, CB1500-25" not in out
     _, every = shown(capsys, *limits, *cases[:2], "--height-max", "100", "--all")
+    assert "3-sigma" not in every
     assert re.search(r"CB1500-[\d, CB-]*: it is higher than 100 mm", every)
 
 

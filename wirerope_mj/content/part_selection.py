@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from functools import partial
 
+from wirerope_mj.assessment.criteria.sampled import steady_interval
 from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, most_used
 from wirerope_mj.assessment.selection import IMPULSE, WORKSHEET_GRAVITY, PartSelection, Worksheet, mode_text
 from wirerope_mj.content.base import amplified
@@ -142,6 +143,12 @@ def _notes(selection: CatalogueSelection) -> Iterator[str]:
             yield f"{criterion}: no limit, not judged"
         elif missing:
             yield f"{criterion}: not rated by the vendor, not judged: {listed(missing)}"
+    vibrations = [case for case, motion in selection.cases.items() if steady_interval(motion.to_dict())[1] > -math.inf]
+    if vibrations:
+        yield (
+            f"under {listed(vibrations)} the largest accelerations are judged; 3-sigma accelerations are not judged here: "
+            "`wirerope shock` on the model that is chosen judges them"
+        )
     if len(tried) > len(selection.meeting):
         yield "figures of parts beyond a limit are computed as far as it takes to know that it is exceeded"
     yield (

@@ -1,5 +1,6 @@
 """The equipment that isolators are selected for, and the model of the part that was chosen."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +16,7 @@ from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.engine.system.on_deck import with_part
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
-from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.errors import ModelError, ModelWarning
 from wirerope_mj.foundation.payload_limits import ON_MOUNTS, PayloadLimit
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
@@ -65,6 +66,18 @@ def equipment(
         systems = {text: _box_on(_PLACED, text, box or {}) for text in mounts}
     if not cases:
         raise ValueError('there must be at least one load case: say its motion, for instance --half-sine "15 g 11 ms z".')
+    installed = {
+        name
+        for one in systems.values()
+        for name, mount in one.mounts.items()
+        if any(stop.rest for law in mount.isolator.axes.values() if law is not None for stop in law.stops)
+    }
+    if installed:
+        warnings.warn(
+            f"the gaps of {', '.join(sorted(installed))} are as installed at the sag of the model's own isolators, and stay "
+            "there under every part: make the model anew with the chosen part by `wirerope new`, and judge that one.",
+            ModelWarning, stacklevel=2,
+        )  # fmt: skip
     judged = {}
     for name, system in systems.items():
         for case, motion in cases.items():
