@@ -2,15 +2,19 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from house import sdof
 from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge
+from wirerope_mj.assessment.criteria.ended import utilisation_over_time
+from wirerope_mj.assessment.criteria.loads import area_forces, foundation_force
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.payload_limits import KINDS, limit_from_text
 from wirerope_mj.runs.scenario_file import judged_by
+from wirerope_mj.runs.selection import equipment
 
 TEXTS = {
     "acceleration": ("acceleration/rack = 15 g", "acceleration/rack_top = 0 0 15 g"),
@@ -54,6 +58,29 @@ def test_loads_and_forces_of_stops_are_judged_by_their_peaks():
     assert (force.value, force.limit, force.time) == (contact.force, 100.0, contact.force_time)
     assert force.verdict == "exceeded"
     assert contact.force > 100.0
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)], ids=["up", "down"])
+def test_the_load_of_a_foot_is_that_of_the_mount_and_of_the_stop_in_it(direction):
+    shock = wr.HalfSine(peak=900.0, duration=0.011, direction=direction)
+    systems, _ = equipment(None, {"shock": shock}, box={"mass": 420.0, "size": (0.6, 0.6, 0.6)}, mounts=["4"])
+    limited = judged_by(systems["4"], combined_travel=True, limits=[limit_from_text("load/below_1 = 1 kN")])
+    response = wr.simulate(limited, shock, duration=0.3, sample_rate=1e5)
+    together = response.mounts["below_1"].force + response.mounts["bottom_below_1"].force
+    largest = float(np.linalg.norm(together, axis=1).max())
+    own = response.peaks.mounts["below_1"].force.value
+    (load,) = (row for row in judge(response) if str(row.criterion) == "load")
+    assert largest > 1.5 * own  # the stop was struck
+    # never below; above by what rope and stop do not reach at one instant
+    assert largest * (1.0 - 1e-3) <= load.value <= 1.05 * largest
+    assert "bottom_below_1, which stands in it" in load.note
+    assert utilisation_over_time(response, load).max() == pytest.approx(largest / 1000.0, rel=1e-12)
+    names = ["below_1", "bottom_below_1"]
+    cornered = replace(response, scene=replace(response.scene, areas={"corner": ("below_1",)}))
+    area = next(one for one in area_forces(cornered) if one.name == "corner")
+    assert max(area.down, area.up) == pytest.approx(np.abs(foundation_force(response, names)[:, 2]).max(), rel=1e-12)
+    assert area.mounts == 1
 
 
 @pytest.mark.quick

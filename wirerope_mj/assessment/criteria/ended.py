@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.loads import stops_beside
 from wirerope_mj.assessment.criteria.payload import between_points, body_corners, corner_displacements
 from wirerope_mj.assessment.criteria.sampled import STEADY, elements, read_columns, steady_interval
 from wirerope_mj.assessment.criteria.travel import combined_travel
@@ -88,7 +89,9 @@ def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
         corners = corner_displacements(response, body, body_corners(body))
         value = np.max([_component(corner, criterion) for corner in corners], axis=0)
     elif mount is not None and criterion.kind == LOAD:
-        value = _component(read_columns(response, f"mounts/{mount.name}/force/roll", 3), criterion)
+        foot = [mount.name, *stops_beside(response.scene, [mount.name])]
+        forces = [read_columns(response, f"mounts/{name}/force/roll", 3) for name in foot]
+        value = _component(np.sum(forces, axis=0), criterion)
     elif mount is not None and criterion.kind in (TRAVEL, COMBINED, BOTTOMING):
         deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
         rating = "compression" if criterion == BOTTOMING else criterion.sense

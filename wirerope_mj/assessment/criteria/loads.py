@@ -118,7 +118,8 @@ def _static_load_verdict(
 def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
     """Judge the largest force [N] of mounts, and of their stops force, closing speed [m/s] and travel in the gap [m].
 
-    () without such limits.
+    () without such limits. The load of a mount is that of its foot: where a stop stands at the mount's own sites and was
+    pressed, their forces together are bounded by the peaks of both, which no instant exceeds.
 
     Args:
         response: of a run.
@@ -131,12 +132,8 @@ def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = N
     stops = [(contact.mount, name, contact) for name, contact in contacts.items() if contact.mount]
     loads = limits_by_name(response, limits, "load", list(response.peaks.mounts))
     of_stops = {kind: limits_by_name(response, limits, kind, [mount for mount, _, _ in stops]) for kind in ON_STOPS}
-    peaks = ((name, response.peaks.mounts[name].force, limit) for name, limit in loads.items())
     return (
-        *(
-            Verdict(criterion=Criterion(LOAD), subject=name, value=peak.value, limit=limit.values[0], unit="N", time=peak.time)
-            for name, peak, limit in peaks
-        ),
+        *(_load_verdict(response, name, limit.values[0]) for name, limit in loads.items()),
         *(
             verdict
             for kind in ON_STOPS
@@ -145,6 +142,27 @@ def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = N
             for verdict in _stop_verdicts(response, kind, of_stops[kind][mount].values[0], name, stop)
         ),
     )  # fmt: skip
+
+
+def stops_beside(scene: Scene, names: Collection[str]) -> list[str]:
+    """List the stops at the sites of mounts, which push on the same feet, without those that are among the names."""
+    feet = {mount.sites for mount in scene.isolating if mount.name in names}
+    return [stop.name for stop in scene.stops if stop.sites in feet and stop.name not in names]
+
+
+def _load_verdict(response: Response, name: str, limit: float) -> Verdict:
+    own = response.peaks.mounts[name].force
+    beside = {stop: response.peaks.mounts[stop].force for stop in stops_beside(response.scene, [name])}
+    pressed = {stop: peak for stop, peak in beside.items() if peak.value > 0.0}
+    value, time, note = own.value, own.time, ""
+    if pressed:
+        peaks = [own, *pressed.values()]
+        low, high = sum(peak.minimum for peak in peaks), sum(peak.maximum for peak in peaks)
+        along = np.maximum(np.abs(low), np.abs(high))  # all share the axes of the sites
+        value = min(float(np.linalg.norm(along)), sum(peak.value for peak in peaks))
+        time = max(peaks, key=lambda peak: peak.value).time
+        note = f"bound of the foot's load: the peaks of {name} and of {' and '.join(pressed)}, which stands in it, together"
+    return Verdict(criterion=Criterion(LOAD), subject=name, value=value, limit=limit, unit="N", time=time, note=note)
 
 
 def _stop_verdicts(response: Response, kind: str, limit: float, name: str, stop: ContactPeak) -> list[Verdict]:
@@ -250,7 +268,9 @@ class AreaForce:
 
 
 def area_forces(response: Response, up: Array | None = None) -> list[AreaForce]:
-    """Find the largest forces of all mounts and of those of each area on the deck; contacts of geoms are not among them.
+    """Find the largest forces of all mounts and of those of each area on the deck, with the stops at the sites of these.
+
+    Contacts of geoms are not among them.
 
     `up`: unit vector against gravity, (3,), for "down" and "up"; z by default.
     """
@@ -259,7 +279,7 @@ def area_forces(response: Response, up: Array | None = None) -> list[AreaForce]:
     areas: dict[str, Collection[str]] = {"": on_deck, **response.scene.areas}
     loads = []
     for name, mounts in areas.items():
-        force = foundation_force(response, mounts)
+        force = foundation_force(response, [*mounts, *stops_beside(response.scene, mounts)])
         along = force @ vertical
         across = np.linalg.norm(force - along[:, np.newaxis] * vertical, axis=1)
         low, high, side = int(along.argmin()), int(along.argmax()), int(across.argmax())
@@ -289,16 +309,18 @@ class BoltLoad:
 def bolt_loads(response: Response) -> list[BoltLoad]:
     """Compute the bolt loads of every mount whose isolator states its number of bolts, the largest tension first.
 
-    The plate is rigid. A bolt has its share of the axial tension and of the force across. The force across acts at half the
-    height: its moment pulls the bolts of one side by F h / 2 over their distance, shared by half of them; about its own line a
-    row of bolts bears no moment, the plate's edges do. Prying and preload are left out.
+    They bear the forces of the stops at the mount's sites, too. The plate is rigid. A bolt has its share of the axial tension
+    and of the force across. The force across acts at half the height: its moment pulls the bolts of one side by F h / 2 over
+    their distance, shared by half of them; about its own line a row of bolts bears no moment, the plate's edges do.
+    Prying and preload are left out.
     """
     loads = []
     for mount in response.scene.mounts:
         number, *distances = mount.bolts
         if math.isnan(number):
             continue
-        force = response.mounts[mount.name].force
+        beside = stops_beside(response.scene, [mount.name])
+        force = sum((response.mounts[stop].force for stop in beside), response.mounts[mount.name].force)
         height = mount.height if math.isfinite(mount.height) else 0.0
         tension = force[:, 2] / number
         for axis, distance in enumerate(distances):
