@@ -71,6 +71,14 @@ def test_octave_bands_are_the_rms_behind_band_pass_filters(run):
         assert ratio == pytest.approx(mass / base)
 
 
+def test_a_payload_that_is_isolated_in_the_whole_band_is_not_said_to_lack_isolation():
+    """Of 10 Hz, above which the base vibrates: its transmissibility is below 1 everywhere, and no frequency is crossed."""
+    system = sdof(wr.KelvinVoigt(k=STIFFNESS, c=0.1 * math.sqrt(MASS * STIFFNESS)), mass=MASS)
+    motion = wr.RandomVibration(psd=[(30.0, 1.0), (100.0, 1.0)], duration=6.0, seed=1, direction="z")
+    judged = judged_run(system, motion, wr.simulate(system, motion, duration=6.0, timestep=1e-3))
+    assert "mass along z isolates throughout the base's band, transmissibility 0." in blocks(judged)["isolation"].text
+
+
 @pytest.mark.quick
 def test_an_isolation_frequency_is_the_last_crossing_of_one():
     frequency = np.geomspace(1.0, 100.0, 400)
@@ -141,3 +149,11 @@ def test_a_range_that_ends_before_isolation_says_so():
     (statement,) = [block for block in content.blocks() if block.id == "level-1"]
     assert statement.text == "Level 1 m/s²: transmissibility does not fall below 1 within the range"
     assert "isolates" not in content.verdict.text
+
+
+def test_a_range_that_begins_beyond_the_isolation_frequency_says_so():
+    system = sdof(wr.KelvinVoigt(k=STIFFNESS, c=0.2 * math.sqrt(MASS * STIFFNESS)), mass=MASS)
+    result = frequency_response(system, ResponseOptions(accelerations=(1.0,), start=20.0, stop=30.0))
+    content = response_content(result, level_summaries(result))
+    (statement,) = [block for block in content.blocks() if block.id == "level-1"]
+    assert statement.text == "Level 1 m/s²: isolates throughout the range"

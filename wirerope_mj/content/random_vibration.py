@@ -55,7 +55,8 @@ def random_blocks(run: JudgedRun) -> Iterator[Block]:
                 (name, axis, into, out, out / into if into else math.nan, float(ratio[top]), float(frequency[top]), isolation)
             )
             curves.append(Curve(frequency, ratio, name=short(name), kind=kind_of(run.selection, name, number)))
-            from_on = f"isolates from {with_unit(isolation, 'Hz')} on" if math.isfinite(isolation) else "does not isolate"
+            within = "isolates throughout the base's band" if ratio[top] < 1.0 else "does not isolate within the base's band"
+            from_on = f"isolates from {with_unit(isolation, 'Hz')} on" if math.isfinite(isolation) else within
             text = f"{name} along {axis} {from_on}, transmissibility {fixed(float(ratio[top]), 1)} at "
             text += f"{with_unit(float(frequency[top]), 'Hz')}, rms {with_unit(into, 'g')} in and {with_unit(out, 'g')} out"
             best = max(best, (out, text))

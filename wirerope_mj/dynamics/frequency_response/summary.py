@@ -251,19 +251,28 @@ class LevelSummary:
         return [] if self.level.branch is None else peaks_of(self.level.branch)
 
     @cached_property
+    def _transmissibilities(self) -> list[tuple[Array, Array]]:
+        """Frequency [Hz] and transmissibility along the branch, else along each sweep, (n,); none of an unfinished branch."""
+        if self.level.branch is None or self.curve is None:
+            return [(sweep.frequency, sweep.transmissibility) for sweep in self.level.sweeps.values()]
+        if not self.level.branch.complete:
+            return []
+        return [(self.curve.frequency, self.curve.amplitude / self.level.acceleration)]
+
+    @cached_property
     def isolation(self) -> float:
-        """Frequency above which the transmissibility stays below 1 [Hz]; NaN if it does not within the range."""
-        paths = [(sweep.frequency, sweep.transmissibility) for sweep in self.level.sweeps.values()]
-        if self.level.branch is not None and self.curve is not None:
-            if not self.level.branch.complete:
-                return math.nan
-            paths = [(self.curve.frequency, self.curve.amplitude / self.level.acceleration)]
-        return max((isolation_frequency(*path) for path in paths), default=math.nan)
+        """Frequency above which the transmissibility stays below 1 [Hz]; NaN if it does not within the range, or always."""
+        return max((isolation_frequency(*path) for path in self._transmissibilities), default=math.nan)
 
     @property
     def isolation_text(self) -> str:
+        """Say from where on the payload is isolated, or why no frequency is named."""
         if math.isfinite(self.isolation):
             return f"isolates from {self.isolation:.4g} Hz on"
+        if not self._transmissibilities:
+            return "isolation is not told, the branch being unfinished"
+        if all(float(ratio.max()) < 1.0 for _, ratio in self._transmissibilities):
+            return "isolates throughout the range"
         return "transmissibility does not fall below 1 within the range"
 
     @cached_property
