@@ -43,7 +43,7 @@ _NAMES = (
 # Where a command stands in this folder if it is not called as its file is; it is imported when it is asked for.
 _PLACES = {
     "identify": "identify:identify_records", "laws": "loops:laws", "study-report": "report:study_report",
-    "share": "exports:share", "fmu": "exports:fmu", "export": "exports:export", "levels": "new:levels",
+    "share": "exports:share", "fmu": "exports:fmu", "export": "exports:export", "levels": "levels:levels_app",
     "schemas": "new:schemas", "select": "select:select_app", "isolators": "isolators:isolators_app",
     "compile": "compile:compile_kernels",
 }  # fmt: skip

@@ -1,8 +1,8 @@
-"""`wirerope new`, `levels` and `schemas`: a model from tables or a template, levels to fill in, schemas for editors."""
+"""`wirerope new` and `schemas`: a model from tables or a template, schemas for editors."""
 
 import sys
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from wirerope_mj.cli.options import Deck, Flag, Force
 
@@ -112,60 +112,6 @@ def _write_blank_tables(folder: Path, *, force: bool) -> int:
         with atomic_file(folder / f"{kind}.csv") as temporary:
             temporary.write_text(blank_table(kind), encoding="utf-8")
         say_written(folder / f"{kind}.csv")
-    return 0
-
-
-def levels(
-    name: str | None = None, *, sds: float | None = None, z_h: float | None = None, ag: float | None = None,
-    ground: Literal["A", "B", "C", "D", "E"] | None = None, out: Path | None = None, force: Force = False,
-) -> int:  # fmt: skip
-    """List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.
-
-    The files name the fields and formulas of a standard. Levels are those of your own specification: none is built in, and a
-    motion with an open level is refused. Those of earthquakes follow from the numbers of a site:
-
-    wirerope levels ac156 --sds 1.2 --z-h 1
-
-    Args:
-        name: of the file, such as bv_043; without it all are listed.
-        sds: of ac156: design spectral acceleration at short periods S_DS [g].
-        z_h: of ac156: height of the attachment over that of the building, from 0 to 1.
-        ag: of en1998: design ground acceleration on rock times the importance factor [g].
-        ground: of en1998: type of the ground, whose soil factor and corner periods of type 1 are taken.
-        out: where it is written; NAME.toml in the current folder by default. Tables of spectra stand beside it and begin as it
-            does: site2_horizontal.csv of site2.toml.
-    """
-    from wirerope_mj.cli.tables import print_questions
-    from wirerope_mj.foundation.atomic_files import atomic_file
-    from wirerope_mj.foundation.errors import RecordError
-    from wirerope_mj.foundation.toml_file import read_toml
-    from wirerope_mj.motions.registry import level_templates
-    from wirerope_mj.motions.target_spectra import LEVELS, WRITERS
-
-    templates = level_templates()
-    if name is None:
-        standards = {stem: read_toml(path, "file of levels")["standard"] for stem, path in templates.items()}
-        print_questions("levels", standards | LEVELS)
-        return 0
-    if name not in (*templates, *LEVELS):
-        raise ValueError(f"there are no levels {name!r}; there are {', '.join((*templates, *LEVELS))}.")
-    sites: dict[str, dict[str, Any]] = {"ac156": {"sds": sds, "z_h": z_h}, "en1998": {"ag": ag, "ground": ground}}
-    for standard, site in sites.items():
-        for key, value in site.items():
-            if (value is not None) != (standard == name):
-                verb = "needs" if standard == name else "alone takes"
-                raise ValueError(f"the file of levels {standard} {verb} --{key.replace('_', '-')}.")
-    target = out or Path(f"{name}.toml")
-    filled_in = WRITERS[name](**sites[name], stem=target.stem) if name in LEVELS else {}
-    files = filled_in or {f"{target.stem}.toml": templates[name].read_text(encoding="utf-8")}
-    written = {target if file == f"{target.stem}.toml" else target.parent / file: text for file, text in files.items()}
-    for path in written:
-        if path.exists() and not force:
-            raise RecordError(f"{path}: the file exists; --force replaces it.")
-    for path, text in reversed(written.items()):
-        with atomic_file(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-    print(f"written: {', '.join(map(str, written))}")
     return 0
 
 
