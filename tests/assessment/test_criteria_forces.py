@@ -135,6 +135,31 @@ def test_a_stop_of_two_sides_is_judged_on_both():
 
 
 @pytest.mark.quick
+def test_what_rests_on_a_stop_from_the_start_is_said_and_no_strike():
+    law = wr.Parallel(laws=(wr.KelvinVoigt(k=4e4, c=40.0), wr.Stop(gap_below=0.0, k=5e5, rounding=1e-4)))
+
+    def gap(peak, gravity):
+        system = judged_by(sdof(law, gravity=gravity), combined_travel=True, limits=[limit_from_text("stops = none")])
+        response = wr.simulate(system, wr.HalfSine(peak=peak, duration=0.006, direction="z"), duration=1.0)
+        (stop,) = response.peaks.contacts.values()
+        return {row.criterion.kind: row for row in judge(response)}["stop gap"], stop
+
+    rests, stop = gap(1.0, 9.80665)
+    assert (rests.verdict, stop.touches, stop.struck) == ("not judged", 1, False)
+    assert rests.note.endswith("the payload rests on it from the start of the run, which is no strike")
+    hit, stop = gap(300.0, 9.80665)
+    assert stop.from_start
+    assert stop.struck
+    assert hit.verdict == "exceeded"
+    assert hit.limit > 1e-5  # as deep as it is pressed at rest
+    assert "for its gap of 0 where it rests is taken" in hit.note
+    # so faint that the stop gives way by less than 1e-9 m: nothing that a figure may be made of
+    faint, stop = gap(1e-9, 0.0)
+    assert (stop.touches, stop.force, stop.first_touch) == (0, 0.0, None)
+    assert (faint.verdict, faint.note.endswith("and it is not struck")) == ("not judged", True)
+
+
+@pytest.mark.quick
 @pytest.mark.parametrize(("text", "fault"), [
     ("load/m9 = 5 kN", "there is no mount 'm9'"), ("force/m01 = 5 kN", "there is no mount with a stop 'm01'"),
     ("load/m01 = 5 5 5 kN", "must be one number"), ("load/m01 = 5 mm", "is no unit of load"),

@@ -1,6 +1,7 @@
 """Isolation that rests on its stops is short-circuited: said first in `new`, `statics`, `shock` and `cases`."""
 
 import json
+import math
 import re
 
 import pytest
@@ -61,6 +62,23 @@ def test_stops_that_carry_weight_at_rest_are_an_exceeded_check(kind):
             assert row.value == pytest.approx(SHARE, rel=1e-6)  # of the search's own tolerance, on a stiff stop
         assert f"carries {100 * row.value:.2g} % of the weight" in row.note
     assert rested_verdicts(static_table(on_stop(1.5 * SAG)[kind])) == ()
+
+
+def test_only_what_a_stop_carries_along_gravity_counts_as_weight():
+    """A stop inclined by 45 degrees, alone and inside a mount: of its force 1/sqrt(2) is along gravity."""
+    stop = wr.Stop(gap_below=GAP / math.sqrt(2.0), k=STOP)
+    text = stand(stop="s1").replace(
+        '<site name="b" pos="0 0 .2"/>', '<site name="b" pos="0 0 .2"/><site name="t" pos="0 0 .2" euler="0 45 0"/>'
+    )
+    text = re.sub(r'objname="b"(?=/>\s*<element objtype="text" objname="isolator/s")', 'objname="t"', text)
+    mount = wr.Isolator(name="a", axial=LAW)
+    # K x + STOP (x - GAP) / 2 = m g
+    share = 0.5 * STOP * ((MASS * G + 0.5 * STOP * GAP) / (K + 0.5 * STOP) - GAP) / (MASS * G)
+    for law in (stop, wr.Parallel(laws=(stop, wr.KelvinVoigt(k=1e-6, c=0.0)))):
+        rows = rested_verdicts(
+            static_table(wr.load_system(text, isolators={"a": mount, "s": wr.Isolator(name="s", axial=law)}))
+        )
+        assert [row.value for row in rows] == pytest.approx([share, share], rel=1e-6)
 
 
 @pytest.fixture(scope="module")

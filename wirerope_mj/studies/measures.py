@@ -12,7 +12,7 @@ from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import combined_utilisation
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.peaks import Peak, Peaks
+from wirerope_mj.engine.response.peaks import FAINT, Peak, Peaks
 from wirerope_mj.engine.simulation.in_lanes import InLanes
 from wirerope_mj.engine.statics.loading import forces_at_rest
 from wirerope_mj.engine.system import System
@@ -101,7 +101,8 @@ class Extremes:
                 squares = group.travels(lane)[:, [at.FARTHEST, at.JUDGED]]
                 travels[index] = np.sqrt(np.where(squares >= 0.0, squares, NAN))
                 stops = group.stops(lane)
-                struck[index] = np.sum(stops[:, at.TOUCHES] > stops[:, at.FROM_START])
+                closes = stops[:, at.TOUCHES] > stops[:, at.FROM_START]
+                struck[index] = np.sum(closes & (stops[:, at.DEPTH] > FAINT))
         channels[:, tables.base_channels] = 0.0
         low, high = (channels[:, :, part : part + 3] for part in (at.LOW, at.HIGH))
         value = channels[:, :, at.PEAK]

@@ -35,7 +35,7 @@ from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
 AT_STOPS = 0.01  # fraction of the weight that stops may carry at rest: less is a stop that is just reached
-LEAST_GAP = 1e-6  # Taken for the gap of a stop that has none [m], of which nothing can be a fraction
+LEAST_GAP = 1e-6  # Taken for a gap of zero [m], of which nothing can be a fraction
 _NAMED = 4  # stops that a sentence names
 # Acceleration below which the first sample is taken for rest [m/s^2]: an equilibrium leaves far less, a falling payload 1 g.
 AT_REST = 1e-3 * STANDARD_GRAVITY
@@ -74,7 +74,8 @@ def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
 def rested_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     """Judge for each history the fraction of the weight on stops or contacts at rest; () where they carry no weight.
 
-    Isolation is short-circuited there: the base's motion passes through the stops and contacts.
+    Isolation is short-circuited there: the base's motion passes through the stops and contacts. Forces across gravity carry
+    no weight.
     """
     verdicts = []
     for history, sag in table.sags.items():
@@ -179,20 +180,34 @@ def _stop_verdicts(response: Response, kind: str, limit: float, name: str, stop:
     if kind == "closing":
         speed, when = stop.closing_speed or 0.0, stop.closing_time
         return [Verdict(criterion=Criterion(which), subject=name, value=speed, limit=limit, unit=unit, time=when)]
-    peak, axis = response.peaks.mounts[stop.mount].deflection, AXES.index(stop.axis)
+    peak, axis, verdicts = response.peaks.mounts[stop.mount].deflection, AXES.index(stop.axis), []
     rest = stop.rest or 0.0
+    start = read_start(response, f"mounts/{stop.mount}/deflection/roll", 3)[axis] - rest
     ends = {
-        "below": (rest - peak.minimum[axis], peak.minimum_time[axis]),
-        "above": (peak.maximum[axis] - rest, peak.maximum_time[axis]),
+        "below": (-start, rest - peak.minimum[axis], peak.minimum_time[axis]),
+        "above": (start, peak.maximum[axis] - rest, peak.maximum_time[axis]),
     }
-    return [
-        Verdict(
-            criterion=Criterion(which, sense=side if len(stop.gaps) > 1 else ""), subject=name, unit=unit,
-            value=max(float(ends[side][0]), 0.0), limit=limit * max(gap, LEAST_GAP), time=float(ends[side][1]),
-            note=f"travel to the stop from {'rest, where it was installed' if stop.rest else 'the unloaded geometry'}",
-        )
-        for side, gap in stop.gaps.items()
-    ]  # fmt: skip
+    for side, gap in stop.gaps.items():
+        at_start, value, time = (float(number) for number in ends[side])
+        note = f"travel to the stop from {'rest, where it was installed' if stop.rest else 'the unloaded geometry'}"
+        allowed: float | None = limit * gap or max(at_start, LEAST_GAP)
+        if not stop.struck and (at_start >= gap or not gap):
+            allowed, note = None, f"{note}; {RESTS if stop.from_start else NO_GAP}"
+        elif not gap:
+            note += f"; for its gap of 0 {'where it rests' if at_start > LEAST_GAP else f'{1e3 * LEAST_GAP:g} mm'} is taken"
+        sense = side if len(stop.gaps) > 1 else ""
+        verdicts.append(
+            Verdict(
+                criterion=Criterion(which, sense=sense), subject=name, unit=unit, value=max(value, 0.0), limit=allowed,
+                time=time, note=note,
+            )
+        )  # fmt: skip
+    return verdicts
+
+
+# Why the use of its gap is not judged of a stop that is not struck
+RESTS = "the payload rests on it from the start of the run, which is no strike"
+NO_GAP = "its gap is 0, of which nothing is a fraction, and it is not struck"
 
 
 def contact_verdicts(response: Response) -> tuple[Verdict, ...]:

@@ -8,6 +8,9 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.summary import Brief, ByName
 
+# Depth up to which a mount's stop counts as open [m]: where nothing moves, rounding presses a stop without gap 1e-17 m deep.
+FAINT = 1e-9
+
 
 @dataclass(frozen=True, kw_only=True)
 class ContactPeak:

@@ -13,7 +13,7 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import SENSITIVE
-from wirerope_mj.engine.response.peaks import BodyPeaks, CombinedTravel, ContactPeak, MountPeaks, Peak, Peaks, PointPeaks
+from wirerope_mj.engine.response.peaks import FAINT, BodyPeaks, CombinedTravel, ContactPeak, MountPeaks, Peak, Peaks, PointPeaks
 from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.stages import StageTables, drive_of
@@ -79,7 +79,7 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
                 geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name, axis=axis,
                 gap_below=law.gap_below, gap_above=law.gap_above, rest=law.rest,
             )  # fmt: skip
-            if row[at.TOUCHES]:
+            if row[at.DEPTH] > FAINT:
                 speed, when = float(closing[at.CLOSING]), float(closing[at.CLOSING_TIME])
                 contacts[name] = replace(_touched(contact, row), closing_speed=speed, closing_time=when if speed else None)
     return contacts

@@ -30,7 +30,7 @@ class MountSag:
     split: float
     compression: float  # axial load [N]; 0 in tension
     static_load: float | None  # rated load in compression [N]; None = not judged
-    on_stops: float = 0.0  # what bump stops in it push with [N], along all axes
+    on_stops: float = 0.0  # what bump stops in it push the payload up with [N], < 0 where they push it down
     stop: bool = False  # whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`
 
     @property
@@ -158,11 +158,12 @@ def _sag(system: System, result: Equilibrium) -> Sag:
     mounts, on_mounts = {}, 0.0
     for name, mount in system.mounts.items():
         load = result.mounts[name]
-        lift = -float(up @ data.site(mount.base_site).xmat.reshape(3, 3) @ load.force)
+        upwards = -up @ data.site(mount.base_site).xmat.reshape(3, 3)  # of forces in the mount's axes
+        lift = float(upwards @ load.force)
         mounts[name] = MountSag(
             deflection=load.deflection, force=load.force, carries=lift, split=lift / weight if weight else np.nan,
             compression=max(-float(load.force[2]), 0.0), static_load=mount.isolator.limits.static_load,
-            on_stops=_on_stops(mount.isolator, load), stop=mount.isolator.is_stop,
+            on_stops=float(upwards @ _on_stops(mount.isolator, load)), stop=mount.isolator.is_stop,
         )  # fmt: skip
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
@@ -171,14 +172,17 @@ def _sag(system: System, result: Equilibrium) -> Sag:
     )  # fmt: skip
 
 
-def _on_stops(isolator: Isolator, load: MountLoad) -> float:
-    """Add up what the bump stops of an isolator push with at rest, all that it does where it is one [N]."""
+def _on_stops(isolator: Isolator, load: MountLoad) -> Array:
+    """Compute the force of the bump stops of an isolator at rest in its axes, all of its force where it is one [N], (3,)."""
     if isolator.is_stop:
-        return float(np.linalg.norm(load.force))
-    axes = zip(load.deflection.tolist(), isolator.axes.values(), strict=True)
-    stops = [(x, stop) for x, law in axes if law is not None for stop in law.stops]
-    sides = [(stop, (-x if side == "below" else x) - gap) for x, stop in stops for side, gap in stop.unloaded_gaps.items()]
-    return sum(stop.pressed(depth) for stop, depth in sides)
+        return load.force
+    force = np.zeros(3)
+    for axis, (x, law) in enumerate(zip(load.deflection.tolist(), isolator.axes.values(), strict=True)):
+        for stop in () if law is None else law.stops:
+            for side, gap in stop.unloaded_gaps.items():
+                way = -1.0 if side == "below" else 1.0
+                force[axis] += way * stop.pressed(way * x - gap)
+    return force
 
 
 def _on_contacts(model: mujoco.MjModel, data: mujoco.MjData, carried: set[int], up: Array) -> float:
