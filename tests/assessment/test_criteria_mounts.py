@@ -11,6 +11,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import (
     bottoming_verdicts,
     judge,
+    mount_peaks,
     starting_load_verdicts,
     travel_verdicts,
     verdict_lines,
@@ -116,6 +117,24 @@ def test_a_mount_that_only_hangs_without_a_rating_is_not_judged_together():
     assert verdict.verdict == "not judged"
     assert "count nothing" not in verdict.note
     assert verdict.note.endswith("; in tension throughout, and no travel in tension is rated")
+
+
+def test_a_mount_that_only_hangs_without_a_rating_uses_no_zero_of_its_travel():
+    response = box_on_four(hang=True)
+    mounts = tuple(replace(m, travel={"compression": 0.02, "shear": 0.02, "roll": 0.02}) for m in response.scene.mounts)
+    numerics = replace(response.numerics, slowest_period=np.nan)  # the run counts as long enough
+    hanging = replace(response, scene=replace(response.scene, mounts=mounts), numerics=numerics)
+    rows, reason = judge(hanging), "in tension throughout, and no travel in tension is rated"
+    of_travel = [row for row in rows if row.criterion.kind in ("travel", "bottoming") and row.subject == "a"]
+    assert {(row.verdict, row.note) for row in of_travel} == {
+        ("not judged", reason),
+        ("not judged", "no travel in tension is rated"),
+    }
+    said = verdict_lines(hanging, rows)
+    assert not [line for line in said if line.startswith("Travel along single axes")]
+    assert [line for line in said if line.startswith("Not judged, because no travel is rated: tension of a, ")]
+    peak = next(row for row in mount_peaks(hanging) if row.name == "a")
+    assert (peak.utilisation, peak.governing, peak.one_way) == (None, "", "tension")
 
 
 def test_the_line_on_combined_travel_says_which_mount_is_not_judged_and_why():

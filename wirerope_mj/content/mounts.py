@@ -60,7 +60,8 @@ def mount_blocks(run: RunResult) -> Iterator[Block | None]:
             cells += [used_mark(all_axes.utilisation if all_axes else None)] if combined else []
         exceeded = row.exceeded or (all_axes is not None and all_axes.verdict == EXCEEDED)
         verdict = EXCEEDED if exceeded else WITHIN if row.governing else NOT_JUDGED
-        rows.append([*cells, Mark(verdict, TONE[verdict])])
+        text = f"{verdict}: {row.one_way}" if verdict == NOT_JUDGED and row.one_way else verdict
+        rows.append([*cells, Mark(text, TONE[verdict])])
     if not rows:
         return
     columns = [*EXTREMES, *([Column("travel used", "%", "z.0f"), *left("in")] if rated else [])]

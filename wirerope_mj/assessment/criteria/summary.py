@@ -28,7 +28,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.units import force_text, in_unit, instant_text, shown_in
 from wirerope_mj.mounts.isolator import AXES
-from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES
+from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES, one_way, travel_reached
 
 Vector = tuple[float, float, float]
 
@@ -55,6 +55,7 @@ class MountPeak:
     maximum: tuple[float, ...]
     force: Vector  # extreme force along roll, shear, axial, with its sign [N]
     travel: dict[str, Verdict]  # verdicts by rating: "compression", "tension", "shear", "roll"
+    one_way: str  # rating that is not stated and in which alone it moves along its axis, "" if there is none
 
     @property
     def utilisation(self) -> float | None:
@@ -105,6 +106,7 @@ def mount_peaks(response: Response) -> list[MountPeak]:
                     rating: replace(row, limit=None, note=early) if early and row.verdict == WITHIN else row
                     for rating, row in peak_travel_verdicts(mount, peaks.deflection).items()
                 },
+                one_way=one_way(travel_reached(peaks.deflection.minimum, peaks.deflection.maximum), mount.travel),
             )
         )  # fmt: skip
     return sorted(rows, key=lambda row: -1.0 if row.utilisation is None else row.utilisation, reverse=True)
@@ -140,7 +142,8 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     lines += (_combined_lines(response, verdicts, early) if rated else []) + pressed_lines(verdicts)
     together = any(row.criterion == COMBINED and row.verdict != NOT_JUDGED for row in verdicts)  # its line names tension
     untensioned = bool(rated) and not together and all(row.travel["tension"].utilisation is None for row in rated)
-    unrated = ["tension of every mount"] * untensioned + [row.name for row in mounts if row.utilisation is None]
+    unrated = ["tension of every mount"] * untensioned
+    unrated += [f"{row.one_way} of {row.name}".removeprefix(" of ") for row in mounts if row.utilisation is None]
     if unrated and not early:
         lines.append(f"Not judged, because no travel is rated: {', '.join(unrated)}.")
     return lines + static_load_lines(verdicts) + contact_lines(response, early)
@@ -211,7 +214,9 @@ def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
     over = [row for row in rows if row.verdict == EXCEEDED]
     names = {rating: dict.fromkeys(row.subject for row in over if row.criterion.sense == rating) for rating in RATINGS}
     exceeded = [f"in {rating} by {', '.join(mounts)}" for rating, mounts in names.items() if mounts]
-    answer = f"exceeded {'; '.join(exceeded)}" if exceeded else "within at every mount"
+    every = all(any(row.limit is not None for row in rows if row.subject == name) for name in {row.subject for row in rows})
+    within = f"within at every mount{'' if every else ' that is judged'}"
+    answer = f"exceeded {'; '.join(exceeded)}" if exceeded else within
     return [f"Travel along single axes: {answer}; most used {worst.subject}, {used}."]
 
 

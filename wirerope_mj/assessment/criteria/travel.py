@@ -15,7 +15,7 @@ from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.units import duration_text
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.isolator.travel import RATINGS, falling_text, travel_in, travel_reached
+from wirerope_mj.mounts.isolator.travel import RATINGS, falling_text, one_way, travel_in, travel_reached
 
 
 def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -44,15 +44,25 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
 def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
     """Judge the travel of a mount by rating, from its extreme deflections over all steps."""
     reached, verdicts = travel_reached(peak.minimum, peak.maximum), {}
+    notes = _unjudged(reached, mount.travel)
     for rating, (axis, way) in RATINGS.items():
         down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
         verdicts[rating] = Verdict(
             criterion=Criterion(TRAVEL, sense=rating), subject=mount.name, value=float(reached[rating]),
-            limit=mount.travel.get(rating), unit="m",
+            limit=None if rating in notes else mount.travel[rating], unit="m",
             time=float(peak.minimum_time[axis] if down else peak.maximum_time[axis]),
-            note="" if rating in mount.travel else f"no travel in {rating} is rated",
+            note=notes.get(rating, ""),
         )  # fmt: skip
     return verdicts
+
+
+def _unjudged(reached: Mapping[str, Array], rated: Mapping[str, float]) -> dict[str, str]:
+    """Say of each rating that is not judged why: it is not stated, or the mount moves `one_way` and does not exceed it."""
+    notes = {rating: f"no travel in {rating} is rated" for rating in RATINGS if rating not in rated}
+    if lone := one_way(reached, rated):
+        reason = f"in {lone} throughout, and {notes[lone]}"
+        notes |= {rating: reason for rating, travel in rated.items() if reached[rating] <= travel}
+    return notes
 
 
 def rest_travel_verdicts(
@@ -69,15 +79,21 @@ def rest_travel_verdicts(
                 continue
             rated, geometry = isolators[name].limits.travel.stated, isolators[name].geometry
             reached = travel_reached(mount.deflection, mount.deflection)
-            rows = [(Criterion(TRAVEL, sense=rating), reached[rating], rated.get(rating)) for rating in RATINGS]
-            solid, note = None if geometry is None else geometry.solid_compression, f"at rest, {history}"
+            unjudged, note = _unjudged(reached, rated), f"at rest, {history}"
+            solid = None if geometry is None else geometry.solid_compression
             verdicts += [
-                Verdict(criterion=criterion, subject=name, value=float(value), limit=limit, unit="m", note=note)
-                for criterion, value, limit in rows
-            ]
+                Verdict(
+                    criterion=Criterion(TRAVEL, sense=rating), subject=name, value=float(reached[rating]), unit="m",
+                    limit=None if rating in unjudged else rated[rating],
+                    note=f"{note}; {unjudged[rating]}" if rating in unjudged else note,
+                )
+                for rating in RATINGS
+            ]  # fmt: skip
             if name in (bottoms or {}):
                 law = isolators[(bottoms or {})[name]].axial
                 solid, note = (law.parameter("gap_below") if law else solid), f"{note}: {STOPPED}"
+            if one_way(reached, rated) == "tension":
+                solid = None
             value = float(reached["compression"])
             verdicts.append(Verdict(criterion=BOTTOMING, subject=name, value=value, limit=solid, unit="m", note=note))
     return tuple(verdicts)
@@ -108,6 +124,8 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
             note = "the isolator states no height"
         elif compression > mount.height:
             limit, note = mount.height, f"compression against the whole height; {note}"
+        if one_way(travel_reached(deflection.minimum, deflection.maximum), mount.travel) == "tension":
+            limit, note = None, "in tension throughout, and no travel in tension is rated"
         verdicts.append(Verdict(
             criterion=BOTTOMING, subject=mount.name, value=compression, limit=limit, unit="m",
             time=float(deflection.minimum_time[2]), note=note,

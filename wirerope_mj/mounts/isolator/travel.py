@@ -1,7 +1,7 @@
 """Travel and static load of a mount: how far and how much, its utilisation of the rating, and where the force falls."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 
 import numpy as np
 
@@ -58,9 +58,26 @@ def travel_utilisation(reached: Mapping[str, ArrayLike], rated: Mapping[str, flo
     return {rating: float(reached[rating]) / rated[rating] for rating in RATINGS if rating in rated}  # type: ignore[arg-type]
 
 
+def one_way(reached: Mapping[str, ArrayLike], rated: Container[str]) -> str:
+    """Find the rating, compression or tension, in which alone a mount moves, and which is not stated though the other is.
+
+    "" if there is none. A mount that hangs uses 0 % of its rated compression, which says nothing of it.
+    """
+    for way, other in (("tension", "compression"), ("compression", "tension")):
+        if reached[way] > 0.0 == reached[other] and other in rated and way not in rated:  # type: ignore[operator]
+            return way
+    return ""
+
+
 def largest_utilisation(reached: Array, rated: Array) -> Array:
-    """Return the largest of travels over rated ones [m], (..., 4) each in the order of RATINGS; NaN where nothing is rated."""
-    return np.asarray(np.fmax.reduce(reached / rated, axis=-1))
+    """Return the largest of travels over rated ones [m], (..., 4) each in the order of RATINGS; NaN where nothing is rated.
+
+    NaN, too, where the mount moves `one_way` and exceeds nothing.
+    """
+    used = np.fmax.reduce(reached / rated, axis=-1)
+    axial, stated = reached[..., :2], ~np.isnan(rated[..., :2])
+    lone = (axial > 0.0) & (axial[..., ::-1] == 0.0) & ~stated & stated[..., ::-1]
+    return np.asarray(np.where(lone.any(axis=-1) & (used <= 1.0), np.nan, used))
 
 
 def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, fraction: float = 1.0) -> str:
