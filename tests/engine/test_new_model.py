@@ -167,6 +167,20 @@ def test_stops_close_after_their_gap_and_stand_in_files_of_their_own(here):
     ]  # fmt: skip
 
 
+def test_names_of_what_is_written_for_stops_are_refused_to_others(here, capsys):
+    good_tables()
+    write("stops.csv", STOPS, ["bottom_m1, -800, 0, 100, 40, 10, 15"])
+    assert make("--stops", "stops.csv") == 2
+    said = capsys.readouterr().err
+    assert 'line 2: the stop where mount "m1" goes solid is called "bottom_m1". Give this one another name' in said
+    assert make("--stops", "stops.csv", "--no-bottoming") == 0
+    wr.Isolator(name="pad", axial=wr.KelvinVoigt(k=1e5, c=10.0)).save("stop_of_table_1.toml")
+    write("stops.csv", f"{STOPS}, isolator", ["s1, -800, 0, 100, 40, 10, 15,", "s2, 800, 0, 100, , , , stop_of_table_1"])
+    assert make("--stops", "stops.csv", name="other") == 2
+    assert 'line 3, column "isolator": "stop_of_table_1" is the name of a file that is written' in capsys.readouterr().err
+    assert not Path("other").exists()
+
+
 @pytest.mark.parametrize(("acts", "direction"), [
     ("up", "0, 0, -1"), ("down", "0, 0, -1"), ("up", "1, 0, 0"), ("down", "1, 0, 1e-6"), ("up-down", "0, 0, -1"),
     ("all-round", "0, 0, -1"),

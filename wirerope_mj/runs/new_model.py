@@ -71,6 +71,7 @@ def new_model(
         devices = {mount.device: load_isolator(layout.isolators[mount.isolator]) for mount in layout.mounts}
         ends = {device: bottom_stop(isolator) for device, isolator in devices.items()}
         layout = replace(layout, bottoms={device: stop for device, stop in ends.items() if stop is not None})
+    _check_names(layout)
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(called)) as temporary:
         (temporary / "isolators").mkdir()
         _write_isolators(layout, temporary / "isolators", tables.get("stops"))
@@ -90,6 +91,24 @@ def new_model(
 
             save_plan(layout, temporary / f"{called}_plan.{ending}")
     return layout
+
+
+def _check_names(layout: Layout) -> None:
+    """Raise RecordError if a table gives a name that a stop, or the isolator of one, has which is written with the model."""
+    stops = {f"bottom_{mount.name}": mount.name for mount in layout.mounts if mount.device in layout.bottoms}
+    devices = {stop.isolator for stop in layout.stops if stop.law is not None}
+    devices |= {f"{BOTTOM}{device}" for device in layout.bottoms}
+    for placed in (*layout.mounts, *layout.stops):
+        if placed.name in stops:
+            raise RecordError(
+                f'{placed.location}: the stop where mount "{stops[placed.name]}" goes solid is called "{placed.name}". Give '
+                "this one another name, or leave the stops where mounts go solid out (--no-bottoming)."
+            )
+        if placed.law is None and placed.isolator in devices:
+            raise RecordError(
+                f'{placed.location}, column "isolator": "{placed.isolator}" is the name of a file that is written for a stop of '
+                "this model. Rename the isolator's file."
+            )
 
 
 def from_template(
