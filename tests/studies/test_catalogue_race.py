@@ -14,7 +14,7 @@ from wirerope_mj.engine.statics.find import settle_together
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.units import STANDARD_GRAVITY as G
 from wirerope_mj.motions.registry import motion_from_words
-from wirerope_mj.mounts.isolator import bottom_in_place
+from wirerope_mj.mounts.isolator import bottom_in_place, bottom_stop
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.selection import equipment, write_selected
 from wirerope_mj.studies.catalogue import CRITERIA, TriedPart, catalogue, in_place, select_parts, try_parts
@@ -71,6 +71,19 @@ def test_a_box_is_selected_on_the_stops_that_the_written_model_has(tmp_path, nam
     # 1e-3 of a part within its limits, and of one beyond them the last two steps before it was certain
     assert one.acceleration == pytest.approx(response.peaks.bodies["equipment"].acceleration.value, rel=1e-2)
     assert one.displacement == pytest.approx(moves, rel=1e-2)
+
+
+def test_a_model_on_another_part_names_its_stops_by_that_part_and_keeps_its_places(tmp_path):
+    systems, cases = request()
+    name = "WR12-400"
+    (one,) = try_parts(next(iter(systems.values())), {name: load_isolator(name)}, cases)
+    written = wr.load_system(write_selected(one, tmp_path / "chosen"))
+    assert {path.stem for path in (tmp_path / "chosen" / "isolators").iterdir()} == {name, f"bottom_of_{name}"}
+    for mount, stop in written.bottoms.items():
+        assert written.mounts[stop].isolator == bottom_stop(load_isolator(name))
+        for placed in (mount, stop):
+            assert written.mounts[placed].position == pytest.approx(one.system.mounts[placed].position, abs=1e-9)
+    assert len(written.bottoms) == len(one.system.bottoms) > 0
 
 
 def test_the_part_that_comes_first_does_in_a_run_of_its_own_what_the_selection_says(tmp_path):

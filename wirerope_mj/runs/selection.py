@@ -134,8 +134,12 @@ def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = Non
     check_folder(folder, force=force, kind=KIND, marks=marks(name))
     if box is not None:
         system = replace(_box_on(chosen.name, chosen.placement, box), limits=system.limits)
-    others = {mount.isolator_name: mount.written for mount in system.mounts.values() if mount.isolator.is_stop}
-    made = load_system(with_part(system, replaced(system), chosen.name), isolators={**others, chosen.name: isolator})
+    bottoms = dict.fromkeys(system.bottoms.values(), f"{BOTTOM}{chosen.name}")
+    own = {
+        bottoms.get(name, mount.isolator_name): mount.written for name, mount in system.mounts.items() if mount.isolator.is_stop
+    }
+    text = with_part(system, dict.fromkeys(replaced(system), chosen.name) | bottoms)
+    made = load_system(text, isolators=own | {chosen.name: isolator})
     moved = [mount.position - made.mounts[key].position for key, mount in system.mounts.items()]
     if np.abs(moved).max() > 1e-9:
         raise ModelError("the mounts of this model do not stand where its own text says: write its model by hand.")

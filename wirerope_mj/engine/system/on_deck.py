@@ -186,8 +186,8 @@ def written(root: ET.Element) -> str:
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def with_part(system: System, mounts: list[str], name: str) -> str:
-    """Write the MJCF of a variant in which some mounts, all of one isolator, have it as isolators/NAME.toml.
+def with_part(system: System, names: Mapping[str, str]) -> str:
+    """Write the MJCF of a variant in which some mounts have their isolators as isolators/NAME.toml, by `names` of the mounts.
 
     A ModelError if the model names files beside it, or attaches parts whose sites do not stand in its own text.
     """
@@ -196,11 +196,15 @@ def with_part(system: System, mounts: list[str], name: str) -> str:
     custom = root.find("custom")
     sites = {site.get("name", ""): site for site in root.iter("site")}
     tuples = {one.get("name", ""): one for one in root.iter("tuple")}
-    for mount in mounts:
+    moved = set()
+    for mount, name in names.items():
         for site in (system.mounts[mount].payload_site, system.mounts[mount].base_site):
             shift = model.site(site).pos - before.site(site).pos
             if site not in sites or f"mount/{mount}" not in tuples or custom is None:
                 raise ModelError(f"mount {mount!r} does not stand in the model's own text: write its model by hand.")
+            if site in moved:  # a stop stands at its mount's sites
+                continue
+            moved.add(site)
             place = [float(one) for one in sites[site].get("pos", "0 0 0").split()] + shift
             sites[site].set("pos", " ".join(f"{one + 0.0:.12g}" for one in place))
         for element in tuples[f"mount/{mount}"].iter("element"):
@@ -209,9 +213,10 @@ def with_part(system: System, mounts: list[str], name: str) -> str:
     assert custom is not None
     used = {one.get("objname") for one in root.iter("element")}
     for text in [one for one in custom.findall("text") if one.get("name", "").startswith("isolator/")]:
-        if text.get("name") not in used or text.get("name") == f"isolator/{name}":
+        if text.get("name") not in used or text.get("name", "").removeprefix("isolator/") in names.values():
             custom.remove(text)
-    ET.SubElement(custom, "text", name=f"isolator/{name}", data=f"isolators/{name}.toml")
+    for name in dict.fromkeys(names.values()):
+        ET.SubElement(custom, "text", name=f"isolator/{name}", data=f"isolators/{name}.toml")
     for limit in system.limits:
         key = f"limit/{limit.kind}/{limit.name}"
         for old in [one for one in custom.findall("numeric") if one.get("name") == key]:
