@@ -2,6 +2,7 @@
 
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from house import deck, hysteresis, mjcf, sdof, sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.resources import model_source
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 
@@ -25,6 +27,22 @@ DECK = deck({"b": 'pos="0 0 .2"'}, slides="z")
 
 def load(text, isolators=ISOLATORS):
     return wr.load_system(text, isolators=isolators)
+
+
+def test_a_folder_stands_for_the_model_in_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rack").mkdir()
+    (tmp_path / "rack" / "a.xml").write_text(sdof_text(), encoding="utf-8")
+    wr.Isolator(name="a", axial=wr.KelvinVoigt(k=4e4, c=40.0)).save(tmp_path / "rack" / "a.toml")
+    assert wr.load_system("rack", isolators={"a": wr.load_isolator("rack/a.toml")}).path == tmp_path / "rack" / "a.xml"
+    (tmp_path / "rack" / "b.xml").write_text(sdof_text(), encoding="utf-8")
+    with pytest.raises(wr.ModelError, match=r"rack is a folder with several models: name one of rack.a.xml, rack.b.xml"):
+        wr.load_system("rack")
+    (tmp_path / "rack" / "rack.xml").write_text(sdof_text(), encoding="utf-8")  # as `wirerope new` names it
+    assert model_source("rack", asker="a test") == Path("rack/rack.xml")
+    with pytest.raises(wr.ModelError, match="there is no model 'isolators'"):
+        (tmp_path / "isolators").mkdir()
+        model_source("isolators", asker="a test")
 
 
 def test_a_model_file_that_does_not_exist(tmp_path):

@@ -1,7 +1,7 @@
 """Folders of the models and scenarios that ship with the package, in a checkout and in a wheel, and versions of packages."""
 
 from importlib.metadata import PackageNotFoundError, version
-from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
+from os.path import isdir, isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import ModelError
@@ -35,9 +35,19 @@ def shipped_models() -> list[str]:
 
 
 def model_file(model: str | Path, *, folder: Path | None = None) -> Path | None:
-    """Return the file of a model from `folder` or among those that ship; `.xml` may be left out. None if there is none."""
+    """Return the file of a model from `folder` or among those that ship; None if there is none.
+
+    `.xml` may be left out. A folder stands for the model in it that has its name, or the only one. ModelError: it holds several.
+    """
     start, named = folder or Path(), Path(model) if str(model).endswith(".xml") else Path(f"{model}.xml")
-    return next((file for file in (start / model, start / named, models_folder() / named) if isfile(file)), None)
+    files = [start / model, start / named]
+    if str(model) and isdir(start / model):
+        held = sorted((start / model).glob("*.xml"))
+        held = [file for file in held if file.stem == file.parent.resolve().name] or held
+        if len(held) > 1:
+            raise ModelError(f"{model} is a folder with several models: name one of {', '.join(map(str, held))}.")
+        files += held
+    return next((file for file in (*files, models_folder() / named) if isfile(file)), None)
 
 
 def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -> str | Path:

@@ -106,8 +106,8 @@ def _check_names(layout: Layout) -> None:
             )
         if placed.law is None and placed.isolator in devices:
             raise RecordError(
-                f'{placed.location}, column "isolator": "{placed.isolator}" is the name of a file that is written for a stop of '
-                "this model. Rename the isolator's file."
+                f'{placed.location}, column "isolator": "{placed.isolator}" is the name of a file that is written for a stop '
+                "of this model. Rename the isolator's file."
             )
 
 
