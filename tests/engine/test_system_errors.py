@@ -40,8 +40,8 @@ def test_a_folder_stands_for_the_model_in_it(tmp_path, monkeypatch):
         wr.load_system("rack")
     (tmp_path / "rack" / "rack.xml").write_text(sdof_text(), encoding="utf-8")  # as `wirerope new` names it
     assert model_source("rack", asker="a test") == Path("rack/rack.xml")
+    (tmp_path / "isolators").mkdir()
     with pytest.raises(wr.ModelError, match="there is no model 'isolators'"):
-        (tmp_path / "isolators").mkdir()
         model_source("isolators", asker="a test")
 
 

@@ -37,7 +37,8 @@ def shipped_models() -> list[str]:
 def model_file(model: str | Path, *, folder: Path | None = None) -> Path | None:
     """Return the file of a model from `folder` or among those that ship; None if there is none.
 
-    `.xml` may be left out. A folder stands for the model in it that has its name, or the only one. ModelError: it holds several.
+    `.xml` may be left out. A folder stands for the model in it that has its name, or the only one; ModelError if it holds
+    several.
     """
     start, named = folder or Path(), Path(model) if str(model).endswith(".xml") else Path(f"{model}.xml")
     files = [start / model, start / named]
