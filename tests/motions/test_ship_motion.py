@@ -55,6 +55,8 @@ def test_the_phrase_says_amplitudes_periods_and_the_place_aboard():
         "roll 20 m 9 s": '"m" is no unit known here',
         "above 10 m for 40 s": "one of roll, pitch, yaw",
         "roll 20 deg 9 s for 5 s": "must hold both ramps, of 9 s each",
+        "roll 20 deg 0.05 s": "`roll` must have a period of 0.5 to 1000 s, got 0.05: waves move boats in 1 s",
+        "heave 1 m 1 h": "`heave` must have a period of 0.5 to 1000 s, got 3600",
         "roll 95 deg 9 s": "at most 89 deg, got 95",
     }.items():
         with pytest.raises(ValueError, match=message):

@@ -14,6 +14,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
+from wirerope_mj.motions.envelope import Envelope
 from wirerope_mj.motions.motion import BaseMotion, Said
 from wirerope_mj.motions.phrases import SpokenMotion
 
@@ -159,11 +160,7 @@ class RotationalDrop(BaseMotion):
         return np.zeros((t.size, 3))  # the edge stays
 
     def _angles(self, t: Array, order: int) -> Array:
-        u = np.clip(t / self.lift, 0.0, 1.0)
-        lifted = (
-            u**3 * (10.0 - 15.0 * u + 6.0 * u**2), 30.0 * (u * (1.0 - u)) ** 2 / self.lift,
-            60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / self.lift**2,
-        )[order]  # fmt: skip
+        lifted = Envelope(start=0.0, stop=math.inf, rise=self.lift, fall=0.0).derivatives(t)[order]
         let_go = self.lift + self.hold
         angle = np.where(t < let_go, self.tilt * lifted, self._fall(np.clip(t, let_go, self._landing), order))
         coordinate, sign, *_ = _RAISED[self.raised]

@@ -12,12 +12,14 @@ from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.motions import ranges
+from wirerope_mj.motions.envelope import Envelope
 from wirerope_mj.motions.motion import BaseMotion, Said
 from wirerope_mj.motions.phrases import SpokenMotion
 
 SHIFTS, TURNS = ("surge", "sway", "heave"), ("roll", "pitch", "yaw")  # along and about x, y, z
 _PLACE = ("forward", "port", "above")  # words for the equipment's place along x, y, z
 LARGEST_ANGLE = math.radians(89.0)  # at a pitch of 90 deg roll and yaw are one
+PERIODS = (0.5, 1000.0)  # least and largest [s]: no hull follows faster waves, and a slower one merely leans
 Swing = tuple[float, float]  # amplitude [m or rad] and period [s]
 
 
@@ -38,7 +40,7 @@ class ShipMotion(BaseMotion):
 
     Each of its six parts is w(t) A sin(2 pi (t - start) / T), x forward, y to port, z up: surge, sway and heave move the point
     about which the ship turns, the base turns by roll, pitch and yaw (`BaseMotion`), and its origin swings about that point. A
-    positive roll puts starboard down, a positive pitch the bow. w grows from 0 to 1 within the ramp, u^3 (10 - 15 u + 6 u^2),
+    positive roll puts starboard down, a positive pitch the bow. w grows from 0 to 1 within the ramp, as `Envelope` has it,
     and falls so at the end, so that a base at rest and upright begins without a jump of its acceleration.
 
     All parts begin with the same phase; for others add motions with starts of their own.
@@ -79,7 +81,13 @@ class ShipMotion(BaseMotion):
                 raise ValueError(
                     f"`{name}` must be at most {math.degrees(LARGEST_ANGLE):g} deg, got {math.degrees(amplitude):.4g}."
                 )
-            self._set(**{name: (amplitude, ranges.length(f"period of {name}", value[1]))})
+            shortest, longest = PERIODS
+            if not shortest <= (period := finite(f"period of {name}", value[1])) <= longest:
+                raise ValueError(
+                    f"`{name}` must have a period of {shortest:g} to {longest:g} s, got {period:g}: waves move boats in 1 s "
+                    "and more, ships in 3 to 30 s. What is faster is a vibration along an axis, such as a sine."
+                )
+            self._set(**{name: (amplitude, period)})
         if not self._swings:
             raise ValueError(f"one of {', '.join(TURNS + SHIFTS)} must be given.")
         if not isinstance(self.position, tuple | list) or len(self.position) != 3:
@@ -103,6 +111,10 @@ class ShipMotion(BaseMotion):
         return self.ramp
 
     @property
+    def _envelope(self) -> Envelope:
+        return Envelope(start=self.start, stop=self.end, rise=self._rise, fall=self._rise)
+
+    @property
     def rotates(self) -> bool:
         return any(getattr(self, name) is not None for name in TURNS)
 
@@ -119,8 +131,7 @@ class ShipMotion(BaseMotion):
     @property
     def corners(self) -> Array:
         """Begin and end of both ramps [s], (n,)."""
-        instants = [self.start, self.start + self._rise, self.end - self._rise, self.end]
-        return np.unique([instant for instant in instants if math.isfinite(instant)])
+        return self._envelope.corners
 
     @property
     def directions(self) -> Array:
@@ -129,21 +140,10 @@ class ShipMotion(BaseMotion):
             return np.eye(3)
         return np.eye(3)[[getattr(self, name) is not None for name in SHIFTS]]
 
-    def _envelope(self, t: Array, order: int) -> tuple[Array, ...]:
-        """Return w and its first derivatives up to an order, (n_t,) each."""
-        rise = np.clip((t - self.start) / self._rise, 0.0, 1.0)
-        fall = np.clip((self.end - t) / self._rise, 0.0, 1.0) if math.isfinite(self.end) else np.ones_like(t)
-        u, rate = np.minimum(rise, fall), np.where(fall < rise, -1.0, 1.0) / self._rise  # both ramps never overlap
-        every = (
-            u**3 * (10.0 - 15.0 * u + 6.0 * u**2), 30.0 * (u * (1.0 - u)) ** 2 * rate,
-            60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) * rate**2,
-        )  # fmt: skip
-        return every[: order + 1]
-
     def _parts(self, t: Array, order: int, names: tuple[str, ...]) -> Array:
         """Return derivatives of an order of three of the parts, (n_t, 3)."""
         values = np.zeros((t.size, 3))
-        envelope = self._envelope(t, order)
+        envelope = self._envelope.derivatives(t)
         for column, name in enumerate(names):
             if name in self._swings:
                 amplitude, period = self._swings[name]
