@@ -15,6 +15,7 @@ from wirerope_mj.cli import main
 from wirerope_mj.foundation.payload_limits import KINDS, limit_from_text
 from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.selection import equipment
+from wirerope_mj.studies.measures import measures
 
 TEXTS = {
     "acceleration": ("acceleration/rack = 15 g", "acceleration/rack_top = 0 0 15 g"),
@@ -75,6 +76,9 @@ def test_the_load_of_a_foot_is_that_of_the_mount_and_of_the_stop_in_it(direction
     # never below; above by what rope and stop do not reach at one instant
     assert largest * (1.0 - 1e-3) <= load.value <= 1.05 * largest
     assert "bottom_below_1, which stands in it" in load.note
+    measured = measures(limited, response.peaks, None)
+    assert measured["load/below_1"] == pytest.approx(load.value, rel=1e-12)  # of a study
+    assert measured["force/below_1"] == own
     assert utilisation_over_time(response, load).max() == pytest.approx(largest / 1000.0, rel=1e-12)
     names = ["below_1", "bottom_below_1"]
     cornered = replace(response, scene=replace(response.scene, areas={"corner": ("below_1",)}))

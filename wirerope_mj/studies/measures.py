@@ -38,7 +38,7 @@ def measure_names(system: System) -> list[str]:
             names += [f"deflection/{name}/{rating}" for rating in RATINGS]
             names += [f"{measure}/{name}" for measure in ("travel", "static_load")]
         names.append(f"force/{name}")
-    return names
+    return names + [f"load/{name}" for name in _stops_beside(system)]
 
 
 def measures(system: System, peaks: Peaks, rest: State | None, response: Response | None = None) -> dict[str, float]:
@@ -49,8 +49,9 @@ def measures(system: System, peaks: Peaks, rest: State | None, response: Respons
     acceleration: largest norm of any payload body [m/s^2]; acceleration/NAME: of one body or point. travel: largest
     utilisation of a rated travel [-] of any mount along one axis; travel/MOUNT: of one; combined_travel: of all axes at
     once, by this project's own rule; deflection/MOUNT/compression, tension, shear and roll [m], all positive, of mounts that
-    are fitted; force/MOUNT: largest norm [N]. static_load: largest utilisation of a rated static load [-] of any mount at
-    rest; static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
+    are fitted; force/MOUNT: largest norm [N], without that of stops at its sites; load/MOUNT: with theirs, the load of its
+    foot, bounded by the peaks of all as a run's is. static_load: largest utilisation of a rated static load [-] of any mount
+    at rest; static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
     displacement/POINT: largest norm relative to the base [m]; displacement/POINT/-x, +x and so on: how far that way.
     fragility: largest utilisation [-] of an acceleration that the model states as a limit. clearance: of a clearance that it
     states, of a point, of a body's corners or between two points. mounts: number of mounts that are fitted and have not failed,
@@ -164,6 +165,17 @@ def measures_together(
         result[f"acceleration/{name}"] = np.maximum(extremes.value[:, channel], result.get(f"acceleration/{name}", 0.0))
     result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
     result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
+    for name, stops in _stops_beside(system).items():
+        own = channels["force"][name]
+        low, high, value = (part[:, own].copy() for part in (extremes.lowest, extremes.highest, extremes.value))
+        for channel in (channels["force"][stop] for stop in stops):
+            pressed = extremes.value[:, channel] > 0.0
+            low += np.where(pressed[:, np.newaxis], extremes.lowest[:, channel], 0.0)
+            high += np.where(pressed[:, np.newaxis], extremes.highest[:, channel], 0.0)
+            value += extremes.value[:, channel]
+        along = np.linalg.norm(np.maximum(np.abs(low), np.abs(high)), axis=1)
+        alone = value == extremes.value[:, own]
+        result[f"load/{name}"] = np.where(alone, value, np.minimum(along, value))
     for name, c in channels["displacement"].items():  # how far it went along -x, +x and so on, >= 0
         ways = {"-": np.maximum(-extremes.lowest[:, c], 0.0), "+": np.maximum(extremes.highest[:, c], 0.0)}
         result |= {f"displacement/{name}/{side}": ways[side[0]][:, "xyz".index(side[1])] for side in SIDES}
@@ -174,6 +186,16 @@ def measures_together(
         result |= {f"deflection/{name}/{rating}": values[:, number] for rating, values in reached.items()}
         result |= {f"travel/{name}": used[:, number], f"static_load/{name}": used_loads[:, number]}
     return result
+
+
+def _stops_beside(system: System) -> dict[str, list[str]]:
+    """List the stops at the sites of each mount that has some."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for name, one in system.mounts.items():
+        if one.isolator.is_stop:
+            found.setdefault((one.payload_site, one.base_site), []).append(name)
+    isolating = {name: (one.payload_site, one.base_site) for name, one in system.mounts.items() if not one.isolator.is_stop}
+    return {name: found[sites] for name, sites in isolating.items() if sites in found}
 
 
 def _channels(system: System) -> dict[str, dict[str, int]]:

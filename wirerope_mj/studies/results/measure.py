@@ -39,6 +39,7 @@ _QUANTITIES = {
     "deflection": ("largest deflection", *shown_in("m"), None),
     "displacement": ("largest displacement relative to the base", *shown_in("m"), None),
     "force": ("largest force", *shown_in("N"), None),
+    "load": ("bound of the load of a foot, its stops included", *shown_in("N"), None),
 }
 _ALIKE = 12  # Measures that are named because they begin alike: those of all mounts of a floor would fill the screen
 
@@ -80,7 +81,7 @@ def measure_of(name: str, limits: Mapping[str, float] = MappingProxyType({})) ->
 
 def unit_of(name: str) -> str:
     """Return the SI unit of a column of a study's table; "" of ratios, counts and inputs."""
-    units = {"acceleration": "m/s^2", "deflection": "m", "displacement": "m", "force": "N"}
+    units = {"acceleration": "m/s^2", "deflection": "m", "displacement": "m", "force": "N", "load": "N"}
     return units.get(name.partition("/")[0], "")
 
 

@@ -177,8 +177,8 @@ def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> Entries:
 
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,
-    "travel": {"%": 0.01}, "combined_travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
-    "clearance": {"%": 0.01},
+    "load": FORCE_UNITS, "travel": {"%": 0.01}, "combined_travel": {"%": 0.01}, "static_load": {"%": 0.01},
+    "fragility": {"%": 0.01}, "clearance": {"%": 0.01},
 }  # fmt: skip
 KEY = "stated_limits"  # Of the list in `summary.json`; it is not there unless somebody has stated a limit
 _KIND = "the summary of a study"
