@@ -324,6 +324,37 @@ def test_channels_that_begin_at_different_instants_are_not_played_in_phase(tmp_p
         wr.load_record(tmp_path / "r.mseed", unit="g")
 
 
+def test_starts_of_clocks_that_round_are_one_instant(tmp_path):
+    begins = {"x": 0.25, "z": 0.25 + 0.05 * STEP}  # a twentieth of a sample
+    hdf5(path := tmp_path / "r.h5", {name: (WAVE, {"unit": "g", "t0": begin}) for name, begin in begins.items()}, fs=1.0 / STEP)
+    check(path, channels={"z": "z"})
+    assert wr.load_record(path).samples.shape == (WAVE.size, 3)
+    hdf5(path, {"x": (WAVE, {"unit": "g", "t0": 0.0}), "z": (WAVE, {"unit": "g", "t0": 0.2 * STEP})}, fs=1.0 / STEP)
+    with pytest.raises(wr.RecordError, match="begin up to"):
+        wr.load_record(path)
+
+
+def test_a_channel_is_not_read_over_the_time_of_another_group_without_a_word(tmp_path):
+    time, path = STEP * np.arange(WAVE.size), tmp_path / "r.h5"
+    hdf5(path, {"a/t": (time, {"unit": "s"}), "a/x": (WAVE, {"unit": "g"}), "b/z": (WAVE, {"unit": "g"})})
+    with pytest.warns(
+        wr.RecordWarning, match=r"b\.z without a time of its own is read over a\.t, which stands in another group"
+    ):
+        wr.load_record(path, channels={"b.z": "z"})
+    with warnings.catch_warnings(action="error"):
+        wr.load_record(path, channels={"a.x": "x"})
+        hdf5(path, {"t": (time, {"unit": "s"}), "a/x": (WAVE, {"unit": "g"}), "b/z": (WAVE, {"unit": "g"})})
+        wr.load_record(path)
+        # what states a rate keeps it
+        hdf5(path, {"a/t": (time, {"unit": "s"}), "a/x": (WAVE, {"unit": "g"}), "b/z": (WAVE, {"unit": "g", "fs": 0.5 / STEP})})
+        record = wr.load_record(path, channels={"b.z": "z"})
+        assert record.time[1] - record.time[0] == pytest.approx(2.0 * STEP, rel=1e-9)
+    with pytest.raises(wr.RecordError, match=r"b\.z has a rate of its own and is not over a\.t"):
+        wr.load_record(path, channels={"a.x": "x", "b.z": "z"})
+    with pytest.raises(wr.RecordError, match=r"z has another number of samples"):
+        wr.load_record(path)
+
+
 def test_counts_intervals_and_rates_are_those_that_the_file_states(tmp_path):
     path = tmp_path / "r.h5"
     counts, factor = np.rint(WAVE / PEAK * 30000).astype(np.int16), PEAK / 30000

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.parquet_files import read_table
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.table_header import Header
+from wirerope_mj.foundation.table_header import TIME_COLUMN, Header, holds
 from wirerope_mj.foundation.units import FREQUENCY_UNITS, TIME_UNITS, find_unit, split_unit
 
 _REMEDY = "Export it again, or as CSV."
@@ -26,6 +26,7 @@ _STEPS = frozenset(
     ["dt", "ts", "deltat", "deltax", "increment", "interval", "sampleinterval", "samplinginterval", "timestep", "xincrement"]
 )
 _STARTS = frozenset(("t", "start", "starttime", "tstart", "toffset", "startoffset"))  # of what begins later: t0 among them
+_TOGETHER = 0.1  # of a sample, by which channels may begin after each other: clocks write microseconds, or less
 _CALIBRATIONS = {"gain", "sensitivity", "calibration", "calib", "scale"}
 _HDF5 = b"\x89HDF\r\n"
 # how records begin that obspy reads: miniSEED, GSE2, IRIS' texts, K-NET and KiK-net; SAC is known by its ending
@@ -111,8 +112,21 @@ def _of_columns(
     if asked and len(set(among)) > 1:
         sizes = ", ".join(f"{split_unit(name)[0]} {lengths[name]}" for name in asked)
         raise RecordError(f"{path}: the columns have different numbers of samples, {short(plain(sizes))}. Use a file for each.")
-    timed = {name for name in columns if lengths.get(name) == usual and _TIME.search(split_unit(name)[0].lower())}
+    timed = {name for name in columns if lengths.get(name) == usual and TIME_COLUMN.fullmatch(split_unit(name)[0])}
     kept = [name for name in columns if lengths.get(name) == usual and (not asked or name in asked or name in timed)]
+    # what has a rate of its own is not over the time of another struct or group
+    groups = {name.rpartition(".")[0] for name in timed}
+    alone = [name for name in kept if name not in timed and not any(holds(group, name) for group in groups)]
+    rated = [name for name in alone if timed and _own_steps(split_unit(name)[0], scalars)]
+    if (own := {*asked} - timed) and own <= {*rated}:
+        kept, timed = [name for name in kept if name not in timed], set()
+    elif rated and asked:
+        raise RecordError(
+            f"{path}: {_listed(rated)} has a rate of its own and is not over {_listed(sorted(timed))}. "
+            "Choose channels of one group by channels= (--channels), or use a file for each."
+        )
+    elif rated:
+        kept = [name for name in kept if name not in rated]
     names, units = zip(*map(split_unit, kept), strict=True)
     numbers = np.column_stack([columns[name] for name in kept])
     if not timed:
@@ -120,35 +134,40 @@ def _of_columns(
         starts = {min(_nearest(name, scalars, ("start",)), default=0.0) for name in names}
         if len(steps) > 1:
             raise RecordError(
-                f"{path}: the columns {short(plain(', '.join(names)))} have different rates, or some have none. Choose those "
+                f"{path}: the columns {_listed(names)} have different rates, or some have none. Choose those "
                 "of one rate by channels= (--channels), or use a file for each."
             )
         if None not in steps:
             (step,) = steps
             assert step is not None
-            if max(starts) - min(starts) > 1e-3 * step:
+            if max(starts) - min(starts) > _TOGETHER * step:
                 raise RecordError(
-                    f"{path}: the columns {short(plain(', '.join(names)))} begin up to {max(starts) - min(starts):.6g} s after "
+                    f"{path}: the columns {_listed(names)} begin up to {max(starts) - min(starts):.6g} s after "
                     "each other. Use a file for each, with `start` (--start), or write them over one time."
                 )
             names, units = ("time", *names), ("s", *units)
             numbers = np.column_stack([step * np.arange(usual), numbers])
-    others = tuple(split_unit(name)[0] for name in lengths if lengths[name] != usual)
+    others = tuple(split_unit(name)[0] for name in lengths if lengths[name] != usual or (name in rated and name not in kept))
     return Header(path, 0, names, units, content=numbers, left_out=(*others, *left))
-
-
-_TIME = re.compile(r"(?:^|[._ ])(?:time|t|zeit)(?:$|[._ ])")
 
 
 def _step(column: str, scalars: Mapping[str, float]) -> float | None:
     """Return the interval of a column [s] that scalars say; None if none does, or several differ."""
-    positive = {name: value for name, value in scalars.items() if 0.0 < value < math.inf}
-    inverse = {name: 1.0 / value for name, value in positive.items()}
-    steps = _nearest(column, positive, _STEPS) | _nearest(column, inverse, _RATES)
+    steps = _own_steps(column, scalars)
     if not steps:  # said elsewhere, as info.fs
-        steps = {value for name, value in positive.items() if _bare(name) in _STEPS}
-        steps |= {value for name, value in inverse.items() if _bare(name) in _RATES}
+        steps = {value for name, value in scalars.items() if _bare(name) in _STEPS and 0.0 < value < math.inf}
+        steps |= {1.0 / value for name, value in scalars.items() if _bare(name) in _RATES and 0.0 < value < math.inf}
     return steps.pop() if len(steps) == 1 else None
+
+
+def _listed(names: Sequence[str]) -> str:
+    return short(plain(", ".join(split_unit(name)[0] for name in names)))
+
+
+def _own_steps(column: str, scalars: Mapping[str, float]) -> set[float]:
+    """Return the intervals [s] that scalars say of a column or of what holds it."""
+    positive = {name: value for name, value in scalars.items() if 0.0 < value < math.inf}
+    return _nearest(column, positive, _STEPS) | {1.0 / value for value in _nearest(column, positive, _RATES)}
 
 
 def _nearest(column: str, scalars: Mapping[str, float], called: Collection[str]) -> set[float]:

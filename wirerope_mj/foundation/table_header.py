@@ -23,6 +23,13 @@ MISSING = frozenset((
 SHEET_ERROR = re.compile(
     rf"(?:{'|'.join(re.escape(text) for text in MISSING if text.startswith('#'))})(?=[\s\",;|]|$)", re.IGNORECASE
 )
+# what a column of time is called, behind the names of structs or groups that hold it
+TIME_COLUMN = re.compile(
+    r"(?:.*\.)?(?:(?:elapsed|relative|absolute|record|sample|test)[ _])?"
+    r"(?:time|t|x_?value|zeit|temps|tiempo|tempo|(?:date|datum)[ _/-]?(?:time|zeit)|time[ _]?(?:stamp|axis))"
+    r"(?:_(?:s|sec|ms|us|min|h))?",
+    re.IGNORECASE,
+)
 _LONGEST_UNIT = 16  # characters: a cell that is longer says something else than a unit
 
 
@@ -98,6 +105,11 @@ class Header:
         while len(cells) > len(self.names) and not cells[-1]:
             cells.pop()
         return cells
+
+
+def holds(group: str, name: str) -> bool:
+    """Tell whether a struct or group, "" the file itself, holds a column of a name such as test.acc, itself or in another."""
+    return not group or name.startswith(f"{group}.")
 
 
 def split_cells(text: str, delimiter: str) -> list[str]:

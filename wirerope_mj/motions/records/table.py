@@ -29,7 +29,7 @@ from wirerope_mj.foundation.table_files import (
     require_cells,
     with_point,
 )
-from wirerope_mj.foundation.table_header import Header, is_missing
+from wirerope_mj.foundation.table_header import TIME_COLUMN, Header, holds, is_missing
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY, TIME_UNITS, find_unit, range_of, underscored_unit
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
@@ -37,12 +37,6 @@ _BEYOND = 1.2  # times its range, above which no accelerometer shows anything
 _BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
 _AXIS_COLUMN = re.compile(
     r"(?:.*\.)?(?:(?:a|acc|accel|acceleration)[ _]?)?([xyz])(?:[ _-]?(?:axis|dir|direction))?", re.IGNORECASE
-)
-_TIME_COLUMN = re.compile(
-    r"(?:.*\.)?(?:(?:elapsed|relative|absolute|record|sample|test)[ _])?"
-    r"(?:time|t|x_?value|zeit|temps|tiempo|tempo|(?:date|datum)[ _/-]?(?:time|zeit)|time[ _]?(?:stamp|axis))"
-    r"(?:_(?:s|sec|ms|us|min|h))?",
-    re.IGNORECASE,
 )
 _FILL = 'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies before or behind'
 Clock = Callable[[str], float]  # instant of a cell [s]
@@ -177,6 +171,7 @@ def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit
     ranges = [range_of(header.units[column]) for column in directions]
     if ranges and None not in ranges:
         require_within_range(header.location, samples, max(limit for limit in ranges if limit is not None))
+    messages += _borrowed_time(header, time, list(directions))
     return Reading(instants, samples, units=tuple(dict.fromkeys(units)), warnings=tuple(messages))
 
 
@@ -196,7 +191,24 @@ def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Readi
     columns = [find_column(header, name, without=time) for name in names]
     instants, samples, messages = _in_si(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)
     units = tuple(header.units[column] for column in columns)
+    messages += _borrowed_time(header, time, columns)
     return Reading(instants, samples, units=(), warnings=tuple(messages)), units
+
+
+def _borrowed_time(header: Header, time: int, columns: Sequence[int]) -> list[str]:
+    """Warn of columns of a file of arrays that are read over the time of another struct or group, since they have none."""
+    if not isinstance(header.content, np.ndarray) or header.line:
+        return []
+    instants = header.content[:, time]
+    called = [column for column, name in enumerate(header.names) if column == time or TIME_COLUMN.fullmatch(name)]
+    groups = [header.names[one].rpartition(".")[0] for one in called if np.array_equal(header.content[:, one], instants)]
+    borrowed = [name for name in (header.names[i] for i in columns) if not any(holds(group, name) for group in groups)]
+    if not borrowed:
+        return []
+    return [
+        f"{short(plain(', '.join(borrowed)))} without a time of its own is read over {short(plain(header.names[time]))}, which "
+        "stands in another group and has as many samples: are they of one measurement?"
+    ]
 
 
 def _in_si(
@@ -242,7 +254,7 @@ def _opened(path: Path, names: Iterable[str] = ()) -> tuple[Header, int, Clock |
     header = read_header(path, kind="record", example='"time [s], z [g]"', columns=asked)
     _, first = next(iter(numbered_rows(header)), (0, [""] * len(header.names)))
     clocks = [column for column, cell in enumerate(first[: len(header.names)]) if is_clock_time(cell)]
-    called = [column for column, name in enumerate(header.names) if _TIME_COLUMN.fullmatch(name)]
+    called = [column for column, name in enumerate(header.names) if TIME_COLUMN.fullmatch(name)]
     of_unit = [column for column, unit in enumerate(header.units) if unit is not None and find_unit(unit, TIME_UNITS)]
     exactly = [column for column in called if header.names[column].lower() in ("time", "t")]
     structs = {name.rpartition(".")[0] for name in names}
