@@ -111,6 +111,8 @@ def test_blank_tables_make_a_model(tmp_path, capsys):
     assert main(["new", str(model), "--tables", str(tables)]) == 0
     system = wr.load_system(model / "camera.xml")
     assert [name for name, mount in system.mounts.items() if not mount.isolator.is_stop] == ["m1", "m2", "m3", "m4"]
+    assert (system.mounts["s1"].isolator.axial.gap_below, system.mounts["s1"].isolator.axial.k) == (0.015, 2e5)
+    assert system.model.site("point/lens").pos == pytest.approx([0.06, 0.0, 0.06], abs=1e-12)
     assert float(system.model.body("camera").mass[0]) == pytest.approx(2.4, rel=1e-12)
     capsys.readouterr()
     assert "--blank" in refused(capsys, "new", tables, "--blank", "--name", "other")

@@ -31,7 +31,7 @@ def new(
     Writes FOLDER/NAME.xml, the isolators it uses, the tables, and a dimensioned plan; NAME is the folder's last part. Nothing
     is written where a table is wrong. Exits 1, as `wirerope statics` does, where the model has no equilibrium.
 
-    wirerope new tables --blank, edit mounts.csv and masses.csv in it, wirerope new camera --tables tables
+    wirerope new tables --blank, edit the tables in it, delete stops or points without a row, wirerope new camera --tables tables
 
     Args:
         folder: folder to write, such as genset.
@@ -54,7 +54,8 @@ def new(
             of SolidWorks says it, of its columns Lxy positive, of every other table tensor.
         bottoming: put a stop at each mount where its isolator goes solid, and where its rope is straight, as far as known.
         pdf: write the plan as PDF, too.
-        blank: write FOLDER/mounts.csv and FOLDER/masses.csv to fill in, with every column and its meaning, and no model.
+        blank: write tables of mounts, masses, stops and points into FOLDER to fill in, with every column and its meaning, and
+            no model.
     """
     from wirerope_mj.cli.statics import MISSING, statics
     from wirerope_mj.engine.flexible import deck_of

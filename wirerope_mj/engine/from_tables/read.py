@@ -42,6 +42,11 @@ _CENTRE, _CORNER = (tuple(f"{of}_{axis}" for axis in "xyz") for of in ("centre",
 _ROUNDING = 1e-3
 SIZES = ("size_x", "size_y", "size_z")
 _DESCRIBED = (".txt", ".urdf")  # endings of files of masses that are no tables
+# of a stop of its own
+_FIGURES = {
+    **dict.fromkeys(("gap", "gap_up", "gap_across", "rounding"), "length"),
+    "stiffness": "stiffness", "damping": "damping", "acts": TEXT, "gap_at": TEXT,
+}  # fmt: skip
 _BRACKETS = {f"bracket_{axis}": axis for axis in AXES}
 # columns of tables with their kinds of quantities: those that must be there, and those that may
 COLUMNS = {
@@ -55,6 +60,8 @@ COLUMNS = {
             "frequency": "frequency", "damping": "ratio", "along": TEXT,
         },
     ),
+    "stops": (_POSITION, {**_FIGURES, "isolator": TEXT, **_DIRECTION, **_ANGLES}),
+    "points": (_POSITION, {}),
 }  # fmt: skip
 # words of which the name of a row of totals consists
 _TOTAL = {
@@ -134,17 +141,14 @@ def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[P
 
 
 def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
-    lengths = dict.fromkeys(("gap", "gap_up", "gap_across", "rounding"), "length")
-    figures = {**lengths, "stiffness": "stiffness", "damping": "damping", "acts": TEXT, "gap_at": TEXT}
-    rows = read_sheet(
-        path, kind="table of stops", needed=_POSITION, further={"isolator": TEXT, **figures, **_DIRECTION, **_ANGLES}
-    )
+    needed, further = COLUMNS["stops"]
+    rows = read_sheet(path, kind="table of stops", needed=needed, further=further)
     laws: dict[tuple[StopLaw, str], str] = {}
     stops = []
     for row in rows:
         name = _site_name(row)
         if row.has("isolator"):
-            if given := [column for column in figures if row.has(column)]:
+            if given := [column for column in _FIGURES if row.has(column)]:
                 raise row.error(
                     f'"{short(name)}" has an isolator and a {given[0]}; the isolator\'s file says '
                     f'all of it. Leave column "isolator" or column "{given[0]}" empty.'
@@ -192,7 +196,7 @@ def _stop_law(row: Row) -> StopLaw:
 def _read_points(tables: Mapping[str, Path], kind: str) -> tuple[Point, ...]:
     if kind not in tables:
         return ()
-    rows = read_sheet(tables[kind], kind=f"table of {kind}", needed=_POSITION, further={})
+    rows = read_sheet(tables[kind], kind=f"table of {kind}", needed=COLUMNS["points"][0], further={})
     return tuple(Point(_site_name(row), _position(row), row.location) for row in rows)
 
 
