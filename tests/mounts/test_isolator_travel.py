@@ -51,8 +51,10 @@ def test_the_largest_utilisation_of_each_mount_is_that_of_its_ratings():
     assert np.isnan(used).tolist() == [False, False, True]
     # In tension alone, of which nothing is rated, only what is exceeded counts; in compression it is judged.
     hung, pressed = [0.0, 0.01, 0.001, 0.0], [0.01, 0.0, 0.001, 0.0]
-    used = largest_utilisation(np.array([hung, hung, pressed]), np.array([rated[0], [0.04, np.nan, 5e-4, np.nan], rated[0]]))
-    np.testing.assert_array_equal(used, [np.nan, 2.0, 0.5])
+    leaning = [0.0, 0.001, 0.0015, 0.0]  # farther in shear
+    every = np.array([rated[0], [0.04, np.nan, 5e-4, np.nan], rated[0], rated[0]])
+    used = largest_utilisation(np.array([hung, hung, pressed, leaning]), every)
+    np.testing.assert_array_equal(used, [np.nan, 2.0, 0.5, 0.75])
 
 
 def test_every_rating_is_a_side_of_one_axis_and_a_field_of_travel():

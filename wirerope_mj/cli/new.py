@@ -31,7 +31,7 @@ def new(
     Writes FOLDER/NAME.xml, the isolators it uses, the tables, and a dimensioned plan; NAME is the folder's last part. Nothing
     is written where a table is wrong. Exits 1, as `wirerope statics` does, where the model has no equilibrium.
 
-    wirerope new tables --blank, edit the tables in it, delete stops or points without a row, wirerope new camera --tables tables
+    wirerope new tables --blank, edit the tables in it or delete those of stops and points, wirerope new camera --tables tables
 
     Args:
         folder: folder to write, such as genset.

@@ -277,12 +277,14 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> Entries:
         }
         for row in body_peaks(response)
     ]  # fmt: skip
-    mounts = []
+    mounts, early = [], too_short(response)
     for row in mount_peaks(response):
+        # of rated travels that are not judged, since the mount moves one way, too
+        alone = {} if early or not row.one_way else {way: row.travel[way].value / far for way, far in travel[row.name].items()}
         verdict = f"exceeds {', '.join(row.exceeded)}" if row.exceeded else NOT_JUDGED if row.utilisation is None else WITHIN
         mounts.append({
             "name": row.name, "isolator": row.isolator, "verdict": verdict,
-            "share_of_travel": {rating: verdict.utilisation for rating, verdict in row.travel.items()},
+            "share_of_travel": {rating: verdict.utilisation for rating, verdict in row.travel.items()} | alone,
             "rated_travel_m": travel[row.name],
             "lowest_deflection_m": dict(zip(AXES, row.minimum, strict=True)),
             "highest_deflection_m": dict(zip(AXES, row.maximum, strict=True)),

@@ -57,11 +57,16 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
 
 
 def _unjudged(reached: Mapping[str, Array], rated: Mapping[str, float]) -> dict[str, str]:
-    """Say of each rating that is not judged why: it is not stated, or the mount moves `one_way` and does not exceed it."""
+    """Say of each rating that is not judged why: it is not stated, or the mount moves `one_way`, farther than in that of it.
+
+    One that is exceeded is judged.
+    """
     notes = {rating: f"no travel in {rating} is rated" for rating in RATINGS if rating not in rated}
     if lone := one_way(reached, rated):
         reason = f"in {lone} throughout, and {notes[lone]}"
-        notes |= {rating: reason for rating, travel in rated.items() if reached[rating] <= travel}
+        notes |= {
+            rating: reason for rating, travel in rated.items() if float(reached[rating]) <= min(travel, float(reached[lone]))
+        }
     return notes
 
 

@@ -72,12 +72,12 @@ def one_way(reached: Mapping[str, ArrayLike], rated: Container[str]) -> str:
 def largest_utilisation(reached: Array, rated: Array) -> Array:
     """Return the largest of travels over rated ones [m], (..., 4) each in the order of RATINGS; NaN where nothing is rated.
 
-    NaN, too, where the mount moves `one_way` and exceeds nothing.
+    Where a mount moves `one_way`, and farther so than in a rated way, that rating counts only if it is exceeded.
     """
-    used = np.fmax.reduce(reached / rated, axis=-1)
-    axial, stated = reached[..., :2], ~np.isnan(rated[..., :2])
+    used, axial, stated = reached / rated, reached[..., :2], ~np.isnan(rated[..., :2])
     lone = (axial > 0.0) & (axial[..., ::-1] == 0.0) & ~stated & stated[..., ::-1]
-    return np.asarray(np.where(lone.any(axis=-1) & (used <= 1.0), np.nan, used))
+    farther = reached <= np.where(lone, axial, -1.0).max(axis=-1, keepdims=True)
+    return np.asarray(np.fmax.reduce(np.where(farther & (used <= 1.0), np.nan, used), axis=-1))
 
 
 def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, fraction: float = 1.0) -> str:
