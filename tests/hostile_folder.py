@@ -19,7 +19,7 @@ from wirerope_mj.foundation.kernel_files import LOADED, SHIPPED, cache_folder
 _MODULES = """
 sitecustomize usercustomize conftest numba numba_config numpy yaml ctypes struct runpy os multiprocessing
 pickle json tomllib signal socket typing encodings mujoco glfw rerun dask distributed wirerope_mj pyarrow
-scipy matplotlib jinja2 weasyprint lazy_loader cyclopts rich scenario study setup ipython_config
+scipy matplotlib jinja2 typst lazy_loader cyclopts rich scenario study setup ipython_config
 jupyter_config __init__ __main__ textwrap platform h5py pythonfmu3 fmu_slave tbb icc_rt _numba_parallel evil
 pandas openpyxl pyuff pymoo
 """
@@ -28,7 +28,7 @@ PROGRAMS = (
     "rerun-loader-evil", "rerun-cli",
 )  # fmt: skip
 LIBRARIES = (
-    "libgcc_s.so.1", "libglfw.so.3", "libglfw.so", "libpango-1.0.so.0", "libpango-1.0-0", "libtbb.so.12", "libgomp.so.1",
+    "libgcc_s.so.1", "libglfw.so.3", "libglfw.so", "libtbb.so.12", "libgomp.so.1",
     "libarrow.so", "libarrow_python.so", "libparquet.so", "libhdfs.so", "librerun_c.so",
 )  # fmt: skip
 NUMBA = (

@@ -37,9 +37,7 @@ def missing_rows(printed, table):
     return [row for row in table.marks()[: table.shown] if " ".join(text for text, _ in row).split() not in lines]
 
 
-def words(box):
-    """Yield the texts of a page as WeasyPrint sets it, those of its margins among them."""
-    if hasattr(box, "text"):
-        yield box.text
-    for child in getattr(box, "children", ()):
-        yield from words(child)
+def pages_of(path):
+    """Return the texts of the pages of a PDF, those of the margins among them, with single spaces."""
+    pypdf = pytest.importorskip("pypdf")
+    return [" ".join(page.extract_text().split()) for page in pypdf.PdfReader(path).pages]

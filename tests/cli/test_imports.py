@@ -15,7 +15,7 @@ pytestmark = pytest.mark.quick
 
 HEAVY = {
     "dask", "distributed", "jinja2", "matplotlib", "mujoco", "numba", "numpy", "pyarrow", "pymoo", "rerun", "rich", "scipy",
-    "weasyprint",
+    "typst",
 }  # fmt: skip
 USE = """
 import sys

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from shown import words
+from shown import pages_of
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
@@ -14,8 +14,7 @@ from wirerope_mj.foundation.errors import ConvergenceError, RecordError, WireRop
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import load_scenario
-from wirerope_mj.views.report import page as pdf_module
-from wirerope_mj.views.report import report_html
+from wirerope_mj.views.document import write_pdf
 
 
 @pytest.fixture(scope="module")
@@ -83,35 +82,27 @@ def test_bad_input_is_one_message(table, tmp_path, capsys):
 
 
 def test_a_failure_leaves_no_half_written_pdf(table, tmp_path, monkeypatch, quick):
-    def fail(page, path):
+    def fail(content, path):
         path.write_bytes(b"%PDF-1.7 half")
         raise ConvergenceError("no page.")
 
-    monkeypatch.setattr("wirerope_mj.views.report.check_pdf", lambda: None)
-    monkeypatch.setattr("wirerope_mj.views.report.write_pdf", fail)
+    monkeypatch.setattr("wirerope_mj.views.typesetting.load_typst", lambda: None)
+    monkeypatch.setattr("wirerope_mj.views.document.write_pdf", fail)
     with pytest.raises(ConvergenceError):
         write_report(table, out=tmp_path / "page.html", pdf=True)
     (tmp_path / "page.html").unlink()  # whole, and written before
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_weasyprint_the_message_says_what_to_install(table, tmp_path, monkeypatch):
-    for module in ("weasyprint", "weasyprint.urls"):
-        monkeypatch.setitem(sys.modules, module, None)
+def test_without_typst_the_message_says_what_to_install(table, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "typst", None)
     with pytest.raises(WireRopeError, match=r"pip install 'wirerope-mj\[pdf\]'"):
         write_report(table, out=tmp_path / "page.html", pdf=True)
     assert list(tmp_path.iterdir()) == []
 
 
-def needs_pdf():
-    try:
-        pdf_module.check_pdf()
-    except WireRopeError as error:
-        pytest.skip(f"PDF files cannot be made here: {error}")
-
-
 def test_the_pdf_stands_beside_the_page(table, tmp_path, quick):
-    needs_pdf()
+    pytest.importorskip("typst")
     files = write_report(table, out=tmp_path / "page.html", pdf=True)
     assert [path.name for path in files] == ["page.html", "page.pdf"]
     assert files[1].read_bytes().startswith(b"%PDF-")
@@ -119,16 +110,14 @@ def test_the_pdf_stands_beside_the_page(table, tmp_path, quick):
         write_report(table, out=tmp_path / "page.html", pdf=True)
 
 
-def test_long_tables_repeat_their_heading_on_every_page():
-    needs_pdf()
-    import weasyprint
-
+def test_long_tables_repeat_their_heading_on_every_page(tmp_path):
+    pytest.importorskip("typst")
     rows = tuple((f"m{place}", f"{place}") for place in range(200))
     long = Table(title="Mounts", columns=(Column("mount", align="left"), Column("headed")), rows=rows)
     section = Section("table", "Table", lambda: [long])
     content = Content(title="Long", question=("?",), verdict=Statement(), sections=(section,))
-    document = weasyprint.HTML(string=report_html(content)).render()
-    pages = ["".join(words(page._page_box)) for page in document.pages]
+    write_pdf(content, tmp_path / "long.pdf")
+    pages = pages_of(tmp_path / "long.pdf")
     assert len(pages) > 2
     assert all("headed" in page for page in pages)
     assert all(f"page {number} of {len(pages)}" in page for number, page in enumerate(pages, start=1))

@@ -1,16 +1,15 @@
 """Names in any script: pictures take letters from the fonts of the machine, and what no font has is named."""
 
-import os
-import subprocess
-import sys
 import warnings
 
 import numpy as np
 import pytest
+from shown import pages_of
 
 from wirerope_mj.cli import main
-from wirerope_mj.content.blocks import Chart, Curve, Panel
+from wirerope_mj.content.blocks import Chart, Content, Curve, Panel, Section, Statement
 from wirerope_mj.foundation.errors import FontWarning
+from wirerope_mj.views.document import write_pdf
 from wirerope_mj.views.pictures import save_pictures
 from wirerope_mj.views.plots import letters
 
@@ -76,26 +75,22 @@ def test_a_plan_of_a_model_draws_them_or_says_so(fonts, here, capsys, monkeypatc
         assert KOREAN[:3] in said
 
 
-def test_a_pdf_names_what_the_fonts_that_it_is_set_with_lack(here):
-    """In a process of its own, whose font configuration knows the folder of the package's fonts alone."""
-    pytest.importorskip("weasyprint")
-    folder = os.path.dirname(letters.BROUGHT[0])
-    (here / "fonts.conf").write_text(
-        f"<?xml version='1.0'?><!DOCTYPE fontconfig SYSTEM 'fonts.dtd'><fontconfig><dir>{folder}</dir>"
-        f"<cachedir>{here}/cache</cachedir></fontconfig>",
-        encoding="utf-8",
-    )
-    code = (
-        "import sys; from pathlib import Path; from wirerope_mj.views.report.page import write_pdf;"
-        "write_pdf(sys.argv[1], Path('a.pdf'))"
-    )
-    page = f"<style>p {{ color: red }}</style><p>The cabinet {CHINESE} 2</p><p>&lt;{KOREAN}&gt;</p>"
-    done = subprocess.run(
-        [sys.executable, "-c", code, page], env={**os.environ, "FONTCONFIG_FILE": str(here / "fonts.conf"), "PYTHONUTF8": "1"},
-        capture_output=True, encoding="utf-8", check=True,
-    )  # fmt: skip
-    assert f'FontWarning: no font of this machine has the letters of "{CHINESE}", "<{KOREAN}>": boxes' in done.stderr
-    assert (here / "a.pdf").read_bytes().startswith(b"%PDF")
+@pytest.mark.parametrize("fonts", ["all", "none"])
+def test_a_pdf_sets_letters_of_any_script_or_names_what_no_font_has(fonts, here, monkeypatch):
+    pytest.importorskip("typst")
+    if fonts == "all" and not (has_font_of(KOREAN) and has_font_of(CHINESE)):
+        pytest.skip("no font here has Korean and Chinese letters")
+    section = Section("a", "A", lambda: [Statement(text=f"The cabinet {CHINESE} 2"), chart(f"<{KOREAN}>")])
+    content = Content(title="Letters", question=("?",), verdict=Statement(), sections=(section,))
+    if fonts == "none":
+        monkeypatch.setattr(letters, "_system_fonts", lambda: [])
+        with pytest.warns(FontWarning, match=rf'letters of "{CHINESE}", "<{KOREAN}>": boxes'):
+            write_pdf(content, here / "a.pdf")
+    else:
+        write_pdf(content, here / "a.pdf")
+    (page,) = pages_of(here / "a.pdf")
+    assert "The cabinet" in page
+    assert (f"The cabinet {CHINESE} 2" in page and f"<{KOREAN}>" in page) == (fonts == "all")
 
 
 def test_a_letter_that_no_font_has_is_said_by_the_command_once(here, capsys):

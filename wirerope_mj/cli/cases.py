@@ -33,7 +33,7 @@ def cases(
         job: file of the job.
         out: folder of the job; runs/NAME-OF-THE-FILE by default.
         workers: processes that simulate side by side; one for each processor by default.
-        pdf: write the report as a PDF, too, which needs the extra "pdf" (WeasyPrint).
+        pdf: write the report as a PDF, too, which needs the extra "pdf" (Typst).
         docx: write it as a DOCX, too, which needs the extra "docx" (python-docx).
         blank: write JOB.toml as a form to fill in, and simulate nothing.
         force: simulate every case again; with --blank replace the file.

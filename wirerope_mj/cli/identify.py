@@ -31,8 +31,8 @@ from wirerope_mj.mounts.isolator import read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.runs.page import REPORT, write_page
-from wirerope_mj.views.report import check_pdf
 from wirerope_mj.views.terminal import console, show_answer
+from wirerope_mj.views.typesetting import load_typst
 
 NOT_CONVERGED = 1  # Exit code of a fit that did not converge
 _PDF = "report.pdf"
@@ -89,7 +89,7 @@ def identify_records(
         start: law file or isolator file from which a search in three stages begins, besides those from a grid.
         force: replace an isolator file and a report that are there.
         accept_unconverged: write the isolator even of a fit that did not converge.
-        pdf: write a PDF of the report beside it, which needs the extra "pdf" (WeasyPrint).
+        pdf: write a PDF of the report beside it, which needs the extra "pdf" (Typst).
     """
     if not files:
         raise ValueError("name the records: wirerope identify TEST.csv .. --law LAW --out ISOLATOR.toml")
@@ -201,7 +201,7 @@ def _check_outputs(out: Path, report: Path, *, force: bool, pdf: bool) -> None:
         raise ValueError(f"`--out` is an isolator file and must end with .toml, got {str(out)!r}.")
     check_writable(out, force=force)
     if pdf:
-        check_pdf()
+        load_typst()
     check_folder(report, force=force, kind="report", marks=_marks(report))
 
 

@@ -18,7 +18,7 @@ def report(
     Args:
         folder: folder of a run, of a job as `wirerope cases` writes it, or of a study, which has no DOCX.
         out: the page, .html; report.html in the folder by default, where it is made anew.
-        pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
+        pdf: write a PDF of the page beside it, which needs the extra "pdf" (Typst).
         docx: write a DOCX document beside it, which needs the extra "docx" (python-docx).
         force: replace files that `--out` names.
     """
@@ -45,7 +45,7 @@ def study_report(
         folder: folder of a study.
         by: measure that is looked at most; by default the most critical one.
         out: the page, .html; report.html in the study's folder by default, where it is made anew.
-        pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
+        pdf: write a PDF of the page beside it, which needs the extra "pdf" (Typst).
         force: replace files that `--out` names.
     """
     from wirerope_mj.runs.study import write_study_report

@@ -162,6 +162,7 @@ class Document:
     client: Annotated[str, example("The Shipyard")] = ""  # for whom it is written
     standard: Annotated[str, example("Specification 4711, issue 3")] = ""  # by which the load cases and limits were chosen
     logo: Annotated[Path | None, example("logo.png")] = None  # PNG or JPEG file; None for none
+    template: Annotated[Path | None, example("ours.typ")] = None  # of Typst, the layout of the PDF; None for the package's
     history: tuple[Revision, ...] = ()  # revisions, the first one first
     texts: Annotated[Paragraphs, Key("text")] = Paragraphs()
 
@@ -261,6 +262,15 @@ class Content:
     facts: tuple[tuple[str, str], ...] = ()  # below the title: name and value of model, base motion, date
     question: tuple[str, ...] = ()  # what was asked, a text for each paragraph
     document: Document | None = None  # of a document that is filed and signed; None for a plain report
+
+    @property
+    def numbered(self) -> list[tuple[str, Section]]:
+        """Number the titled sections that have blocks, 1, 2, .., and behind them the appendices, Appendix A, B, .."""
+        titled = [section for section in self.sections if section.title and section.blocks]
+        numbered = [section for section in titled if not section.appendix]
+        appendices = [section for section in titled if section.appendix]
+        named = [(f"Appendix {letter_of(number)}", section) for number, section in enumerate(appendices)]
+        return [(str(number), section) for number, section in enumerate(numbered, start=1)] + named
 
     def blocks(self, *depths: Depth) -> Iterator[Block]:
         for section in self.sections:

@@ -44,6 +44,9 @@ class Column:
     def title(self, separator: str = " ") -> str:
         return f"{self.heading}{separator}[{self.unit}]" if self.unit else self.heading
 
+    def line(self) -> str:
+        return self.title().replace("/\n", "/").replace("\n", " ")
+
     def text(self, value: float | None, absent: str = "-") -> str:
         """Return an SI value in the column's unit and form, or `absent` if it is None, infinite or NaN."""
         if value is None or not math.isfinite(value):

@@ -34,7 +34,7 @@ from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.runs.folder import SUMMARY, alterations, digest_of, warn_of_alterations
-from wirerope_mj.runs.job_file import Job, document_table, load_job, logo_ending, read_document
+from wirerope_mj.runs.job_file import Job, document_table, files_of, load_job, read_document
 from wirerope_mj.runs.page import page_files, write_page
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import is_run, judge_table, judged_folder, scenario_content
@@ -172,16 +172,14 @@ def job_table(folder: Path) -> Entries:
 
 
 def _write_job(job: Job, folder: Path) -> None:
-    logo = ""
-    if job.document is not None and job.document.logo is not None:
-        logo = f"logo{logo_ending(job.document.logo)}"
-        with atomic_file(folder / logo) as beside:
-            shutil.copyfile(job.document.logo, beside)
+    for key, name in (files_of(job.document) if job.document else {}).items():
+        with atomic_file(folder / name) as beside:
+            shutil.copyfile(getattr(job.document, key), beside)
     content = {
         "format": FORMAT, "name": job.name, "question": job.question, "written": datetime.now(UTC).replace(microsecond=0),
         "report": list(job.report),
         "case": [{"name": case.name, "folder": case.folder, "note": case.note} for case in job.cases],
-        **({"document": document_table(job.document, logo)} if job.document else {}),
+        **({"document": document_table(job.document)} if job.document else {}),
     }  # fmt: skip
     with atomic_file(folder / JOB) as beside:
         beside.write_text(tomli_w.dumps(content, multiline_strings=True), encoding="utf-8")

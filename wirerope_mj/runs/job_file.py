@@ -158,7 +158,7 @@ def load_job(path: str | Path) -> Job:
             limits.append(limit_from_text(f"{key} = {value}"))
         except ValueError as error:
             raise Place(path, ("limits",)).fault(f'{error} Here it is "acceleration/rack" = "15 g".') from None
-    document = content.document and _with_logo(content.document, Place(path, ("document",)))
+    document = content.document and _with_files(content.document, Place(path, ("document",)))
     try:
         system = judged_by(load_system(source), combined_travel=content.combined_travel, limits=limits)
     except WireRopeError as error:
@@ -259,41 +259,46 @@ _PICTURES = {b"\x89PNG\r\n\x1a\n": ".png", b"\xff\xd8\xff": ".jpg"}
 
 
 def read_document(table: Entries, path: Path) -> Document:
-    """Read the data of a document; a logo lies relative to the file at `path`.
+    """Read the data of a document; logo and template lie relative to the file at `path`.
 
-    ModelError if a key is unknown or of another kind, or the logo is no PNG or JPEG; names it.
+    ModelError if a key is unknown or of another kind, the logo is no PNG or JPEG, or there is no template; names it.
     """
     place = Place(path, ("document",))
-    return _with_logo(structure(Document, table, place), place)
+    return _with_files(structure(Document, table, place), place)
 
 
-def _with_logo(document: Document, place: Place) -> Document:
-    if document.logo is not None:
-        try:
-            logo_ending(document.logo)
-        except ValueError as error:
-            raise place.fault(str(error)) from None
+def _with_files(document: Document, place: Place) -> Document:
+    try:
+        files_of(document)
+    except ValueError as error:
+        raise place.fault(str(error)) from None
     return document
 
 
-def logo_ending(logo: Path) -> str:
-    """Return ".png" or ".jpg" by what a picture's file begins with; ValueError if it is neither."""
-    try:
-        with regular(logo).open("rb") as file:
-            begins = file.read(8)
-    except OSError:
-        raise ValueError(f"there is no file {str(logo)!r} for `logo`.") from None
-    ending = next((ending for mark, ending in _PICTURES.items() if begins.startswith(mark)), "")
-    if not ending:
-        raise ValueError(f"`logo` must be a PNG or JPEG file, and {logo} is neither.")
-    return ending
+def files_of(document: Document) -> dict[str, str]:
+    """Name the copies of a document's files by their keys; ValueError if one is not there, or the logo no PNG or JPEG."""
+    names = {}
+    for key, file in (("logo", document.logo), ("template", document.template)):
+        if file is None:
+            continue
+        try:
+            with regular(file).open("rb") as opened:
+                begins = opened.read(8)
+        except OSError:
+            raise ValueError(f"there is no file {str(file)!r} for `{key}`.") from None
+        pictures = (ending for mark, ending in _PICTURES.items() if begins.startswith(mark))
+        ending = ".typ" if key == "template" else next(pictures, "")
+        if not ending:
+            raise ValueError(f"`logo` must be a PNG or JPEG file, and {file} is neither.")
+        names[key] = f"{key}{ending}"
+    return names
 
 
-def document_table(document: Document, logo: str) -> Entries:
-    """Return the table of a document as `read_document` reads it; `logo` is the name of the logo's copy."""
-    lines = [item.name for item in fields(Document) if item.name not in ("logo", "history", "texts")]
-    table: Entries = {name: getattr(document, name) for name in lines if getattr(document, name)}
-    table |= {"logo": logo} if logo else {}
+def document_table(document: Document) -> Entries:
+    """Return the table of a document as `read_document` reads it beside the copies of its files."""
+    files = files_of(document)
+    lines = [item.name for item in fields(Document) if item.name not in ("logo", "template", "history", "texts")]
+    table: Entries = {name: getattr(document, name) for name in lines if getattr(document, name)} | files
     table |= {"history": [asdict(one) for one in document.history]} if document.history else {}
     texts = {name: text for name, text in asdict(document.texts).items() if text}
     return table | ({"text": texts} if texts else {})

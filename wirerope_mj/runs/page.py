@@ -16,12 +16,13 @@ def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool, 
     it stand beside it. ValueError if the page does not end with .html; RecordError if a file is at `out` that `force` does
     not replace; WireRopeError if a PDF or a DOCX cannot be made here.
     """
-    from wirerope_mj.views.report import check_docx, check_pdf  # late: its libraries take long to import
+    from wirerope_mj.views.document import check_docx  # late: its libraries take long to import
+    from wirerope_mj.views.typesetting import load_typst
 
     page = folder / REPORT if out is None else Path(out)
     if page.suffix.lower() not in (".html", ".htm"):
         raise ValueError(f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`).")
-    wanted = ((".pdf", pdf, check_pdf), (".docx", docx, check_docx))
+    wanted = ((".pdf", pdf, load_typst), (".docx", docx, check_docx))
     files = [page, *(page.with_suffix(ending) for ending, asked, _ in wanted if asked)]
     for path in files:
         if out is not None and path.exists() and not (force and path.is_file()):
@@ -37,7 +38,8 @@ def write_page(content: Content, files: list[Path]) -> None:
 
     On paper nothing is folded away: long tables stand whole in appendices.
     """
-    from wirerope_mj.views.report import report_html, write_docx, write_pdf
+    from wirerope_mj.views.document import write_docx, write_pdf
+    from wirerope_mj.views.report import report_html
 
     files[0].parent.mkdir(parents=True, exist_ok=True)
     whole = with_appendices(content) if len(files) > 1 else content
@@ -46,6 +48,6 @@ def write_page(content: Content, files: list[Path]) -> None:
             if path.suffix == ".docx":
                 write_docx(whole, beside)
             elif path.suffix == ".pdf":
-                write_pdf(report_html(whole), beside)
+                write_pdf(whole, beside)
             else:
                 beside.write_text(report_html(content), encoding="utf-8")

@@ -39,7 +39,7 @@ def write_report(
     Args:
         folder: of the run or the job; nothing outside it is read.
         out: the page, .html; by default report.html in that folder, which is made anew.
-        pdf: whether a PDF of the page is written beside it.
+        pdf: whether a PDF is written beside it.
         force: whether files at `out` are replaced.
         docx: whether a DOCX of it is.
         decks: whether the peaks of a run on decks that bend are in it, which four more simulations find.

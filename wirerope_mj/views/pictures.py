@@ -14,20 +14,25 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.views.plots import scene_svg
 from wirerope_mj.views.plots.letters import FAMILY, fonts_for, text_of
 from wirerope_mj.views.plots.svg_chart import chart_svg, safe_text
+from wirerope_mj.views.typesetting import typeset
 
 _ZOOM = 1.6  # pixels to a unit of a drawing
 _LINE, _TITLE, _NOTE = 18.0, 96, 125  # height of a line; letters of a line of a title, of a caption
 _EDGE = 6.0  # margin below
+_SHEET = """#let sheet = json(bytes(sys.inputs.report))
+#set page(width: sheet.width * 0.75pt, height: sheet.height * 0.75pt, margin: 0pt)
+#set document(date: none)
+#image(bytes(sheet.svg), format: "svg", width: 100%)"""
 _STYLE = ".halo,.name{paint-order:stroke;stroke:#fff;stroke-width:2px}"  # of names that stand on lines
 
 
 def save_pictures(blocks: Sequence[Chart | SceneView], path: str | Path, *, title: str = "") -> None:
     """Write drawings below each other under a title, scenes with their captions, whole or not at all.
 
-    The suffix of `path` is the format: .png, .svg or .pdf. ValueError for others; WireRopeError if WeasyPrint, which writes
-    PDF, is not installed.
+    The suffix of `path` is the format: .png, .svg or .pdf. ValueError for others; WireRopeError if Typst, which writes PDF,
+    is not installed.
     """
-    picture, height = _picture(blocks, title)
+    picture, height = joined_svg(blocks, title)
     save_svg(picture, (WIDTH, height), Path(path))
 
 
@@ -47,12 +52,10 @@ def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
                 font_files=fonts_for(text_of(picture)), sans_serif_family=FAMILY,
             ))  # fmt: skip
         else:
-            from wirerope_mj.views.report.page import write_pdf
-
-            write_pdf(f"<style>@page{{size:{size[0]:g}px {size[1]:g}px;margin:0}}body{{margin:0}}</style>{picture}", temporary)
+            typeset(_SHEET, {"svg": picture, "width": size[0], "height": size[1]}, temporary)
 
 
-def _picture(blocks: Sequence[Chart | SceneView], title: str) -> tuple[str, float]:
+def joined_svg(blocks: Sequence[Chart | SceneView], title: str = "") -> tuple[str, float]:
     """Join all drawings into an <svg> element, narrow ones beside each other; return it and its height."""
     lines = wrap(title, _TITLE)
     parts = [_text(_LINE * (n + 1), line, 'font-size="14" font-weight="bold"') for n, line in enumerate(lines)]

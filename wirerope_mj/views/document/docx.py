@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
-from wirerope_mj.content.blocks import Block, Chart, Content, SceneView, Statement, letter_of
+from wirerope_mj.content.blocks import Block, Chart, Content, SceneView, Statement
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain_lines
@@ -65,11 +65,8 @@ class _Writer:
         for table in (filed.signatures(), filed.revisions()) if filed is not None else ():
             if table is not None:
                 self.set_block(table)
-        titled = [section for section in content.sections if section.title and section.blocks]
-        numbered = [section for section in titled if not section.appendix]
-        appendices = [section for section in titled if section.appendix]
-        titles = [f"{number}  {section.title}" for number, section in enumerate(numbered, start=1)]
-        titles += [f"Appendix {letter_of(number)}  {section.title}" for number, section in enumerate(appendices)]
+        titles = [f"{number}  {section.title}" for number, section in content.numbered]
+        appendices = [section for _, section in content.numbered if section.appendix]
         if filed is not None:
             self._paragraph("Contents", bold=True, keep=True)
             for title in titles:
@@ -83,7 +80,7 @@ class _Writer:
         for section in content.sections:
             for block in section.blocks if not section.title else ():
                 self.set_block(block)
-        for title, section in zip(titles, [*numbered, *appendices], strict=True):
+        for title, (_, section) in zip(titles, content.numbered, strict=True):
             heading = self.document.add_heading(plain_lines(title), level=1)
             heading.paragraph_format.page_break_before = section in appendices[:1]
             for block in section.blocks:
@@ -154,7 +151,7 @@ class _Writer:
 
     def _table(self, table: Table) -> None:
         """Set a table as wide as its texts, with a repeated header; cell by cell it would take minutes."""
-        heads = [column.title().replace("/\n", "/").replace("\n", " ") for column in table.columns]
+        heads = [column.line() for column in table.columns]
         body = table.marks(absent=ABSENT, minus=MINUS)
         size, widths = _widths(table.columns, heads, [[text for text, _ in row] for row in body])
         aligned = ["right" if column.align == "right" else "left" for column in table.columns]

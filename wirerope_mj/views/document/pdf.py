@@ -1,0 +1,50 @@
+"""A content as a PDF document: its data for the template that lays them out."""
+
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+
+from wirerope_mj.content.blocks import Block, Chart, Content, Statement
+from wirerope_mj.content.numbers import ABSENT, MINUS
+from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.tables import Table
+from wirerope_mj.views.pictures import joined_svg
+from wirerope_mj.views.typesetting import typeset
+
+
+def write_pdf(content: Content, path: Path) -> None:
+    """Write an unfolded content as a PDF; warnings and errors of `typeset`."""
+    filed = content.document
+    template = Path(__file__).with_name("document.typ").read_text(encoding="utf-8")
+    typeset(filed.template if filed and filed.template else template, _report(content), path)
+
+
+def _report(content: Content) -> Entries:
+    """Return what a template reads: texts, tables by rows, drawings as SVG."""
+    filed = content.document
+    return {
+        "kind": "Shock and vibration report", "program": f"wirerope-mj {version('wirerope-mj')}", "title": content.title,
+        "verdict": _entry(content.verdict), "facts": [*(filed.facts if filed else ()), *content.facts],
+        "question": content.question, "logo": list(filed.logo.read_bytes()) if filed and filed.logo else None,
+        "document": filed and {
+            **{name: getattr(filed, name) for name in ("author", "classification", "reference")},
+            "tables": [_entry(table) for table in (filed.signatures(), filed.revisions()) if table],
+        },
+        "summary": [_entry(block) for section in content.sections if not section.title for block in section.blocks],
+        "sections": [
+            {"id": section.id, "number": number, "title": section.title, "appendix": section.appendix,
+             "blocks": [_entry(block) for block in section.blocks]}
+            for number, section in content.numbered
+        ],
+    }  # fmt: skip
+
+
+def _entry(block: Block) -> Entries:
+    if isinstance(block, Statement):
+        return {"kind": "statement", "id": block.id, "text": block.text, "items": block.items, "tone": block.tone}
+    if isinstance(block, Table):
+        columns = [{"heading": column.line(), "align": column.align} for column in block.columns]
+        rows = [[{"text": text, "tone": tone} for text, tone in row] for row in block.marks(absent=ABSENT, minus=MINUS)]
+        return {"kind": "table", "id": block.id, "title": block.title, "columns": columns, "rows": rows, "note": block.note}
+    bare, alt, part = (block, block.alt, 0.8) if isinstance(block, Chart) else (replace(block, caption=""), block.caption, 0.75)
+    return {"kind": "picture", "id": block.id, "svg": joined_svg([bare])[0], "caption": block.caption, "alt": alt, "part": part}
