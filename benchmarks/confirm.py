@@ -201,7 +201,7 @@ def documents() -> Iterator[Measured]:
     for claim, name, claimed in (
         ("a shock on a floor on 300 mounts, its folder written", "shock", 23.0),
         ("the report of that floor", "report", 38.0),
-        ("the shipped floor's report as PDF, too", "pdf", 48.0),
+        ("the shipped floor's report as PDF, too", "pdf", 21.0),
         ("a shock on the shipped floor: the verdict where every kernel must be compiled", "first", 132.0),
     ):
         yield Measured(

@@ -112,5 +112,5 @@ def test_marks_are_dots_at_their_samples():
     chart = Chart(rows=[[Panel(curves=[Curve(x=x, y=x, name="dots", kind=0, marks=True)], ylabel="", ylim=(0.0, 1.0))]])
     (path,) = re.findall(r'<path ([^>]*data-name="dots"[^>]*)/>', chart_svg(chart))
     assert 'stroke-linecap="round"' in path
-    low, middle, high = sorted(float(text) for text in re.findall(r"M([\d.]+) [\d.]+h0", path))
+    low, middle, high = sorted(float(text) for text in re.findall(r"M([\d.]+) [\d.]+h", path))
     np.testing.assert_allclose((middle - low) / (high - low), 0.5, atol=1e-3)  # tenths of a pixel

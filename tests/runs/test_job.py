@@ -20,6 +20,7 @@ from wirerope_mj.foundation.half_written import hidden_file
 from wirerope_mj.runs import job as job_module
 from wirerope_mj.runs.folder import alterations
 from wirerope_mj.runs.job import judged_job
+from wirerope_mj.runs.job_file import document_table, read_document
 from wirerope_mj.runs.scenario_file import run_facts, run_verdicts
 
 CASES = """
@@ -372,6 +373,7 @@ def test_the_recording_holds_every_case(done):
         ('model = "shock_table"\n[records]\nfiles = "records/*.csv"', "no file matches `files` = 'records/*.csv'"),
         ('model = "shock_table"\n[document]\nrevisions = "B"', "[document] `revisions` is unknown; known: project, number"),
         ('model = "shock_table"\n[document]\nlogo = "job.toml"', "`logo` must be a PNG or JPEG file"),
+        ('model = "shock_table"\n[document]\ntemplate = "gone.typ"', "gone.typ' for `template`"),
         ('model = "shock_table"\n[document]\ntext.summary = "x"', "`summary` is unknown; known: scope, assumptions"),
         ("model =", "not valid TOML"),
     ],
@@ -385,6 +387,14 @@ def test_a_wrong_job_is_one_message_and_nothing_is_written(tmp_path, capsys, tex
     assert line.startswith("wirerope: ")
     assert message in line
     assert [entry.name for entry in tmp_path.iterdir()] == ["job.toml"]
+
+
+def test_a_job_holds_copies_of_the_logo_and_the_template_of_its_document(tmp_path):
+    (tmp_path / "ours.bin").write_bytes(b"\x89PNG\r\n\x1a\n")
+    (tmp_path / "house.typ").write_text("", encoding="utf-8")
+    table = {"number": "N1", "logo": "ours.bin", "template": "house.typ"}
+    document = read_document(table, tmp_path / "job.toml")
+    assert document_table(document) == {"number": "N1", "logo": "logo.png", "template": "template.typ"}
 
 
 def test_another_folder_is_not_touched(done, tmp_path, capsys):

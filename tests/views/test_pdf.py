@@ -92,7 +92,7 @@ def test_a_template_of_the_company_lays_the_document_out(tmp_path):
     write_pdf(filed, tmp_path / "a.pdf")
     assert pages_of(tmp_path / "a.pdf") == ["Our house: One, PASS. 1 A: It holds."]
     ours.write_text("#report.title", encoding="utf-8")
-    with pytest.raises(WireRopeError, match=r"ours\.typ: Typst cannot set this\. .*unknown variable: report"):
+    with pytest.raises(WireRopeError, match=r"ours\.typ:1:1\): Typst cannot set this, unknown variable: report\."):
         write_pdf(filed, tmp_path / "a.pdf")
 
 

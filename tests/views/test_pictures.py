@@ -54,6 +54,14 @@ def test_letters_are_drawn_where_a_machine_has_none(tmp_path):
     assert (tmp_path / "a.png").read_bytes() != (tmp_path / "m.png").read_bytes()
 
 
+def test_a_single_dot_is_drawn(tmp_path):
+    """In another colour a picture of it has other bytes."""
+    for kind in (0, 1):
+        curve = Curve(x=X[:1], y=X[:1], name="", kind=kind, marks=True)
+        save_pictures([Chart(rows=[[Panel(curves=[curve], ylabel="y")]])], tmp_path / f"{kind}.png")
+    assert (tmp_path / "0.png").read_bytes() != (tmp_path / "1.png").read_bytes()
+
+
 @pytest.mark.parametrize("name", ["picture.docx", "picture"])
 def test_another_kind_of_file_is_refused_and_leaves_nothing(tmp_path, name):
     with pytest.raises(ValueError, match=r"must end with \.png, \.svg or \.pdf"):

@@ -1,6 +1,7 @@
 """PDF files, set by Typst with the package's fonts: it needs no other program, and no library of the system."""
 
 import json
+import re
 from pathlib import Path
 from types import ModuleType
 
@@ -36,7 +37,9 @@ def typeset(template: str | Path, data: object, path: Path) -> None:
     try:
         typst.compile(source, output=path, format="pdf", font_paths=fonts, sys_inputs=inputs)
     except typst.TypstError as error:
-        raise WireRopeError(f"{template}: Typst cannot set this. {error.diagnostic or error}") from None
+        place = re.search(r"\S+:\d+:\d+", error.diagnostic or "")
+        where = f"{template} ({place[0]})" if place else template
+        raise WireRopeError(f"{where}: Typst cannot set this, {' '.join([error.message, *error.hints])}.") from None
 
 
 def _plain(data: object, texts: list[str], *, drawing: bool = False) -> object:

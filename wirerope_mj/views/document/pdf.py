@@ -4,12 +4,14 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from wirerope_mj.content.blocks import Block, Chart, Content, Statement
+from wirerope_mj.content.blocks import WIDTH, Block, Chart, Content, Statement
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.views.pictures import joined_svg
 from wirerope_mj.views.typesetting import typeset
+
+_TALLEST = 1.25  # height of a picture, as a fraction of the width of the text: a page without its caption
 
 
 def write_pdf(content: Content, path: Path) -> None:
@@ -47,4 +49,6 @@ def _entry(block: Block) -> Entries:
         rows = [[{"text": text, "tone": tone} for text, tone in row] for row in block.marks(absent=ABSENT, minus=MINUS)]
         return {"kind": "table", "id": block.id, "title": block.title, "columns": columns, "rows": rows, "note": block.note}
     bare, alt, part = (block, block.alt, 0.8) if isinstance(block, Chart) else (replace(block, caption=""), block.caption, 0.75)
-    return {"kind": "picture", "id": block.id, "svg": joined_svg([bare])[0], "caption": block.caption, "alt": alt, "part": part}
+    svg, height = joined_svg([bare])
+    part = min(part, _TALLEST * WIDTH / height)
+    return {"kind": "picture", "id": block.id, "svg": svg, "caption": block.caption, "alt": alt, "part": part}

@@ -22,6 +22,7 @@ _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0  # heights of titles,
 _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
 _MARK = 3.6  # diameter of a dot
+_DOT = "h.01"  # a path without any length is not drawn in files
 _MANY = 2000  # dots above which dots that cover each other are drawn once
 _SWATCH_BAR = 9.0  # height of a bar or a colour in the legend
 _FINE = 1 / 500  # tolerance of a line, as a fraction of a panel's height
@@ -56,7 +57,7 @@ def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
     for panel in panels:
         for curve in panel.curves:
             width = _SWATCH_BAR if curve.bars else 0.0
-            entries.setdefault(curve.name, (_look(curve, width), "m9 0h0" if curve.marks else "h18"))
+            entries.setdefault(curve.name, (_look(curve, width), f"m9 0{_DOT}" if curve.marks else "h18"))
         for name, _ in (*panel.limits, *panel.xlimits):
             entries.setdefault(name, (_LIMIT, "h18"))
         for colour, name in field_key(panel.field) if panel.field else ():
@@ -225,7 +226,7 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
         inside = (y >= min(upward.low, upward.high)) & (y <= max(upward.low, upward.high))
         x, y = x[inside], y[inside]
         places = np.unique(np.round(_points(across.of(x), upward.of(y)), 0 if x.size > _MANY else 1), axis=0).tolist()
-        return ["".join(f"M{a:g} {b:g}h0" for a, b in places)]
+        return ["".join(f"M{a:g} {b:g}{_DOT}" for a, b in places)]
     tolerance = _FINE * abs(upward.high - upward.low)
     if upward.log or across.log:
         both = np.column_stack([across.of(x), upward.of(y)])

@@ -10,7 +10,7 @@ const points = new WeakMap();
 
 function pointsOf(path) {
   if (!points.has(path)) {
-    const numbers = path.getAttribute("d").replaceAll("h0", " ").match(/-?[\d.]+/g).map(Number);
+    const numbers = path.getAttribute("d").replaceAll(/h[\d.]+/g, " ").match(/-?[\d.]+/g).map(Number);
     points.set(path, numbers.length % 2 ? [] : numbers);
   }
   return points.get(path);
