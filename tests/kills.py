@@ -19,17 +19,29 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Timer
 
+import psutil
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
 
 LONGEST = 600.0
 """A command that takes longer hangs [s]."""
+
+
+def wait_until_ended(number: int) -> None:
+    """Wait until a process is gone or a zombie: after its SIGKILL that takes as long as the machine is busy.
+
+    One that lives on makes the test run into the time that pytest allows.
+    """
+    with suppress(psutil.NoSuchProcess):
+        process = psutil.Process(number)
+        while process.is_running() and process.status() != psutil.STATUS_ZOMBIE:
+            time.sleep(0.02)
 
 
 @dataclass(frozen=True)

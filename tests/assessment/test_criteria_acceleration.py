@@ -39,7 +39,7 @@ def test_without_a_limit_nothing_is_judged(floor):
 
 def test_a_criterion_of_the_payload_that_nobody_knows_has_its_sentence(floor):
     fast = Verdict(criterion=Criterion("velocity"), subject="rack_0", value=3.0, limit=2.0, unit="m/s", time=0.1)
-    assert "Exceeded: velocity of rack_0, 3 of 2 m/s (150 %) at 100.0 ms." in verdict_lines(floor, [*judge(floor), fast])
+    assert "Exceeded: rack_0 velocity 3.00 m/s, limit 2 m/s (150 %) at 100.0 ms." in verdict_lines(floor, [*judge(floor), fast])
 
 
 def test_one_value_judges_the_size_of_the_vector(floor):

@@ -180,5 +180,5 @@ def test_what_has_no_such_force_is_refused(text, fault):
 def test_a_command_says_which_load_is_exceeded(tmp_path, capsys):
     words = ["shock", "shock_table", "--half-sine", "30 g 11 ms z", "--limit", "load/m1 = 10 N", "--out", str(tmp_path / "run")]
     assert main(words) == 0
-    assert "Exceeded: load of m1" in " ".join(capsys.readouterr().out.split())
+    assert "FAIL: m1 load" in " ".join(capsys.readouterr().out.split())
     assert main(["report", str(tmp_path / "run")]) == 0

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.errors import RecordError
 
 
 def test_the_main_job_prints_every_peak_against_its_limit_and_replays(tmp_path):
-    done = wirerope("run", "floating_floor_shock", "--duration", "0.15", "--out", "here", cwd=tmp_path)
+    done = wirerope("run", "floating_floor_shock", "--duration", "0.15", "--out", "here", "--all", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     lines = done.stdout.splitlines()
     for name in ("deck (base)", "floor", "crew_1_head (point)", *[f"m{n:02d}" for n in range(1, 17)], "h1", "r4"):
@@ -62,7 +62,7 @@ def test_an_existing_run_needs_force(tmp_path, capsys):
 
 
 def test_a_sweep_says_at_which_frequency_its_peaks_lie(tmp_path, capsys):
-    assert main(["run", "sdof_sweep", "--duration", "0.2", "--out", str(tmp_path / "run")]) == 0
+    assert main(["run", "sdof_sweep", "--duration", "0.2", "--out", str(tmp_path / "run"), "--all"]) == 0
     assert "[Hz]" in capsys.readouterr().out
 
 

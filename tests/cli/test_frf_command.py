@@ -26,7 +26,7 @@ NARROW = ("--start", "34", "--stop", "39", "--largest-step", "0.04")
 def both(tmp_path_factory):
     """Return exit code, text on the screen and folder of two levels with branches and sweeps."""
     folder = tmp_path_factory.mktemp("frf") / "result"
-    return folder, ("frf", MODEL, "--acceleration", "5", "2", "--method", "both", "--rate", "3", *NARROW)
+    return folder, ("frf", MODEL, "--acceleration", "5", "2", "--method", "both", "--rate", "3", "--all", *NARROW)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def written(both):
 def test_every_level_is_shown_with_its_resonance_and_what_the_sweeps_say(written):
     code, out, folder = written
     assert code == 0
-    assert "Base: along z Response: acceleration of mass along z Range: 34 to 39 Hz (given)" in out
+    assert "Base along z, acceleration of mass along z, 34 to 39 Hz (given)." in out
     assert out.index("Level 2 m/s²") < out.index("Level 5 m/s²")
     assert out.count("resonance peak") == 2
     assert out.count("all motions are stable") == 2

@@ -39,7 +39,7 @@ def test_a_search_becomes_one_folder_with_table_pictures_and_runs_of_its_best(do
 
 def test_resuming_prints_the_front_again(done, capsys):
     file = done.parent / "places.py"
-    assert main(["study", str(file), "--resume", "--out", str(done)]) == 0
+    assert main(["study", str(file), "--resume", "--out", str(done), "--all"]) == 0
     out = capsys.readouterr().out
     result = wr.load_study(done)
     assert result.message in " ".join(out.split())

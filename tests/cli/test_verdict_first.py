@@ -43,13 +43,22 @@ def test_the_verdict_is_printed_before_anything_is_written_and_holds_when_writin
     monkeypatch.setattr("wirerope_mj.engine.response.Response.save", fail)
     assert main([*SHORT, str(tmp_path / "run")]) == code
     assert there == [False]
-    assert "most used m1, " in printed[0]
-    assert "verdict after" in printed[0]
+    assert "most critical m1 " in printed[0]
     end = capsys.readouterr()
     assert end.out == ""  # nothing says that a folder was written
     assert said in end.err
     assert f"the peaks and verdicts above hold, but the run was not written to {tmp_path / 'run'}." in end.err
     assert not list(tmp_path.iterdir())
+
+
+def test_a_run_says_its_verdict_first_and_all_of_it_in_twelve_lines(tmp_path, capsys):
+    assert main([*SHORT, str(tmp_path / "run")]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.strip()]
+    assert len(lines) <= 12
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert lines[0].strip() == summary["headline"]
+    assert " → " in lines[1]
+    assert lines[-3].split()[:2] == ["wirerope", "show"]
 
 
 def test_an_error_before_the_verdict_says_nothing_of_one(tmp_path, capsys):
@@ -61,7 +70,7 @@ def test_a_run_is_judged_once_and_printed_as_its_summary_says_it(tmp_path, monke
     calls = []
     judge = judged_module.judge
     monkeypatch.setattr(judged_module, "judge", lambda *given, **named: calls.append(1) or judge(*given, **named))
-    assert main([*SHORT, str(tmp_path / "run")]) == 0
+    assert main([*SHORT, str(tmp_path / "run"), "--all"]) == 0
     assert len(calls) == 1
     printed = capsys.readouterr()
     assert printed.err == ""  # where nobody looks on there is no progress line
@@ -72,7 +81,7 @@ def test_a_run_is_judged_once_and_printed_as_its_summary_says_it(tmp_path, monke
     (row,) = [line.split() for line in printed.out.splitlines() if line.startswith(mount["name"])]
     assert row[1:3] == [f"{1e3 * mount[key]['axial']:.1f}" for key in ("lowest_deflection_m", "highest_deflection_m")]
     assert f"{100 * mount['share_of_travel']['compression']:.0f}" in row
-    verdict, folder = printed.out.index("estimated error"), printed.out.index(f"written to {tmp_path / 'run'}/,")
+    verdict, folder = printed.out.index("estimated error"), printed.out.index(f"written to {tmp_path / 'run'}/report.html,")
     assert verdict < folder < printed.out.index("s in all")
 
 

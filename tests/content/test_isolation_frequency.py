@@ -105,7 +105,7 @@ def test_terminal_and_summary_have_transmissibility_dwells_and_how_far_the_paylo
     monkeypatch.chdir(tmp_path)
     (tmp_path / "psd.csv").write_text("frequency [Hz],psd [g^2/Hz]\n5,0.001\n100,0.001\n", encoding="utf-8")
     (tmp_path / "table.csv").write_text("from [Hz],to [Hz],displacement [mm]\n8,11,0.3\n", encoding="utf-8")
-    assert main(["shock", "shock_table", "--psd", "psd.csv 8 s z seed 1", "--out", "psd", "--accuracy", "1e-3"]) == 0
+    assert main(["shock", "shock_table", "--psd", "psd.csv 8 s z seed 1", "--out", "psd", "--accuracy", "1e-3", "--all"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "Random vibration: block" in text
     assert "isolates from" in text
@@ -115,7 +115,7 @@ def test_terminal_and_summary_have_transmissibility_dwells_and_how_far_the_paylo
     assert content["octave-bands"]["rows"]
     assert content["payload-moves"]["values"]["displacement_m"] > 0.0
     assert "Rms accelerations by octave band" in (tmp_path / "psd" / "report.html").read_text(encoding="utf-8")
-    words = ["shock_table", "--amplitude-table", "table.csv 2 s z dwell 3 s", "--out", "dwell", "--accuracy", "1e-3"]
+    words = ["shock_table", "--amplitude-table", "table.csv 2 s z dwell 3 s", "--out", "dwell", "--accuracy", "1e-3", "--all"]
     assert main(["shock", *words]) == 0
     assert "Dwells of 3 s at 1" in capsys.readouterr().out
 

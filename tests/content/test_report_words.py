@@ -44,10 +44,10 @@ def test_the_answer_counts_the_exceeded_and_names_the_worst():
         verdict(subject="m2", value=0.05),
         verdict(criterion="acceleration", limit=None, note="nobody knows"),
     ]
-    assert most_critical(rows).text == "Most critical: travel in roll of m2, 50 of 40 mm (125 %)."
+    assert most_critical(rows).text == "Most critical: m2 travel in roll 50.0 mm, limit 40 mm (125 %)."
     assert unjudged(rows) == ("acceleration of m1: nobody knows.",)
     found = headline(rows)
-    assert found.text == "FAIL: 1 of 2 checks exceeded; worst m2, 125 % of the limit of travel in roll; 1 value has no limit."
+    assert found.text == "FAIL: m2 travel in roll 50.0 mm, limit 40 mm (125 %); 1 of 2 checks exceeded; 1 value has no limit."
     assert (found.tone, found.values["utilisation"]) == ("exceeded", 1.25)
 
 
@@ -79,7 +79,7 @@ def test_nothing_judged_is_never_passed():
     assert "within" not in headline(rows).text
     assert most_critical(rows) is None
     passed = headline([verdict()])
-    assert passed.text == "PASS: the only check is within limits; most critical m1, 50 % of the limit of travel in roll."
+    assert passed.text == "PASS: most critical m1 travel in roll 20.0 mm, limit 40 mm (50 %); the only check is within limits."
     assert passed.tone == "within"
 
 

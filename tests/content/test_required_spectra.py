@@ -19,7 +19,7 @@ def beside_rrs(tmp_path, monkeypatch):
 
 
 def shocked(capsys, option, phrase=PHRASE):
-    assert main(["shock", "shock_table", option, phrase, "--out", "run", "--force", "--accuracy", "1e-3"]) == 0
+    assert main(["shock", "shock_table", option, phrase, "--out", "run", "--force", "--accuracy", "1e-3", "--all"]) == 0
     return " ".join(capsys.readouterr().out.split())
 
 
@@ -55,7 +55,7 @@ def test_the_document_of_a_job_shows_them_once(tmp_path, capsys):
         f'[[case]]\nname = "earthquake"\nrequired-spectrum = "{PHRASE}"\n[[case]]\nname = "drop"\nhalf-sine = "5 g 11 ms z"\n'
     )
     (tmp_path / "job.toml").write_text(f'model = "shock_table"\n[simulate]\naccuracy = 1e-3\n{cases}', encoding="utf-8")
-    assert main(["cases", "job.toml", "--out", "job", "--docx", "--workers", "1"]) == 0
+    assert main(["cases", "job.toml", "--out", "job", "--docx", "--workers", "1", "--all"]) == 0
     out = capsys.readouterr().out
     assert "earthquake: The base's motion envelops the required spectrum" in out
     assert "Required and achieved response spectra of the base" in out

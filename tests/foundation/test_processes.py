@@ -1,11 +1,10 @@
 """A command that compiles starts one process beside it, which ends with it; a library starts none. A copy writes files."""
 
-import os
 import subprocess
 import sys
-import time
 
 import pytest
+from kills import wait_until_ended
 
 from wirerope_mj.foundation import processes
 
@@ -40,8 +39,7 @@ def beside(folder, *, before="processes.allow_one_beside()", processors=2, waits
 
 def test_the_first_kernel_that_a_command_compiles_starts_one_process_which_ends_with_it(tmp_path):
     (number,) = beside(tmp_path)
-    while os.path.exists(f"/proc/{number}"):  # longer than pytest lets a test take, if nobody ended it
-        time.sleep(0.05)
+    wait_until_ended(int(number))
 
 
 @pytest.mark.slow

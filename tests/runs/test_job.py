@@ -266,7 +266,7 @@ def test_two_jobs_are_compared_case_by_case(done, tmp_path, capsys):
     text = CASES.replace('"20 g 11 ms z"', '"30 g 11 ms z"').replace('"Down, mild"', '"Down"')
     wr.run_job(written(tmp_path, text), tmp_path / "out", workers=1)
     capsys.readouterr()
-    assert main(["compare", str(folder / "out"), str(tmp_path / "out"), "--names", "before", "after"]) == 0
+    assert main(["compare", str(folder / "out"), str(tmp_path / "out"), "--names", "before", "after", "--all"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "after uses more of the limits in Up and hard." in said or "after exceeds limits in Up and hard" in said
     assert "Up and hard: half-sine: 20 g 11 ms z -> 30 g 11 ms z" in said
@@ -326,7 +326,7 @@ def test_a_law_that_was_edited_is_said_by_its_parameter(done):
 
 def test_a_job_compared_with_itself_shows_no_table_without_rows(done, capsys):
     out = str(done[0] / "out")
-    assert main(["compare", out, out, "--names", "one", "other"]) == 0
+    assert main(["compare", out, out, "--names", "one", "other", "--all"]) == 0
     said = capsys.readouterr().out
     assert "They use the same fraction of every limit." in said
     assert "use different fractions" not in said

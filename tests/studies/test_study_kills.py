@@ -1,6 +1,5 @@
 """Studies that are killed: anywhere, at any operation on their files, and worker by worker."""
 
-import contextlib
 import functools
 import itertools
 import os
@@ -13,12 +12,11 @@ import sys
 import time
 import warnings
 from dataclasses import replace
-from pathlib import Path
 
 import psutil
 import pytest
 from house import calls
-from kills import killed_at_call
+from kills import killed_at_call, wait_until_ended
 from table_study import FILES, VARY, rows, table_study
 from writing_commands import files
 
@@ -314,5 +312,4 @@ def test_workers_that_are_still_starting_end_with_the_process_that_asks(tmp_path
     ended = subprocess.run([sys.executable, "-c", asking], env={**os.environ, "PYTHONPATH": paths}, timeout=300.0)
     assert ended.returncode == 128 + 15
     for number in (int(path.name) for path in tmp_path.iterdir() if path.name.isdigit()):
-        with contextlib.suppress(FileNotFoundError):  # it is gone, or waits for whoever collects its exit status
-            assert " Z " in Path(f"/proc/{number}/stat").read_text()
+        wait_until_ended(number)

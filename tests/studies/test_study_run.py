@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from kills import interruptible
+from kills import interruptible, wait_until_ended
 from table_study import PULSE, VARY, G, rows, table_study
 
 import wirerope_mj as wr
@@ -247,7 +247,8 @@ def test_a_script_needs_no_guard_and_ctrl_c_ends_its_workers(tmp_path):
         error = process.communicate(timeout=120.0)[1]
     assert len(children) == 2
     assert error.rstrip().endswith("KeyboardInterrupt")
-    assert not [number for number in children if Path(f"/proc/{number}").exists()]
+    for number in children:
+        wait_until_ended(number)
     found = wr.load_study(tmp_path / "study")
     assert found.table.num_rows % chunk_size(found.study) == 0
 

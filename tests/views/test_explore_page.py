@@ -79,7 +79,7 @@ def rested(page):
 def reset(page):
     page.get_by_role("button", name="Reset all").click()
     rested(page)
-    assert "FAIL: 17 of 132 checks exceeded" in headline(page)
+    assert "17 of 132 checks exceeded" in headline(page)
 
 
 def test_the_level_slider_changes_the_verdict(browser, floor):

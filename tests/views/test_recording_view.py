@@ -12,7 +12,7 @@ from made_up_floor import floor_response
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Criterion, Verdict, judge, verdict_lines
 from wirerope_mj.assessment.criteria.ended import used_limits
-from wirerope_mj.assessment.criteria.summary import against_limit
+from wirerope_mj.assessment.criteria.verdict import against_limit
 from wirerope_mj.content.blocks import Curve, Panel
 from wirerope_mj.content.events import at_cursor, events_of, first_above, main_instants
 from wirerope_mj.content.judged_run import RunResult, judged_run
@@ -109,7 +109,7 @@ def test_exceeded_travel_is_an_error_and_says_which_mount_and_by_how_much():
     assert len(failed) == 16  # compression, and all axes at once
     for row in failed:
         (passed,) = [event for event in events if event.text == f"{row.subject}: {row.criterion} passes its limit"]
-        (peak,) = [event for event in events if event.text == f"largest {against_limit(row)}"]
+        (peak,) = [event for event in events if event.text == f"maximum: {against_limit(row)}"]
         assert passed.level == peak.level == "ERROR"
         assert passed.time <= peak.time == row.time
     assert "exceeded" in texts(response)["peaks"]
@@ -127,7 +127,7 @@ def test_what_is_nearest_to_its_limit_may_be_a_static_load():
     )
     verdicts = (*judge(response), load)
     words = texts(response, verdicts)["verdict"]
-    assert "Most critical: static load in compression, relaxed of m07, 2.6 of 2 kN (130 %)" in words
+    assert "Most critical: m07 static load in compression, relaxed 2.60 kN, limit 2 kN (130 %)" in words
     lines = verdict_lines(response, verdicts)
     assert "Static load: exceeded; most used m07, 130 % of rated static load in compression, relaxed." in lines
 

@@ -1,9 +1,11 @@
 """Tables on a terminal that is narrower than they are."""
 
+import math
 import re
 
 import pytest
 
+from wirerope_mj.content.verdicts import bars_table
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.views.terminal import WIDTH, print_table
 
@@ -22,3 +24,27 @@ def test_columns_for_which_a_line_is_too_short_stand_below(capsys, monkeypatch, 
         parts = [re.findall(r"\S+", line)[1:] for line in lines if line.startswith(f"v{row}")]
         assert len(parts) > 1
         assert [float(number) for part in parts for number in part] == own
+
+
+USED = [
+    ("acceleration along z", "rack_top_front_left", 1.24, "12.4 of 10.0 g"),
+    ("travel in compression", "m01", 1.0, "43.2 of 43.2 mm"),
+    ("static load in compression, virgin", "m16", 0.5, "1.43 of 2.87 kN"), ("bottoming", "m01", 7.0, "0.300 of 0.0430 mm"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("width", [60, 80, WIDTH, 200])
+def test_bars_reach_their_tick_at_the_limit_and_no_word_breaks(capsys, monkeypatch, width):
+    monkeypatch.setattr("wirerope_mj.views.terminal.WIDTH", width)
+    print_table(bars_table("criterion", USED))
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines())) <= width
+    for words in USED:
+        for text in (words[0], words[1], words[3]):
+            assert all(word in out.split() for word in text.split()), text
+    bars = re.findall(r"([█▏▎▍▌▋▊▉ ]*)│([█▏▎▍▌▋▊▉]*) *(\d+) %", out)
+    assert [number for *_, number in bars] == ["124", "100", "50", "700"]
+    below, beyond = [len(bar.strip()) for bar, *_ in bars], [len(bar) for _, bar, _ in bars]
+    assert below[0] == below[1] == below[3]
+    assert below[2] == math.ceil(below[0] / 2)
+    assert beyond[1] == beyond[2] == 0 < beyond[0] <= beyond[3]

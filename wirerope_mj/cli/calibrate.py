@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Force, Repeated, RepeatedPaths, Texts
-from wirerope_mj.cli.tables import say_where
+from wirerope_mj.cli.options import All, Force, Repeated, RepeatedPaths, Texts
+from wirerope_mj.cli.tables import say_next, say_where
 from wirerope_mj.content.calibration import calibration_content
 from wirerope_mj.engine.simulation.simulate import duration_of
 from wirerope_mj.engine.system import load_system
@@ -28,7 +28,7 @@ from wirerope_mj.studies.calibration.rig_tests import read_frequency_tests
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.results.varied import limit_of_text
 from wirerope_mj.studies.vary.vary_option import EXAMPLE
-from wirerope_mj.views.terminal import print_title, show_answer
+from wirerope_mj.views.terminal import show_result
 
 NOT_CONVERGED = 1  # Exit code of a fit that did not converge
 
@@ -50,6 +50,7 @@ def calibrate(
     residuals: Literal["time", "srs", "spectrum"] = "time",
     draws: int = 1000,
     seed: int = 1,
+    every: All = False,
     force: Force = False,
 ) -> int:
     """Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model.
@@ -134,11 +135,11 @@ def calibrate(
             (predicted(result, one, duration=duration_of(one, None, system), initial=began), limits) for one in motions
         ],
     )  # fmt: skip
-    files = write_calibration(result, content, out, force=force)
-    print_title(content.title)
-    show_answer(content, *content.sections_of("summary"))
-    print()
-    say_where(f"{out}/", files)
+    write_calibration(result, content, out, force=force)
+    others = [name for name in content.sections_of("summary") if name != "values"]
+    show_result(content, "values", "answer", others=others, every=every)
+    say_where(out, every=every)
+    say_next({}, every=every)
     return 0 if result.fit.converged else NOT_CONVERGED
 
 

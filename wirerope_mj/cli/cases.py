@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
-from wirerope_mj.cli.options import Flag, Integer
+from wirerope_mj.cli.options import All, Flag, Integer
 
 BLANK_JOB = ("model", "case", "case.name", "case.half-sine")  # keys that a blank job has without a #
 
@@ -17,6 +17,7 @@ def cases(
     pdf: Flag = False,
     docx: Flag = False,
     blank: Flag = False,
+    every: All = False,
     force: Flag = False,
 ) -> int:
     """Simulate the load cases of a job: which case governs each limit, and one document of all of them.
@@ -40,12 +41,12 @@ def cases(
     """
     from rich.markup import escape
 
-    from wirerope_mj.cli.tables import say_where
+    from wirerope_mj.cli.tables import DOCUMENT, TIMELINE, say_next, say_where
     from wirerope_mj.content.job import job_content
     from wirerope_mj.content.numbers import several
     from wirerope_mj.runs.job import CASES, run_job
     from wirerope_mj.runs.job_file import load_job
-    from wirerope_mj.views.terminal import console, print_headline, show
+    from wirerope_mj.views.terminal import console, show_result
 
     if blank:
         from wirerope_mj.cli.isolators import write_form
@@ -66,7 +67,8 @@ def cases(
     screen.print(f"\n[bold]{escape(read.name)}[/]  {several(len(read.cases), 'load case')}")
 
     def done(name: str, seconds: float, answer: str, left: int) -> None:
-        screen.print(f"  {escape(name)}: {escape(answer)} [dim]{seconds:.1f} s, {left} left[/]", soft_wrap=True)
+        verdict = answer.partition(":")[0]
+        screen.print(f"  {escape(name)}: {escape(verdict)} [dim]{seconds:.1f} s, {left} left[/]", soft_wrap=True)
         sys.stdout.flush()
 
     try:
@@ -80,10 +82,8 @@ def cases(
     if others:
         screen.print(f"  no longer in the job, and left as they are: {escape(', '.join(others))}", soft_wrap=True)
     content = job_content(result.job)
-    show(content, "limits", "required-spectra")
-    print_headline(content.verdict)
-    files = sorted(f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir())
-    effect = "opens the view, whose panel on the left switches between the cases"
-    print()
-    say_where(f"{folder}/, {perf_counter() - began:.1f} s in all", files, show=folder / "job.rrd", effect=effect)
+    show_result(content, "brief", others=("limits", "required-spectra"), every=every)
+    say_where(folder, seconds=perf_counter() - began, every=every)
+    commands = {f"wirerope show {folder / 'job.rrd'}": f"{TIMELINE} of every case"}
+    say_next(commands | {f"wirerope report {folder} --pdf": DOCUMENT}, every=every)
     return 0

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from wirerope_mj.cli.options import Flag, Texts, dated
+from wirerope_mj.cli.options import All, Flag, Texts, dated
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.plain_text import plain
 
@@ -13,7 +13,7 @@ from wirerope_mj.foundation.plain_text import plain
 def compare(
     *runs: Path, out: Path | None = None, names: Texts = None, align: Literal["start", "shock"] = "start", map: Texts = None,
     start: float | None = None, clock: float | None = None, baseline: Literal["none", "rest", "mean"] | None = None,
-    gaps: Literal["refuse", "fill"] | None = None, force: Flag = False,
+    gaps: Literal["refuse", "fill"] | None = None, every: All = False, force: Flag = False,
 ) -> int:  # fmt: skip
     """Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.
 
@@ -45,10 +45,10 @@ def compare(
     given = {"start": start, "clock": clock, "baseline": baseline, "gaps": gaps}
     options = {name: value for name, value in given.items() if value is not None}
     if map is not None:
-        return _compare_tests(runs, names, map, options, out, force=force)
+        return _compare_tests(runs, names, map, options, out, every=every, force=force)
     if options:
         raise ValueError(f"`--{next(iter(options))}` is for measured tests, whose columns --map names.")
-    from wirerope_mj.cli.tables import say_where
+    from wirerope_mj.cli.tables import TIMELINE, say_next
     from wirerope_mj.content.comparison import comparison_content
     from wirerope_mj.content.numbers import listed
     from wirerope_mj.engine.response import load_response
@@ -56,7 +56,7 @@ def compare(
     from wirerope_mj.runs.folder import warn_of_alterations
     from wirerope_mj.runs.job import is_job
     from wirerope_mj.runs.scenario_file import is_run, judged_folder, run_inputs, run_verdicts
-    from wirerope_mj.views.terminal import print_title, show_answer
+    from wirerope_mj.views.terminal import print_lines, show_result
 
     for path in runs:
         if path.is_file() and is_measurement(path):
@@ -69,7 +69,7 @@ def compare(
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
     called = _names(runs, names)
     if any(is_job(folder) for folder in runs):
-        return _compare_jobs(runs, called, out)
+        return _compare_jobs(runs, called, out, every=every)
     target = out or dated("compare").with_suffix(".rrd")
     if target.suffix != ".rrd":
         raise ValueError(f"`--out` must be a file that ends with .rrd, got {target}.")
@@ -89,22 +89,22 @@ def compare(
     drawn = several_runs(responses, align, verdicts)
     record_runs(drawn, target, inputs=inputs, judged=judged)
     content = comparison_content(drawn.comparison, inputs, judged)
-    print_title(content.title)
-    show_answer(content, "headlines", "differences", "accelerations", "travel", "credibility", last="findings")
-    print()
-    say_where(f"{target}, {target.stat().st_size / 1e6:.1f} MB", show=target)
+    others = ("differences", "accelerations", "travel", "credibility")
+    show_result(content, "headlines", "findings", others=others, every=every)
+    print_lines(["", f"written to {target}, {target.stat().st_size / 1e6:.1f} MB"])
+    say_next({f"wirerope show {target}": TIMELINE}, every=every)
     return 0
 
 
 def _compare_tests(
     paths: Sequence[Path], names: Sequence[str] | None, mapped: Sequence[str], options: dict[str, Any], out: Path | None,
-    *, force: bool,
+    *, every: bool, force: bool,
 ) -> int:  # fmt: skip
     """Correlate the first of the paths, a run, with the others, tests."""
-    from wirerope_mj.cli.tables import say_where
+    from wirerope_mj.cli.tables import TIMELINE, say_next
     from wirerope_mj.content.correlation import correlation_content
     from wirerope_mj.runs.measured import read_map, write_correlation
-    from wirerope_mj.views.terminal import print_title, show_answer
+    from wirerope_mj.views.terminal import print_lines, show_result
 
     if len(paths) < 2:
         raise ValueError('compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..')
@@ -117,19 +117,19 @@ def _compare_tests(
         check_writable(page, force=force or out is None)
     tests = write_correlation(run, dict(zip(called, files, strict=True)), read_map(mapped) | options, page, force=force)
     content = correlation_content(run.resolve().name, tests)
-    print_title(content.title)
-    show_answer(content, "tests", *content.sections_of("summary"))
-    for path in (page, page.with_suffix(".rrd")):
-        say_where(f"{path}, {path.stat().st_size / 1e6:.1f} MB")
+    show_result(content, "tests", others=content.sections_of("summary"), every=every)
+    print_lines(["", f"written to {page}"])
+    say_next({f"wirerope show {page.with_suffix('.rrd')}": TIMELINE}, every=every)
     return 0
 
 
-def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) -> int:
+def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None, *, every: bool) -> int:
     """Print what two jobs use of their limits, case by case, and what differs between their inputs."""
+    from wirerope_mj.cli.tables import say_next
     from wirerope_mj.content.job_comparison import job_comparison_content
     from wirerope_mj.runs.job import CASES, is_job, judged_job
     from wirerope_mj.runs.scenario_file import run_facts, run_inputs
-    from wirerope_mj.views.terminal import print_headline, show
+    from wirerope_mj.views.terminal import show_result
 
     if len(jobs) != 2 or not all(map(is_job, jobs)):
         raise ValueError("compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN")
@@ -149,8 +149,8 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) 
                 known[digests] = run_facts(folder / CASES / case.folder)
             models[name][case.name] = known[digests]
     content = job_comparison_content(judged, inputs, models)
-    show(content)
-    print_headline(content.verdict)
+    show_result(content, "headlines", "inputs", others=("cases", "limits"), every=every)
+    say_next({}, every=every)
     return 0
 
 

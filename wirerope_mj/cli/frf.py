@@ -4,8 +4,8 @@ import sys
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Force, Model, Numbers, dated
-from wirerope_mj.cli.tables import say_where
+from wirerope_mj.cli.options import All, Deck, Force, Model, Numbers, dated
+from wirerope_mj.cli.tables import TIMELINE, say_next, say_where
 from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries, order_bands
@@ -17,7 +17,7 @@ from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.analyses import KIND, MARKS, write_frequency_response
-from wirerope_mj.views.terminal import print_lines, print_title, print_warnings, show_answer
+from wirerope_mj.views.terminal import print_warnings, show_result
 
 NOT_COMPLETE = 1  # Exit code of a response with a branch that ended before the end of the range
 DEFAULT = 1.0  # Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes
@@ -44,6 +44,7 @@ def frf(
     deck: Deck = None,
     keep: Path | None = None,
     out: Path | None = None,
+    every: All = False,
     force: Force = False,
 ) -> int:
     """Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.
@@ -96,12 +97,9 @@ def frf(
     findings = level_summaries(result)
     content = response_content(result, findings, bands)
     write_frequency_response(result, findings, content, folder, force=force)
-    print_title(content.title)
-    print_lines(f"{name}: {text}" for name, text in content.facts if name != "By")
-    show_answer(content, "peaks", "levels")
-    files = sorted(path.name for path in folder.iterdir() if path.is_file())
-    print()
-    say_where(f"{folder}/", [*files, "model/"], show=folder if "run.rrd" in files else None)
+    show_result(content, "brief", "peaks", others=("levels", "answer"), every=every)
+    say_where(folder, every=every)
+    say_next({f"wirerope show {folder}": TIMELINE} if (folder / "run.rrd").is_file() else {}, every=every)
     return 0 if result.complete else NOT_COMPLETE
 
 

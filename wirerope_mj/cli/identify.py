@@ -8,9 +8,8 @@ from typing import Literal
 
 from rich.markup import escape
 
-from wirerope_mj.cli.options import Flag, Integer, Texts
+from wirerope_mj.cli.options import All, Flag, Integer, Texts
 from wirerope_mj.content.identification import identification_content
-from wirerope_mj.content.numbers import several
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, check_writable
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.structure import Place
@@ -31,7 +30,7 @@ from wirerope_mj.mounts.isolator import read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.runs.page import REPORT, write_page
-from wirerope_mj.views.terminal import console, show_answer
+from wirerope_mj.views.terminal import console, show_result
 from wirerope_mj.views.typesetting import load_typst
 
 NOT_CONVERGED = 1  # Exit code of a fit that did not converge
@@ -59,6 +58,7 @@ def identify_records(
     start: Path | None = None,
     force: Flag = False,
     accept_unconverged: Flag = False,
+    every: All = False,
     pdf: Flag = False,
 ) -> int:
     """Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.
@@ -132,10 +132,7 @@ def identify_records(
         _keep_others(target, folder)
         if wanted:
             isolator.save(out)
-    screen = console()
-    loops = several(len(result.loops), "loop")
-    screen.print(f"[bold]{escape(isolator.name)}[/], {axis}: {loops} of {several(len(tests), 'file')}")
-    show_answer(content, "parameters", "loops-and-residuals", "search")
+    show_result(content, "answer", "parameters", others=("loops-and-residuals", "search"), every=every)
     _print_written(out, f"{target}/ ({f'{REPORT}, {_PDF}' if pdf else REPORT})", wanted=wanted)
     return 0 if result.converged else NOT_CONVERGED
 

@@ -25,7 +25,7 @@ def modes(
         ship: for which ship.
         out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
     """
-    from wirerope_mj.cli.tables import say_where
+    from wirerope_mj.cli.tables import TIMELINE, say_next
     from wirerope_mj.content.modes import modes_content
     from wirerope_mj.dynamics.modes import modes as modes_of
     from wirerope_mj.engine.flexible import deck_of
@@ -34,7 +34,7 @@ def modes(
     from wirerope_mj.foundation.arguments import positive
     from wirerope_mj.foundation.atomic_files import check_folder, check_writable
     from wirerope_mj.runs.analyses import MODES_KIND, MODES_MARKS, write_modes
-    from wirerope_mj.views.terminal import print_warnings, show
+    from wirerope_mj.views.terminal import print_lines, print_warnings, show
 
     sizes = [positive("--amplitude-mm", size, unit="mm") / 1e3 for size in amplitude_mm or []]
     system = load_on_deck(model, deck_of(deck) if deck else None)
@@ -55,6 +55,6 @@ def modes(
     else:
         write_modes(system, system.name, [small, *large], target, force=force)
     show(modes_content(system, small, large, ddam=ddam and (ship, ddam)))
-    print()
-    say_where(f"{target}" if alone else f"{target}/", show=target)
+    print_lines(["", f"written to {target}"])
+    say_next({f"wirerope show {target}": TIMELINE})
     return 0

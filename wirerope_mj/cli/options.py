@@ -36,6 +36,8 @@ Repeated = Annotated[list[str] | None, Parameter(negative=())]  # Text, once eac
 RepeatedPaths = Annotated[list[Path] | None, Parameter(negative=())]
 Flag = Annotated[bool, Parameter(negative=())]  # Option that is there or not
 Force = Annotated[bool, Parameter(negative=(), help="replace what is there.")]
+_ALL = "print every table, too; the files hold them in any case."
+All = Annotated[bool, Parameter(name="--all", negative=(), help=_ALL)]
 Model = Annotated[str, Parameter(help="path of an MJCF file with mounts, or the name of one that ships with the package.")]
 Deck = Annotated[str | None, Parameter(help=(
     '"10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that '
@@ -66,6 +68,7 @@ NUMERICS = (
         "timestep", float | None, None, "largest step [s], in place of one that is chosen; no error is estimated then"
     ),
 )  # fmt: skip
+ALL = own_option("all", bool, False, _ALL, negative=())
 DECKS = own_option("decks", bool, False, _ON_DECKS, negative=())
 
 

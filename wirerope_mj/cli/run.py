@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from wirerope_mj.cli.file_command import file_command, run_with_options
-from wirerope_mj.cli.options import DECKS, NUMERICS, dated, own_option, with_numerics
+from wirerope_mj.cli.options import ALL, DECKS, NUMERICS, dated, own_option, with_numerics
 from wirerope_mj.cli.tables import print_questions, run_and_print
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.payload_limits import limit_from_text
@@ -16,6 +16,7 @@ _OWN = (
     own_option("force", bool, False, "replace a run that is there", negative=()),
     own_option("state", bool, False, "keep every sample in the recording, too", negative=()),
     DECKS,
+    ALL,
     own_option("combined_travel", bool, True, "judge mounts on all axes at once, by this program's own rule"),
     own_option(
         "limit", list[str] | None, None, negative=(),
@@ -52,6 +53,6 @@ def run(name: str, tokens: Sequence[str]) -> None:
         combined = made.combined_travel and own["combined_travel"]
         limits = [*made.limits, *(limit_from_text(text) for text in own["limit"] or ())]
         made = replace(made, simulate=simulate, combined_travel=combined, limits=limits)
-        run_and_print(made, folder, force=own["force"], state=own["state"], decks=own["decks"])
+        run_and_print(made, folder, force=own["force"], every=own["all"], state=own["state"], decks=own["decks"])
 
     run_with_options(f"wirerope run {scenario.name}", scenario.function, [*numerics, *_OWN], action, tokens)

@@ -75,6 +75,7 @@ def select(
     """
     import numpy as np
 
+    from wirerope_mj.cli.tables import say_next
     from wirerope_mj.content.part_selection import catalogue_selection_content
     from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.foundation.payload_limits import limit_from_text
@@ -84,7 +85,7 @@ def select(
     from wirerope_mj.runs.said_motion import listed_phrases
     from wirerope_mj.runs.selection import equipment, read_prices, write_selected
     from wirerope_mj.studies.catalogue import catalogue, select_parts
-    from wirerope_mj.views.terminal import print_headline, show
+    from wirerope_mj.views.terminal import show_result
 
     for option, value in {"mass": mass, "fragility": fragility, "travel": travel, "height-max": height_max}.items():
         if value is not None:
@@ -138,12 +139,13 @@ def select(
     if tty:
         print("\r", end="", file=sys.stderr)
     content = catalogue_selection_content(selection, every=all)
-    print_headline(content.verdict)
-    show(content, "parts")
+    show_result(content, "brief", others=("parts",), every=all)
     if out is not None or take is not None:
         chosen = next(one for one in selection.tried if take in (None, one.name))
         path = write_selected(chosen, out or Path(chosen.name.lower()), box=box, force=force)
         print(plain(f"  written: {path}, on {chosen.mounts} {chosen.name}"))
+    elif selection.meeting:
+        say_next({"the same with --out FOLDER": "writes the model on the first part"}, every=all)
     return 0 if selection.meeting else NOTHING_FOUND
 
 
@@ -190,7 +192,7 @@ def worksheet(
     """
     from wirerope_mj.assessment.selection import WORKSHEET_GRAVITY, select_isolators, shock_from_text
     from wirerope_mj.content.part_selection import selection_content
-    from wirerope_mj.views.terminal import show_answer
+    from wirerope_mj.views.terminal import show_result
 
     integer("--mounts", mounts, least=1)
     given = {
@@ -213,7 +215,7 @@ def worksheet(
         direction=direction, isolation_ratio=isolation_ratio, loops=loops or (),
     )  # fmt: skip
     content = selection_content(selection, every=all)
-    show_answer(content, "worksheet", "parts")
+    show_result(content, "worksheet", "parts", others=(), every=all)
     if selection.candidates and selection.rejected and not all:
         print("  --all shows every part and says why.")
     return 0 if selection.candidates else NOTHING_FOUND

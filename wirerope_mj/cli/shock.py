@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Decks, Force, Repeated, RepeatedPaths, Texts, dated, own_option, with_numerics
+from wirerope_mj.cli.options import All, Deck, Decks, Force, Repeated, RepeatedPaths, Texts, dated, own_option, with_numerics
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
@@ -52,6 +52,7 @@ def shock(
     limit: Repeated = None,
     combined_travel: bool = True,
     out: Path | None = None,
+    every: All = False,
     force: Force = False,
     **motions: list[str] | None,
 ) -> int:
@@ -139,5 +140,5 @@ def shock(
     initially = {"initial": initial} if initial else {}
     made = replace(made, simulate={"duration": duration, "sample_rate": sample_rate} | initially | numerics)
     folder = out or dated(name)
-    run_and_print(made, folder, force=force, decks=decks)
+    run_and_print(made, folder, force=force, every=every, decks=decks)
     return 0

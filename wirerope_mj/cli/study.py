@@ -10,8 +10,8 @@ from typing import Any, Literal
 from rich.markup import escape
 
 from wirerope_mj.cli.file_command import file_command, run_with_options
-from wirerope_mj.cli.options import dated, own_option
-from wirerope_mj.cli.tables import print_questions, say_where
+from wirerope_mj.cli.options import ALL, dated, own_option
+from wirerope_mj.cli.tables import DOCUMENT, print_questions, say_next, say_where
 from wirerope_mj.content.study import varied_table
 from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
@@ -47,7 +47,7 @@ from wirerope_mj.studies.study import Study
 from wirerope_mj.studies.vary.distributions import Distribution
 from wirerope_mj.studies.vary.sampling import SAMPLINGS
 from wirerope_mj.studies.vary.vary_option import EXAMPLE, read_vary
-from wirerope_mj.views.terminal import console, print_block, print_warnings, show_answer
+from wirerope_mj.views.terminal import console, print_block, print_lines, print_warnings, show_result
 
 # Options of the computation of a study, and of a study that a scenario does not have.
 _RUN = (
@@ -60,6 +60,7 @@ _RUN = (
     ),
     own_option("resume", bool, False, "go on with the study that stands in --out", negative=()),
     own_option("out", Path | None, None, "folder of the study; runs/NAME-DATE-TIME if it is not given"),
+    ALL,
     own_option("force", bool, False, "replace a study that is there", negative=()),
     own_option("by", str | None, None, "measure by which variants are worst; by default the most critical one"),
     own_option(
@@ -193,10 +194,9 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
         print_warnings(model_warnings(load_system(first.model_source(), isolators=first.isolators)))
         _warn_of_unjudged(limits_of(first)[1])
         content = study_job(job, folder, vary=_quantities(first, varied), how={**own, "progress": True}, drawn=drawn)
-        console().print(f"\n[bold]{escape(job.name)}[/]")
-        show_answer(content, "cases")
-        print()
-        say_where(f"{folder}/: report.html, and a study of each case")
+        show_result(content, "cases", others=("answer",), every=own["all"])
+        say_where(folder, every=own["all"])
+        say_next({f"wirerope study-report {folder} --pdf": DOCUMENT}, every=own["all"])
 
     def none() -> None:
         """Compute the same variants under every load case of a job."""
@@ -231,7 +231,7 @@ def _check_names(path: Path, kind: str, function: Callable[..., object], own: Se
 
 def compute_and_print(
     make: Callable[[], Study | Search], name: str, *, resume: bool, out: Path | None, by: str | None, open_worst: int,
-    limit: Sequence[str] | None = None, **how: Any,
+    all: bool = False, limit: Sequence[str] | None = None, **how: Any,
 ) -> None:  # fmt: skip
     """Compute the study or search that `make` returns, and print its results.
 
@@ -250,7 +250,8 @@ def compute_and_print(
         raise ValueError(f"`--by`: {unknown_measure(by, names)}")
     limits = [limit_of_text(text, names) for text in limit or ()]
     print_warnings(model_warnings(study.base))
-    print_block(varied_table(study.study if isinstance(study, Search) else study))
+    if all:
+        print_block(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or dated(name)
     worst: list[Path] = []
 
@@ -260,16 +261,15 @@ def compute_and_print(
         if len(result.failed) == result.table.num_rows:
             return
         content = result_content(result, by)
-        console().print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
-        show_answer(content, "results", "inputs", "worst")
+        show_result(content, "answer", others=("results", "inputs", "worst"), every=all)
+        print_lines([result.message])
         write_content(content, result.folder)
         written = write_worst(result, by, open_worst) if open_worst else []
         worst.extend(path.relative_to(result.folder) for path in written)
 
     _computed(study, folder, resume=resume, when_done=show, **how)
-    print()
-    # What begins with a dot another process is writing just now.
-    say_where(f"{folder}/", sorted(path.name for path in folder.glob("[!.]*") if path.is_file()))
+    say_where(folder, every=all)
+    say_next({f"wirerope study-report {folder} --pdf": DOCUMENT}, every=all)
     _open([folder / path for path in worst])
     if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
         raise WireRopeError(f"{folder}: {NOT_COMPUTED}")

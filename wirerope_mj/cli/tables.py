@@ -1,7 +1,7 @@
 """Results on the terminal: a run's verdict as soon as it is known, what was written where, lists of what ships."""
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
 
@@ -10,8 +10,11 @@ from rich.markup import escape
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.run import numerics_statement, run_content
 from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.runs.page import REPORT
 from wirerope_mj.runs.scenario import Scenario
-from wirerope_mj.views.terminal import console, print_table, show_answer
+from wirerope_mj.views.terminal import console, print_lines, print_table, show, show_result
+
+TIMELINE, DOCUMENT = "opens the timeline", "makes a document of it"  # what commands do with a result
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
@@ -19,8 +22,10 @@ def print_questions(kind: str, questions: Mapping[str, str]) -> None:
     print_table(Table(title="", columns=columns, rows=list(questions.items())))
 
 
-def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool = False, decks: bool = False) -> None:
-    """Simulate a scenario, print peaks and verdicts, write its folder, and print what lies there.
+def run_and_print(
+    scenario: Scenario, folder: Path, *, force: bool, every: bool, state: bool = False, decks: bool = False
+) -> None:  # fmt: skip
+    """Simulate a scenario, print its verdict and criteria, or every table, write its folder, and print what lies there.
 
     An error after the verdict carries a note that the verdict holds and that there is no folder.
     """
@@ -28,38 +33,46 @@ def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool 
 
     began, printed = perf_counter(), False
 
-    def show(judged: JudgedRun) -> None:
+    def show_verdict(judged: JudgedRun) -> None:
         nonlocal printed
-        out, content, seconds = console(), run_content(judged), perf_counter() - began
-        out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
-        show_answer(content, "warnings", *content.sections_of("summary"))
-        how = numerics_statement(judged.response.numerics).text
-        out.print(f"\n  {escape(how)}; verdict after {seconds:.1f} s")
+        content = run_content(judged)
+        show(content, "warnings")
+        show_result(content, "brief", others=(*content.sections_of("summary"), "answer"), every=every)
+        if every:
+            how = numerics_statement(judged.response.numerics).text
+            print_lines([f"{how}; verdict after {perf_counter() - began:.1f} s"])
         sys.stdout.flush()  # into a file or a pipe it would come with the last line
         printed = True
 
     try:
         watched = sys.stderr.isatty()
-        write_run(scenario, folder, force=force, progress=watched, when_judged=show, state=state, decks=decks)
+        write_run(scenario, folder, force=force, progress=watched, when_judged=show_verdict, state=state, decks=decks)
     except BaseException as error:
         if printed:
             error.add_note(f"the peaks and verdicts above hold, but the run was not written to {folder}.")
         raise
-    print_written(folder, seconds=perf_counter() - began)
+    print_written(folder, seconds=perf_counter() - began, every=every)
 
 
-def print_written(folder: Path, *, seconds: float) -> None:
-    """Print where the files of a run are, how long all of it took [s], and how they are shown."""
-    files = sorted(path.name for path in folder.iterdir() if path.is_file())
-    folders = sorted(f"{path.name}/" for path in folder.iterdir() if path.is_dir())
-    say_where(f"{folder}/, {seconds:.1f} s in all", [*files, *folders], show=folder)
+def print_written(folder: Path, *, seconds: float, every: bool) -> None:
+    """Print where the files of a run are, how long all of it took [s], and what to do next."""
+    say_where(folder, seconds=seconds, every=every)
+    say_next({f"wirerope show {folder}": TIMELINE, f"wirerope report {folder} --pdf": DOCUMENT}, every=every)
 
 
-def say_where(place: str, files: Iterable[str] = (), *, show: Path | None = None, effect: str = "opens the view") -> None:
-    """Print where a result was written, the names of its files, and how it is shown."""
-    out = console()
-    out.print(f"  written to {escape(place)}", soft_wrap=True)
-    if names := ", ".join(files):
-        out.print(f"  {escape(names)}", soft_wrap=True)
-    if show is not None:
-        out.print(f"  [bold]wirerope show {escape(str(show))}[/] {effect}", soft_wrap=True)
+def say_where(folder: Path, *, seconds: float | None = None, every: bool) -> None:
+    """Print where a result was written, with its page, and how long that took [s]; where asked, the names of all files."""
+    page = REPORT if (folder / REPORT).is_file() else ""
+    took = "" if seconds is None else f", {seconds:.1f} s in all"
+    print()
+    print_lines([f"written to {folder}/{page}{took}"])
+    if every:  # what begins with a dot another process is writing just now
+        print_lines([", ".join(sorted(f"{path.name}{'/' * path.is_dir()}" for path in folder.glob("[!.]*")))])
+
+
+def say_next(commands: Mapping[str, str], *, every: bool = True) -> None:
+    """Print commands that go on from a result, each with what it does."""
+    shown = {**commands, **({} if every else {"the same with --all": "prints every table"})}
+    longest = max(map(len, shown), default=0)
+    for command, effect in shown.items():
+        console().print(f"  [bold]{escape(command)}[/]{' ' * (longest - len(command))}  {effect}", soft_wrap=True)

@@ -21,8 +21,7 @@ from wirerope_mj.assessment.comparison import (
     travel_rows,
 )
 from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED, STRUCK, WITHIN
-from wirerope_mj.assessment.criteria.summary import against_limit
-from wirerope_mj.assessment.criteria.verdict import TRAVEL, most_used
+from wirerope_mj.assessment.criteria.verdict import TRAVEL, against_limit, most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.credibility import compared_credibility_blocks
 from wirerope_mj.content.judged_run import JudgedRun
@@ -296,7 +295,7 @@ def comparison_lines(comparison: Comparison) -> list[str]:
                 mount, point = isinstance(subject, str), not isinstance(subject, str) and subject.kind == "point"
                 key = ("mount", "mounts") if mount else ("point", "points") if point else ("body", "bodies")
                 kinds[key].append(subject if isinstance(subject, str) else subject.name)
-            parts = [f"{kind[len(names) > 1]} {', '.join(names)}" for kind, names in kinds.items() if names]
+            parts = [f"{kind[len(names) > 1]} {listed(names)}" for kind, names in kinds.items() if names]
             lines.append(f"Only in {name}: {'; '.join(parts)}.")
     return lines
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, closing_text
 from wirerope_mj.assessment.criteria.ended import utilisation_over_time
-from wirerope_mj.assessment.criteria.summary import against_limit
+from wirerope_mj.assessment.criteria.verdict import against_limit
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.numbers import with_unit
@@ -109,7 +109,7 @@ def _limit_events(response: Response, verdict: Verdict, *, main: bool) -> Iterat
             main=main,
         )
     tone = "ERROR" if over else "WARN"
-    yield Event(time=verdict.time, level=tone, text=f"largest {against_limit(verdict)}", main=main)
+    yield Event(time=verdict.time, level=tone, text=f"maximum: {against_limit(verdict)}", main=main)
 
 
 def first_above(time: Array, values: Array, level: float) -> float | None:

@@ -8,7 +8,7 @@ from functools import partial
 from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, STRUCK, Verdict
 from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, amplified_text, critical_text, fail_text, scope
 from wirerope_mj.assessment.criteria.summary import OWN_RULE
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, most_amplified, most_used
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, criterion_text, most_amplified, most_used
 from wirerope_mj.content.blocks import Block, Content, Document, Section, Statement
 from wirerope_mj.content.job_envelope import envelope_blocks
 from wirerope_mj.content.judged_run import JudgedRun
@@ -18,7 +18,7 @@ from wirerope_mj.content.numbers import listed, several, shown, shown_unit, with
 from wirerope_mj.content.required_spectra import pairs_table, required_statement, spectra_chart, spectra_table
 from wirerope_mj.content.run import START, run_content
 from wirerope_mj.content.statics import run_statics_blocks
-from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
+from wirerope_mj.content.verdicts import TONE, headline, open_statement, unjudged, used_mark, verdict_bars
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 
 # Sections of a run that a case of a job may show; the first seven by default
@@ -73,6 +73,16 @@ def job_content(job: JudgedJob) -> Content:
             yield Statement(f"model-warning-{number}", f"warning: {warning}", tone="unjudged")
         yield Statement("cases-answers", items=tuple(f"{name}: {headline(rows).text}" for name, rows in job.verdicts.items()))
 
+    def brief() -> Iterator[Block | None]:
+        for case in job.cases:
+            if case.run.achieved:
+                said = required_statement(case.run)
+                yield replace(said, id=f"{case.folder}/required", text=f"{case.name}: {said.text}", items=())
+        worst = {name: row for name, rows in job.verdicts.items() if (row := most_used(rows))}
+        named = ((name, f"{row.subject} {criterion_text(row.criterion)}", row) for name, row in worst.items())
+        yield verdict_bars("load case", named)
+        yield open_statement(row for rows in job.verdicts.values() for row in rows)
+
     def required() -> Iterator[Block]:
         made = {case.name: case for case in job.cases if case.run.achieved}
         for name, case in made.items():
@@ -100,6 +110,7 @@ def job_content(job: JudgedJob) -> Content:
     first, document = job.cases[0].run, job.document
     texts = document.paragraphs if document else lambda name: []
     sections = [
+        Section("brief", "", brief, "headline"),
         Section("answer", "", answers, "headline"),
         Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
         Section("limits", "Limits and what governs them", limits, "summary"),
@@ -149,7 +160,7 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
         text, tone = f"{UNKNOWN}: of {count} {listed(open_cases) or 'none'} cannot be judged", "unjudged"
         text += f"; most critical {used}" if used else ""
     else:
-        text = f"{PASS}{restriction}: all {several(judged, 'check')} in {count} are within limits; most critical {used}"
+        text = f"{PASS}{restriction}: most critical {used}; all {several(judged, 'check')} in {count} are within limits"
         tone = "unjudged" if restriction else "within"
     struck = [name for name, rows in verdicts.items() if any(row.contact == STRUCK for row in rows)]
     text += f"; stops or contacts are struck in {listed(struck)}" if struck else ""

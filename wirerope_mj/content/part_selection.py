@@ -12,7 +12,7 @@ from wirerope_mj.assessment.selection import IMPULSE, WORKSHEET_GRAVITY, PartSel
 from wirerope_mj.content.base import amplified
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import listed, several, with_unit
-from wirerope_mj.content.verdicts import used_mark
+from wirerope_mj.content.verdicts import bars_table, used_mark
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.studies.catalogue import BY, CRITERIA, CatalogueSelection, TriedPart
@@ -45,8 +45,26 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
     return Content(
         title="Selection of isolators",
         verdict=Statement("headline", text, tone="within" if meeting else "exceeded", values=values),
-        sections=(Section("parts", "Parts", partial(_part_blocks, selection, every), "summary"),),
+        sections=(
+            Section("brief", "", partial(_brief, selection), "headline"),
+            Section("parts", "Parts", partial(_part_blocks, selection, every), "summary"),
+        ),
     )
+
+
+def _brief(selection: CatalogueSelection) -> Iterator[Block]:
+    """Yield the first parts as bars, or the nearest and what would do; what was refused, and what is not judged."""
+    rows = []
+    for part in (selection.meeting or [part for part in selection.tried if not part.reason])[:_FIRST]:
+        used, criterion, case = part.governing
+        peak = f"peak {with_unit(part.acceleration, 'g')}, moves {with_unit(part.displacement, 'mm')}"
+        under = f", {case}" if case and len(selection.cases) > 1 and criterion != STATIC_LOAD else ""
+        rows.append((_part_label(part), f"{criterion}{under}", _finite(used), peak))
+    yield bars_table("part", rows)
+    if not selection.meeting:
+        yield needed_statement(selection)
+    yield from _refused(selection, every=False)
+    yield Statement("open", items=tuple(_unjudged(selection)), tone="unjudged")
 
 
 def _part_blocks(selection: CatalogueSelection, every: bool) -> Iterator[Block]:
@@ -134,8 +152,7 @@ def _parts_table(
     )  # fmt: skip
 
 
-def _notes(selection: CatalogueSelection) -> Iterator[str]:
-    """Yield remarks on unjudged limits, parts that were not simulated, and the ranking."""
+def _unjudged(selection: CatalogueSelection) -> Iterator[str]:
     tried = [part for part in selection.tried if not part.reason]
     for measure, criterion in CRITERIA.items():
         missing = [part.name for part in tried if math.isnan(part.used(measure)[0])]
@@ -149,6 +166,12 @@ def _notes(selection: CatalogueSelection) -> Iterator[str]:
             f"under {listed(vibrations)} the largest accelerations are judged; 3-sigma accelerations are not judged here: "
             "`wirerope shock` on the model that is chosen judges them"
         )
+
+
+def _notes(selection: CatalogueSelection) -> Iterator[str]:
+    """Yield remarks on unjudged limits, parts that were not simulated, and the ranking."""
+    yield from _unjudged(selection)
+    tried = [part for part in selection.tried if not part.reason]
     if len(tried) > len(selection.meeting):
         yield "figures of parts beyond a limit are computed as far as it takes to know that it is exceeded"
     yield (

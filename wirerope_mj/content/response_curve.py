@@ -36,24 +36,24 @@ def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary]
     """Compose the content of a frequency response at all levels, with the orders of a machine."""
     options, (start, stop) = result.options, result.options.range
     assert options.response_direction is not None
+    asked = {
+        "Base": f"along {direction_text(options.direction)}",
+        "Response": f"acceleration of {options.payload} along {direction_text(options.response_direction)}",
+        "Range": f"{start:g} to {stop:g} Hz ({options.range_from})",
+    }
     return Content(
         title=f"{result.name}: frequency response",
-        facts=(
-            ("Base", f"along {direction_text(options.direction)}"),
-            ("Response", f"acceleration of {options.payload} along {direction_text(options.response_direction)}"),
-            ("Range", f"{start:g} to {stop:g} Hz ({options.range_from})"), ("By", f"wirerope-mj {version('wirerope-mj')}"),
-        ),
+        facts=(*asked.items(), ("By", f"wirerope-mj {version('wirerope-mj')}")),
         question=("Where does the payload resonate, how strongly, and which motions are stable?",),
         verdict=_headline(findings, str(options.payload)),
         sections=(
+            Section("brief", "", lambda: [Statement("asked", f"Base {', '.join(asked.values())}.")], "headline"),
             Section(
                 "answer", "",
                 lambda: (amplitude_chart(result, findings, bands), *_findings(result, findings, bands)),
                 "headline",
             ),
-            Section(
-                "peaks", "Peaks and changes of stability", lambda: (peak_table(findings), event_table(findings)), "summary",
-            ),
+            Section("peaks", "Peaks, changes of stability", lambda: (peak_table(findings), event_table(findings)), "summary"),
             Section(
                 "levels", "How each level was computed", lambda: [_level_statement(level, options.rate) for level in findings],
                 "summary",

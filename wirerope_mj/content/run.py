@@ -38,13 +38,22 @@ from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import contact_blocks, contact_history_blocks, mount_blocks, mount_history_blocks
 from wirerope_mj.content.numbers import fixed, listed, number, paragraphs, several, with_unit
 from wirerope_mj.content.random_vibration import random_blocks
-from wirerope_mj.content.required_spectra import required_curve, required_spectrum_blocks
+from wirerope_mj.content.required_spectra import required_curve, required_spectrum_blocks, required_statement
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.scene_outline import worst_instant
 from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
 from wirerope_mj.content.spectrum_charts import densities_chart, rms_along, shock_chart, spectra_blocks
 from wirerope_mj.content.statics import run_statics_blocks
-from wirerope_mj.content.verdicts import acceleration_limits, answer_blocks, full_table, grounds_blocks, headline, used_mark
+from wirerope_mj.content.verdicts import (
+    acceleration_limits,
+    answer_blocks,
+    criteria_blocks,
+    full_table,
+    grounds_blocks,
+    headline,
+    untested,
+    used_mark,
+)
 from wirerope_mj.engine.response import Numerics, Response
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.foundation.errors import Absent
@@ -83,7 +92,8 @@ def run_content(run: JudgedRun) -> Content:
         verdict=headline(run.verdicts),
         sections=(
             section("warnings", "", warnings, "headline"),
-            section("answer", "", answer_blocks, "headline"),
+            section("brief", "", brief_blocks, "headline"),
+            section("answer", "", lambda judged: [*answer_blocks(judged)][:1], "headline"),
             section("grounds", "", lambda judged: (worst_instant(judged), *grounds_blocks(judged))),
             section("accelerations", "Peak accelerations", acceleration_blocks, "summary"),
             section("mounts", "Peaks of the mounts", mount_blocks, "summary"),
@@ -104,6 +114,30 @@ def run_content(run: JudgedRun) -> Content:
             section("verdicts", "All verdicts", lambda run: [full_table(run.verdicts)]),
         ),
     )
+
+
+def brief_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield what went in and what came out, the criteria as bars, and what is not judged."""
+    yield passage(run)
+    if run.achieved:
+        yield replace(required_statement(run), id="required", items=())
+    yield from criteria_blocks(run.verdicts)
+    yield untested(run)
+
+
+def passage(run: JudgedRun) -> Statement | None:
+    """State the base's motion and the largest acceleration of the payload; of random vibration the largest rms."""
+    base, *others = body_peaks(run.response)
+    if not others:
+        return None
+    where, out, into, measure = others[0].name, others[0].value, base.value, ""
+    if run.random and not isinstance(run.random, Absent):
+        most = max((row for row in run.random if row.criterion.kind == RMS), key=lambda row: row.value)
+        axis = most.criterion.axis
+        where, out, into, measure = most.subject, most.value, float(run.base_rms["xyz".index(axis)]), f" rms along {axis}"
+    of_base = f", {out / into:.0%} of the base's {with_unit(into, 'g')}".replace("%", " %") if into > STILL else ""
+    text = f"{run.acting} → {with_unit(out, 'g')}{measure} at {where}{of_base}"
+    return Statement("passage", text, values={"base_m_s2": into, "payload_m_s2": out, "where": where})
 
 
 def numerics_statement(numerics: Numerics) -> Statement:

@@ -8,8 +8,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.assessment.criteria import EXCEEDED
-from wirerope_mj.assessment.criteria.summary import against_limit
-from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.assessment.criteria.verdict import against_limit, most_used
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import with_unit
@@ -19,6 +18,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
+from wirerope_mj.foundation.units import instant_text
 
 LONGEST_LABEL = 5  # letters of a mount's name beside its mark; if one is longer, all mounts are numbered
 _CIRCLE_CORNERS = 16  # corners of a circle that is drawn as a polygon
@@ -193,8 +193,8 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
     if not rows:
         return None
     worst, instant = rows[0]
-    unlimited = f"{worst.criterion} of {worst.subject}, {with_unit(worst.value, worst.unit)}"
-    title = f"The worst instant, {instant:.4f} s: {unlimited if worst.limit is None else against_limit(worst)}"
+    unlimited = f"{worst.subject} {worst.criterion} {with_unit(worst.value, worst.unit)} at {instant_text(instant)}"
+    title = f"The worst instant: {unlimited if worst.limit is None else against_limit(worst)}"
     view = scene_at(run.response, instant, title=title)
     if view is None or view.moved is None:
         return None

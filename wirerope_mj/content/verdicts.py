@@ -1,17 +1,26 @@
 """Verdicts in sentences and tables: exceeded limits, utilisations, and values that are not judged with the reasons."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from wirerope_mj.assessment.criteria import CLEAR, COMBINED, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
 from wirerope_mj.assessment.criteria.judge import PASS
-from wirerope_mj.assessment.criteria.summary import against_limit, rule_lines, verdict_lines
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_amplified, most_used
+from wirerope_mj.assessment.criteria.summary import rule_lines, verdict_lines
+from wirerope_mj.assessment.criteria.verdict import (
+    ACCELERATION,
+    TRAVEL,
+    Criterion,
+    against_limit,
+    criterion_text,
+    most_amplified,
+    most_used,
+)
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
-from wirerope_mj.content.numbers import listed, shown, shown_unit
+from wirerope_mj.content.numbers import listed, shown, shown_unit, with_unit
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
 
 TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
@@ -22,6 +31,7 @@ _COLUMNS = (
     *left("unit"), Column("used", "%", "z.0f"), Column("at", "s", "z.4f"),
 )  # fmt: skip
 _LONG_NOTE = 20  # letters above which a note is not repeated in the next row
+_BARS = 5  # criteria that are drawn as bars; the others are folded away
 _WORST = 10  # verdicts that are shown besides the exceeded ones; the others are folded away
 
 
@@ -45,7 +55,11 @@ def headline(verdicts: Sequence[Verdict]) -> Statement:
 def answer_blocks(run: RunResult) -> Iterator[Statement | None]:
     lines = [*verdict_lines(run.response, run.verdicts), *rule_lines(run.verdicts)]
     yield Statement("verdicts", items=tuple(lines))
-    yield Statement("untested", run.untested, tone="unjudged") if run.untested else None
+    yield untested(run)
+
+
+def untested(run: RunResult) -> Statement | None:
+    return Statement("untested", run.untested, tone="unjudged") if run.untested else None
 
 
 def most_critical(verdicts: Sequence[Verdict]) -> Statement | None:
@@ -53,8 +67,43 @@ def most_critical(verdicts: Sequence[Verdict]) -> Statement | None:
     most = most_used(verdicts)
     if most is None:
         return None
-    when = "" if most.time is None else f", at {most.time:.4f} s"
-    return Statement("most-critical", f"Most critical: {against_limit(most)}{when}.", tone=TONE[most.verdict])
+    return Statement("most-critical", f"Most critical: {against_limit(most)}.", tone=TONE[most.verdict])
+
+
+def criteria_blocks(verdicts: Sequence[Verdict]) -> Iterator[Block | None]:
+    """Yield the worst of every criterion as bars, the most critical first, and what is not judged in one sentence."""
+    worst = {row.criterion: row for row in reversed(ordered(verdicts)) if row.utilisation is not None}
+    yield verdict_bars("criterion", ((criterion_text(criterion), row.subject, row) for criterion, row in worst.items()))
+    yield open_statement(verdicts)
+
+
+def verdict_bars(heading: str, named: Iterable[tuple[str, str, Verdict]]) -> Table | None:
+    """Draw judged verdicts as bars, the most critical first, each behind two names; None without any."""
+    rows = sorted(named, key=lambda entry: -(entry[-1].utilisation or 0.0))
+    values = [f"{shown(row.value, row.unit)} of {with_unit(row.limit, row.unit)}" if row.unit else "" for *_, row in rows]
+    if not rows:
+        return None
+    return bars_table(
+        heading, [(name, where, row.utilisation, text) for (name, where, row), text in zip(rows, values, strict=True)]
+    )
+
+
+def bars_table(heading: str, rows: Iterable[tuple[str, str, float | None, str]]) -> Table:
+    """Tabulate utilisations as bars, each behind two names and before a text."""
+    return Table(
+        "criteria", "",
+        [Column(heading, align="text"), *left("where"), Column("used", "%", "z.0f", bar=True), *left("value and limit")],
+        [(name, where, Mark(used, _used_tone(used) or "within"), text) for name, where, used, text in rows],
+        shown=_BARS,
+    )  # fmt: skip
+
+
+def open_statement(verdicts: Iterable[Verdict]) -> Statement | None:
+    """Count the values that are not judged by what they are of; None if all are judged."""
+    rows = [row.criterion for row in verdicts if row.verdict == NOT_JUDGED and not row.contact]
+    counts = Counter(str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)) for row in rows)
+    text = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
+    return Statement("open", f"Not judged: {text}.", tone="unjudged") if rows else None
 
 
 def grounds_blocks(run: JudgedRun) -> Iterator[Block | None]:
@@ -126,9 +175,13 @@ def acceleration_limits(verdicts: Sequence[Verdict]) -> dict[str, Verdict]:
 
 
 def used_mark(utilisation: float | None) -> Mark:
+    return Mark(utilisation, _used_tone(utilisation))
+
+
+def _used_tone(utilisation: float | None) -> str:
     if utilisation is None:
-        return Mark(None, "quiet")
-    return Mark(utilisation, "exceeded" if utilisation > 1.0 else "near" if utilisation > NEAR else "")
+        return "quiet"
+    return "exceeded" if utilisation > 1.0 else "near" if utilisation > NEAR else ""
 
 
 def _rated(row: Verdict) -> Verdict:

@@ -40,6 +40,7 @@ class Column:
     unit: str = ""  # in which the values of its cells are displayed, in brackets after the heading; "" for none
     form: str | int = 3  # of its values: a format specification, or a number of significant digits without an exponent
     align: Alignment = "right"
+    bar: bool = False  # whether fractions of a limit are drawn as bars, with a tick at the limit, beside their numbers
 
     def title(self, separator: str = " ") -> str:
         return f"{self.heading}{separator}[{self.unit}]" if self.unit else self.heading

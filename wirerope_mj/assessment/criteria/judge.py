@@ -26,8 +26,8 @@ from wirerope_mj.assessment.criteria.verdict import (
     STRUCK,
     TRAVEL,
     WITHIN,
-    Criterion,
     Verdict,
+    against_limit,
     most_amplified,
     most_used,
 )
@@ -56,7 +56,7 @@ def headline(verdicts: Sequence[Verdict]) -> str:
         answer = f"{UNKNOWN}: {early}"
     elif judged:
         checks = "the only check is" if judged == 1 else f"all {judged} checks are"
-        answer = f"{PASS}{part}: {checks} within limits; most critical {critical_text(verdicts)}"
+        answer = f"{PASS}{part}: most critical {critical_text(verdicts)}; {checks} within limits"
     else:
         answer = f"{UNKNOWN}: no limit is stated for anything in this run"
     clauses = [answer, missing if judged and not early else "", amplified_text(verdicts)]
@@ -107,27 +107,20 @@ def amplified_text(verdicts: Sequence[Verdict]) -> str:
 
 
 def fail_text(count: str, verdicts: Sequence[Verdict], where: str = "") -> str:
-    """Describe a failure: weight on stops at rest first, the count of exceeded limits, and the worst of them."""
+    """Describe a failure: weight on stops at rest first, the worst exceeded limit, and the count of them."""
     rested = max((row for row in verdicts if row.criterion.kind == RESTED), key=lambda row: row.value, default=None)
     if rested is None:
-        return f"{FAIL}: {count}; worst {critical_text(verdicts)}{where}"
+        return f"{FAIL}: {critical_text(verdicts)}{where}; {count}"
     rest = [row for row in verdicts if row.criterion.kind != RESTED]
     worst = f"; else most critical {critical_text(rest)}" if most_used(rest) is not None else ""
     return f"{FAIL}: {rested.note}; {count}{worst}"
 
 
 def critical_text(verdicts: Sequence[Verdict]) -> str:
-    """Describe the most critical check, such as "h4, 124 % of combined travel"."""
+    """Describe the most critical check: "h4 travel in roll 41.2 mm, limit 40 mm (103 %) at 27.9 ms"."""
     worst = most_used(verdicts)
     assert worst is not None
-    return f"{worst.subject}, {100.0 * (worst.utilisation or 0.0):.0f} % of {limit_of(worst.criterion)}"
-
-
-def limit_of(criterion: Criterion) -> str:
-    """Name the limit of a criterion, such as "combined travel", "rated travel in roll", "the limit of acceleration along z"."""
-    if criterion == COMBINED:
-        return "combined travel"
-    return f"rated {criterion}" if criterion.kind in _RATED else f"the limit of {criterion}"
+    return against_limit(worst)
 
 
 _RATED = (TRAVEL, STATIC_LOAD)

@@ -22,11 +22,12 @@ from wirerope_mj.assessment.criteria.verdict import (
     TRAVEL,
     WITHIN,
     Verdict,
+    against_limit,
     most_used,
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.units import force_text, in_unit, instant_text, shown_in
+from wirerope_mj.foundation.units import force_text, in_unit, instant_text
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES, one_way, travel_reached
 
@@ -129,7 +130,7 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     elsewhere = set(OF_MOUNTS) - {*BY_LIMITS}
     rows = [row for row in verdicts if row.criterion.kind not in elsewhere and not row.contact]
     judged = sorted((row for row in rows if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
-    lines += [f"{row.verdict.capitalize()}: {against_limit(row)}{_instant(row)}." for row in judged[:_LIMITS]]
+    lines += [f"{row.verdict.capitalize()}: {against_limit(row)}." for row in judged[:_LIMITS]]
     if more := judged[_LIMITS:]:
         over = sum(row.verdict == EXCEEDED for row in more)
         lines.append(f"Of the other limits {over or 'none'} of {len(more)} is exceeded.")
@@ -193,15 +194,6 @@ def _listed(names: list[str], between: str = ", ") -> str:
     """Join the first names, and the number of the others."""
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return between.join(names[:_NAMED]) + more
-
-
-def against_limit(row: Verdict) -> str:
-    """Write a value with its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"; of a ratio the percentage."""
-    used = f"{100.0 * (row.utilisation or 0.0):.0f} %"
-    if not row.unit:
-        return f"{row.criterion} of {row.subject}, {used}"
-    unit, factor = shown_in(row.unit)
-    return f"{row.criterion} of {row.subject}, {factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit} ({used})"
 
 
 def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:

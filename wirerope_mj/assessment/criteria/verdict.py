@@ -10,6 +10,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.summary import json_values
+from wirerope_mj.foundation.units import instant_text, shown_in, significant
 
 ACCELERATION: Final = "acceleration"
 RATTLE_SPACE: Final = "rattle space"
@@ -126,6 +127,22 @@ class Verdict:
             "limit": self.limit, "unit": self.unit, "time_s": self.time, "margin": json_values(self.margin),
             "verdict": self.verdict, "note": self.note,
         }  # fmt: skip
+
+
+def criterion_text(criterion: Criterion) -> str:
+    """Name a criterion in sentences; files keep "travel combined", as they began with it."""
+    return "combined travel" if criterion == COMBINED else str(criterion)
+
+
+def against_limit(row: Verdict) -> str:
+    """Write a value against its limit: "rack 10.2 g, limit 10 g (102 %) at 27.9 ms"; a ratio as its percentage."""
+    what = row.subject if row.criterion == ACCELERATION else f"{row.subject} {criterion_text(row.criterion)}"
+    used = f"{100.0 * (row.utilisation or 0.0):.0f} %"
+    at = "" if row.time is None else f" at {instant_text(row.time)}"
+    if not row.unit:
+        return f"{what} {used}{at}"
+    unit, factor = shown_in(row.unit)
+    return f"{what} {significant(factor * row.value)} {unit}, limit {factor * (row.limit or 0.0):.4g} {unit} ({used}){at}"
 
 
 def largest_each(verdicts: Iterable[Verdict]) -> list[Verdict]:

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import rerun.blueprint as rrb
 
-from wirerope_mj.assessment.criteria.judge import limit_of
 from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.histories import TOTAL, USED
 from wirerope_mj.foundation.units import in_unit
@@ -133,7 +132,7 @@ def _close_up(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = 
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
     worst = by_use(run.selection.verdicts).get(mount) if figures else None
-    used = f", {in_unit(worst.utilisation or 0.0, '%'):.0f} % of {limit_of(worst.criterion)}" if worst else ""
+    used = f", {worst.criterion} {in_unit(worst.utilisation or 0.0, '%'):.0f} %" if worst else ""
     name = ": ".join(filter(None, (run.name, f"Mount {mount}{used}")))
     return _scene(run, name, close_up_of(run.response, mount, wide=wide), hidden)
 
