@@ -41,6 +41,8 @@ def shock(
     resample: float | None = None,
     gaps: Literal["refuse", "fill"] = "refuse",
     unit: str | None = None,
+    rotation: Literal["base", "world"] | None = None,
+    fade: float | None = None,
     start: float = 0.0,
     duration: float | None = None,
     initial: Literal["settled", "relaxed", "unloaded"] | None = None,
@@ -72,7 +74,8 @@ def shock(
         scale: of a record: factor on the acceleration.
         direction: in which a record of one channel moves the base: x, y, z, -x, -y, -z or a vector such as 1,1,0.
         channels: of a record: which to use, NAME=DIRECTION, one or several; those named x, y and z by default. A universal
-            file calls its channels NODE:DIRECTION, such as 12:z.
+            file calls its channels NODE:DIRECTION, such as 12:z. Columns of angular rates or accelerations turn the base:
+            gx=roll, gy=pitch, gz=yaw.
         baseline: correction of a record's baseline: none, rest (the level of the quiet part, gravity for instance), mean,
             velocity (a constant, so that the base ends at rest) or highpass.
         highpass: cutoff of the baseline highpass [Hz].
@@ -80,6 +83,9 @@ def shock(
         gaps: what is done about missing samples of a record, absent rows, empty cells and NaN: refuse, or fill with straight
             lines.
         unit: of a record's accelerations, in place of what the file says, or does not say.
+        rotation: of a record with columns of angular rates or accelerations, which then turn the base: base, sensors are fixed
+            to it and turn with it, or world.
+        fade: of a record: length of a smooth rise at its beginning and fall at its end [s].
         start: instant at which a record begins [s].
         duration: simulated time [s]; by default until ten periods of the slowest mode after the motion, with a sweep until
             its end.
@@ -113,7 +119,7 @@ def shock(
         raise ValueError('say how the base moves, for instance --half-sine "15 g 11 ms z" or --record deck.csv.')
     played = {
         "scale": scale, "baseline": baseline, "start": start, "highpass": highpass, "resample": resample, "gaps": gaps,
-        "unit": unit,
+        "unit": unit, "rotation": rotation, "fade": fade,
     }  # fmt: skip
     system = load_system(model_source(model, asker="wirerope shock"))
     if deck is not None:

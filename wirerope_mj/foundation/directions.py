@@ -10,6 +10,7 @@ from wirerope_mj.foundation.arrays import Array
 Direction = str | tuple[float, float, float]
 
 AXES = ("x", "y", "z")
+ROTATIONS = ("roll", "pitch", "yaw")  # about x, y, z
 _UNIT: dict[str, tuple[float, float, float]] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 # How an option says one direction.
 WORDING = "x, y, z, -x, -y, -z or a vector such as 1,1,0"

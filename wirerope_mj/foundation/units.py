@@ -25,6 +25,10 @@ ACCELERATION_UNITS = {
     "mg": 1e-3 * STANDARD_GRAVITY,
 }  # fmt: skip
 ANGLE_UNITS = {"deg": math.pi / 180.0, "°": math.pi / 180.0, "rad": 1.0}
+ANGULAR_RATE_UNITS = {f"{unit}/s": factor for unit, factor in ANGLE_UNITS.items()} | {"dps": ANGLE_UNITS["deg"]}
+ANGULAR_ACCELERATION_UNITS = {
+    f"{unit}/{square}": factor for unit, factor in ANGLE_UNITS.items() for square in ("s^2", "s2", "s²")
+}  # fmt: skip
 FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
 MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
 PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
@@ -53,6 +57,8 @@ UNITS: dict[str, Mapping[str, float]] = {
     "moment": MOMENT_UNITS,
     "velocity": VELOCITY_UNITS,
     "acceleration": ACCELERATION_UNITS,
+    "angular rate": ANGULAR_RATE_UNITS,
+    "angular acceleration": ANGULAR_ACCELERATION_UNITS,
     "density": PSD_UNITS,
     "slope": {"dB/oct": 1.0, "dB/octave": 1.0},
 }  # fmt: skip
@@ -70,7 +76,7 @@ PHRASE_UNITS: dict[str, Mapping[str, float]] = {
 # what else a logger writes as a unit beside the quantities that are read: enough to know a row of units, or what stands in
 # parentheses, for one
 _ELSEWHERE = (
-    "V", "mV", "°C", "degC", "°F", "Pa", "kPa", "MPa", "bar", "psi", "rpm", "1/min", "deg/s", "rad/s", "um/m", "mm/mm", "dB",
+    "V", "mV", "°C", "degC", "°F", "Pa", "kPa", "MPa", "bar", "psi", "rpm", "1/min", "um/m", "mm/mm", "dB",
     "J", "pC", "counts", "kg/m^3", "N/mm^2",
 )  # fmt: skip
 _WORDS = {

@@ -57,6 +57,8 @@ class Played(Simulated):
     resample: Annotated[float | None, example(1000.0)] = None  #: samples a second [Hz]
     gaps: Annotated[str | None, example("fill")] = None  #: "refuse" or "fill"
     unit: Annotated[str | None, example("g")] = None  #: of its samples
+    rotation: Annotated[str | None, example("base")] = None  #: axes of columns that turn the base: "base" or "world"
+    fade: Annotated[float | None, example(1.0)] = None  #: length of a smooth rise and fall [s]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +115,8 @@ class JobFile:
 _SIMULATE = tuple(item.name for item in fields(Simulated))
 # Columns of a sheet of cases besides their names.
 _IN_SHEETS = {"duration": "time", "start": "time", "scale": PURE} | dict.fromkeys(
-    ("note", *SPOKEN_MOTIONS, "levels", "record", "channels", "direction", "baseline", "gaps", "unit", "initial"), TEXT
+    ("note", *SPOKEN_MOTIONS, "levels", "record", "channels", "direction", "baseline", "gaps", "unit", "rotation", "initial"),
+    TEXT,
 )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.dynamics.sweep.sweeps import stepped_sine
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.directions import direction_in
+from wirerope_mj.foundation.directions import ROTATIONS, direction_in
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.quantities import parse_phrase
 from wirerope_mj.motions import BaseMotion, load_record
@@ -19,7 +19,7 @@ from wirerope_mj.motions.records.record import record_channels
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS, motion_from_phrase, motion_of_levels
 
 # What is said of how a record is played, beside its channels and their directions, as `load_record` takes it.
-PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit")
+PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit", "rotation", "fade")
 
 
 def listed_phrases(text: str) -> list[str]:
@@ -45,7 +45,7 @@ def said_motion(
     motions += [motion_of_levels(file) for file in levels]
     if record is not None:
         one = load_record(record, channels=_channels(record, channels, direction), **(played or {}))
-        if not one.samples.any():
+        if not (one.samples.any() or one.rotates):
             zero = "all of its samples are zero" if one.baseline == "none" else "nothing but zeros is left of it"
             text = f"{zero}, so that the base would not move. Is it the right file, and the right channel?"
             raise RecordError(f"{record}: {text}")
@@ -72,7 +72,7 @@ def _channels(record: Path, channels: Sequence[str] | None, direction: str | Non
         for item, (name, _, _) in zip(channels, pairs, strict=True):
             if not name:
                 raise ValueError(f"`channels` are NAME=DIRECTION, for instance ch3=z, got {item!r}.")
-        return {name: direction_in(text, "channels") for name, _, text in pairs}
+        return {name: text if text.lstrip("+-") in ROTATIONS else direction_in(text, "channels") for name, _, text in pairs}
     names = tuple(channels) if channels is not None else record_channels(record, accelerations=True)
     if len(names) != 1 or "=" in names[0]:
         raise ValueError(

@@ -48,7 +48,8 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
     if reading.time.size < _FEWEST:
         return
     rate, (unit, factor) = (reading.time.size - 1) / float(reading.time[-1] - reading.time[0]), reading.unit
-    yield from _implausible(reading, rate)
+    if reading.samples.any() or not reading.turned_by:
+        yield from _implausible(reading, rate)
     for axis, a in zip("xyz", reading.samples.T, strict=True):
         low, high = float(a.min()), float(a.max())
         if high > low:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, unit_vector
+from wirerope_mj.foundation.directions import ROTATIONS, Direction, unit_vector
 from wirerope_mj.foundation.units import ACCELERATION_UNITS
 
 # a record rests at its median if so many of its samples lie near it, within a fraction of its range or of the median
@@ -25,9 +25,11 @@ class Reading:
     """Content of a record's file: accelerations as they were measured, and warnings."""
 
     time: Array  # instants of the file's own clock [s], increasing, (n,)
-    samples: Array  # acceleration along x, y, z [m/s^2], (n, 3)
+    # acceleration along x, y, z [m/s^2], (n, 3); with what turns the base behind it, about x, y, z, (n, 6)
+    samples: Array
     units: tuple[str, ...]  # in which the file gives them, each once
     warnings: tuple[str, ...] = ()  # what had to be done to the samples, and what looks wrong about them
+    turned_by: str = ""  # "rate" [rad/s] or "acceleration" [rad/s^2], what turns the base; "" where nothing does
 
     @property
     def unit(self) -> tuple[str, float]:
@@ -45,8 +47,14 @@ class Reading:
 
 
 def axes_of(directions: Iterable[Direction]) -> Array:
-    """Return the unit vectors of the channels' directions, (n_channels, 3)."""
-    return np.array([unit_vector(direction) for direction in directions])
+    """Return the unit vectors of the channels' directions, (n_channels, 3), with rotations (n_channels, 6)."""
+    vectors = np.zeros((0, 6))
+    for direction in directions:
+        name = str(direction).lstrip("+-")
+        turns = name in ROTATIONS
+        unit = np.eye(3)[ROTATIONS.index(name)] * (-1.0 if direction[0] == "-" else 1.0) if turns else unit_vector(direction)
+        vectors = np.vstack([vectors, np.concatenate([np.zeros(3), unit] if turns else [unit, np.zeros(3)])])
+    return vectors if vectors[:, 3:].any() else vectors[:, :3].copy()
 
 
 def quiet_level(a: Array) -> float | None:

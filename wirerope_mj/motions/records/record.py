@@ -11,7 +11,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, nonzero, one_of, positive
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
+from wirerope_mj.foundation.directions import ROTATIONS, Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.parquet_files import read_content
 from wirerope_mj.foundation.table_files import LARGEST
@@ -19,8 +19,10 @@ from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY, f
 from wirerope_mj.motions.motion import BaseMotion, Said
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 from wirerope_mj.motions.records.checks import motion_warnings, reading_warnings
+from wirerope_mj.motions.records.reading import axes_of
 from wirerope_mj.motions.records.sampling import BASELINES, even, resampled, without_baseline
 from wirerope_mj.motions.records.table import acceleration_channels, read_record_table, table_channels
+from wirerope_mj.motions.records.turning import AXES_OF_SENSORS, Turning, faded, turned, turning_warnings
 from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
@@ -54,6 +56,9 @@ class Record(BaseMotion):
     resample: float | None = None
     gaps: str = "refuse"
     unit: str | None = None
+    rotation: str | None = None
+    fade: float | None = None
+    turning: Turning | None = field(default=None, repr=False)  # how the base turns; None where nothing does
     # what had to be done to the samples, and what looks wrong about them; each begins with the file's name
     warnings: tuple[str, ...] = field(default=(), repr=False)
     duration: float = field(init=False)
@@ -68,6 +73,13 @@ class Record(BaseMotion):
 
     def _derivative(self, t: Array, order: int) -> Array:
         return self._piecewise.derivative(t, order)
+
+    def _angles(self, t: Array, order: int) -> Array:
+        return super()._angles(t, order) if self.turning is None else self.turning.derivative(t, order)
+
+    @property
+    def rotates(self) -> bool:
+        return self.turning is not None
 
     @property
     def end(self) -> float:
@@ -87,7 +99,11 @@ class Record(BaseMotion):
         record = f"record {self.path.name}"
         events = (self.start, f"{record} begins"), (self.end, f"{record} ends")
         shortest = _SAMPLES_PER_PERIOD * self.duration / (self.time.size - 1)
-        return Said(f"{record}, {self.duration:.4g} s, peak {peak:.4g} g", events, shortest_time=shortest)
+        text = f"{record}, {self.duration:.4g} s, peak {peak:.4g} g"
+        if self.turning is not None:
+            largest = np.degrees(np.abs(self.turning.angles).max(axis=0))
+            text += "".join(f", {name} to {angle:.3g} deg" for name, angle in zip(ROTATIONS, largest, strict=True) if angle)
+        return Said(text, events, shortest_time=shortest)
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -104,7 +120,8 @@ class Record(BaseMotion):
         values |= {"scale": self.scale, "baseline": self.baseline, "start": self.start}
         if self.gaps != "refuse":
             values["gaps"] = self.gaps
-        optional = {"highpass": self.highpass, "resample": self.resample, "unit": self.unit}
+        names = "highpass", "resample", "unit", "rotation", "fade"
+        optional = {name: getattr(self, name) for name in names}
         return values | {name: value for name, value in optional.items() if value is not None}
 
     @cached_property
@@ -116,7 +133,7 @@ class Record(BaseMotion):
             warnings.simplefilter("ignore", RecordWarning)  # they were given
             measured = load_record(
                 self.path, channels=self.channels, scale=self.scale, start=self.start, resample=self.resample,
-                gaps=self.gaps, unit=self.unit,
+                gaps=self.gaps, unit=self.unit, rotation=self.rotation, fade=self.fade,
             )  # fmt: skip
         start = float(self.time[(self.time.size - measured.time.size) // 2])
         return replace(measured, start=start, time=measured.time + (start - measured.start))
@@ -129,7 +146,7 @@ class Record(BaseMotion):
 def load_record(
     path: str | Path, *, channels: Mapping[str, str | Sequence[float]] | None = None, scale: float = 1.0,
     baseline: str = "none", start: float = 0.0, highpass: float | None = None, resample: float | None = None,
-    gaps: str = "refuse", unit: str | None = None,
+    gaps: str = "refuse", unit: str | None = None, rotation: str | None = None, fade: float | None = None,
 ) -> Record:  # fmt: skip
     """Return the base motion that a table or a universal file (dataset 58) holds, on up to three axes at once.
 
@@ -145,9 +162,10 @@ def load_record(
 
     Args:
         path: of the file.
-        channels: which channel moves the base in which direction, for instance `{"ch3": "z"}`; others are not used. None: the
-            columns named x, y, z (or ax, acc_x, acceleration_x, ...), or all directions of a universal file of one node.
-        scale: factor on the acceleration.
+        channels: which channel moves the base in which direction, for instance `{"ch3": "z"}`, or turns it, `{"gx": "roll"}`,
+            `"pitch"` or `"yaw"`, about x, y, z, with `"-roll"` the other way; others are not used. None: the columns named x,
+            y, z (or ax, acc_x, acceleration_x, ...), or all directions of a universal file of one node.
+        scale: factor on the acceleration, and on roll, pitch and yaw.
         baseline: `"none"`: as measured. `"rest"`: the level of the quiet part that the record begins or ends with is subtracted
             from each direction: gravity, or an offset; nothing from a pulse that fills its record, the mean from a vibration.
             `"mean"`: the mean of the samples, which holds a pulse too. `"velocity"`: the constant that makes the final
@@ -163,6 +181,11 @@ def load_record(
         gaps: `"refuse"`: a record in which rows are missing, cells are empty or hold NaN is an error. `"fill"`: they are filled
             with straight lines.
         unit: of the accelerations, in place of what the file says; for a file that does not say it, or says it wrong.
+        rotation: of a table, whose columns of angular rates [deg/s, rad/s] or angular accelerations [deg/s^2, rad/s^2] turn the
+            base: `"base"`: sensors were fixed to the base and turn with it, accelerometers too, so that gravity in their
+            signals is a constant along z of the world, which a baseline takes off; `"world"`: all axes are the world's. The
+            accelerations are those of the base's own origin. None: as `"base"` if `channels` names a rotation, else without.
+        fade: length of a smooth rise at the beginning and fall at the end [s], for a record that was cut out of a longer one.
 
     Raises:
         RecordError: the file does not hold a usable record; the message names the line.
@@ -175,12 +198,21 @@ def load_record(
     if unit is not None:
         unit = find_unit(unit, ACCELERATION_UNITS) or one_of("unit", unit, ACCELERATION_UNITS)
     directions = None if channels is None else _checked_channels(channels)
+    rotation = _checked_rotation(rotation, directions)
+    if fade is not None and highpass is not None:
+        raise ValueError('`fade` and the baseline "highpass" exclude each other: the filter lengthens the record by rest.')
     file = Path(path).absolute()
 
     fill = gaps == "fill"
-    reading = read_uff(file, directions, unit) if is_uff(file) else read_record_table(file, directions, unit, fill=fill)
+    if is_uff(file):
+        if rotation is not None:
+            raise RecordError(f"{file}: rotation is read from tables alone: export this universal file as one.")
+        reading = read_uff(file, directions, unit)
+    else:
+        reading = read_record_table(file, directions, unit, fill=fill, turns=rotation is not None)
     reading = even(file, reading, gaps=gaps)
-    reading = reading.warned(*reading_warnings(reading, corrected=baseline != "none"))
+    if rotation is None:  # others are judged along the world's axes, below
+        reading = reading.warned(*reading_warnings(reading, corrected=baseline != "none"))
     if rate is not None:
         reading = resampled(reading, rate)
     time, samples = reading.time, reading.samples
@@ -192,19 +224,30 @@ def load_record(
             f"got {start!r}."
         )
     time += start  # in a second step, so that the first instant is `start` to the last digit
+    turning = None
+    if rotation is not None:
+        samples, turning = turned(
+            file, time, samples, kind=reading.turned_by, axes=rotation, baseline=baseline, highpass=highpass, fade=fade
+        )
+        moved = replace(reading, samples=samples)
+        reading = reading.warned(*reading_warnings(moved, corrected=baseline != "none"), *turning_warnings(turning))
     peak = max(float(samples.max()), -float(samples.min()))
     if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
         raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
+    if fade is not None:
+        samples *= faded(time, fade)[:, np.newaxis]
     messages = (*reading.warnings, *motion_warnings(reading, time, samples, baseline))
+    if turning is not None:
+        turning = Turning(turning.time, scale * turning.angles, scale * turning.rates)
     for message in messages:
         warnings.warn(f"{file}: {message}", RecordWarning, stacklevel=2)
     for array in (time, samples):
         array.flags.writeable = False
     return Record(
         path=file, time=time, samples=samples, channels=directions, scale=scale, baseline=baseline, start=start,
-        highpass=highpass, resample=rate, gaps=gaps, unit=unit,
+        highpass=highpass, resample=rate, gaps=gaps, unit=unit, rotation=rotation, fade=fade, turning=turning,
         warnings=tuple(f"{file.name}: {message}" for message in messages),
     )  # fmt: skip
 
@@ -253,14 +296,25 @@ def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
     return positive("highpass", highpass)
 
 
+def _checked_rotation(rotation: str | None, directions: Mapping[str, Direction] | None) -> str | None:
+    """Return the axes of the channels that turn the base: those given, "base" where a channel turns it, else None."""
+    if rotation is None:
+        turns = any(str(direction).lstrip("+-") in ROTATIONS for direction in (directions or {}).values())
+        return AXES_OF_SENSORS[0] if turns else None
+    return one_of("rotation", rotation, AXES_OF_SENSORS)
+
+
 def _checked_channels(channels: Mapping[str, str | Sequence[float]]) -> dict[str, Direction]:
     """Return the directions of the channels; ValueError if there are none, or two have one direction."""
     if not channels:
         raise ValueError('`channels` must name at least one column, for instance {"ch3": "z"}, got none.')
-    directions = {name: checked_direction(direction) for name, direction in channels.items()}
+    directions = {
+        name: str(direction) if str(direction).lstrip("+-") in ROTATIONS else checked_direction(direction)
+        for name, direction in channels.items()
+    }
+    vectors = dict(zip(directions, axes_of(directions.values()), strict=True))
     for name, direction in directions.items():
-        vector = unit_vector(direction)
-        alike = [other for other in directions if np.array_equal(unit_vector(directions[other]), vector)]
+        alike = [other for other in directions if np.array_equal(vectors[other], vectors[name])]
         if len(alike) > 1:
             raise ValueError(f"`channels` gives {name} and {alike[1]} the same direction {direction_text(direction)}.")
     return directions

@@ -14,7 +14,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.clock_times import clock_time, is_clock_time
-from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.directions import ROTATIONS, Direction
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.table_files import (
@@ -32,6 +32,7 @@ from wirerope_mj.foundation.table_files import (
 from wirerope_mj.foundation.table_header import TIME_COLUMN, Header, holds, is_missing
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY, TIME_UNITS, find_unit, range_of, underscored_unit
 from wirerope_mj.motions.records.reading import Reading, axes_of
+from wirerope_mj.motions.records.turning import TURN_UNITS, kind_of, turn_columns, turned_by
 
 _BEYOND = 1.2  # times its range, above which no accelerometer shows anything
 _BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
@@ -150,29 +151,49 @@ def acceleration_channels(path: Path) -> tuple[str, ...]:
     return tuple(found) or table_channels(path)
 
 
-def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False) -> Reading:
-    """Return the accelerations in the columns of a table in any container.
+def read_record_table(
+    path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False, turns: bool = False
+) -> Reading:
+    """Return the accelerations in the columns of a table in any container, and what turns the base.
 
     Without `channels` they are in the columns named x, y and z, without a `unit` in the header's. With `fill` empty cells and
-    NaN are filled with straight lines; else they are an error.
+    NaN are filled with straight lines; else they are an error. With `turns` angular rates or accelerations are read, too: those
+    of the `channels`, else of the columns with such a unit that are named after an axis.
     """
     header, time, clock = _opened(path, channels or ())
+    messages: list[str] = []
     if channels is None:
-        directions = _axis_columns(header, time)
+        turning = turn_columns(header, time)
+        if turning and not turns:
+            named = ", ".join(header.names[column] for column in turning)
+            messages.append(f'it holds {named}, which turn nothing: play them with rotation="base" (--rotation base).')
+        directions = _axis_columns(header, time, required=not turns) | (turning if turns else {})
     else:
         directions = {find_column(header, name, without=time): direction for name, direction in channels.items()}
+    turned = [column for column, direction in directions.items() if str(direction).lstrip("+-") in ROTATIONS]
+    if turns and not turned:
+        raise RecordError(
+            f"{header.location}: no column is an angular rate [deg/s, rad/s] or acceleration [deg/s^2, rad/s^2] about x, y or "
+            f'z; the columns are {header.listed(units=True)}. Say which one turns the base, such as channels={{"gx": "roll"}} '
+            "(--channels gx=roll)."
+        )
+    kind = turned_by(header, turned)
     option = 'unit="g" (--unit g)'
     units = [
-        unit if unit is not None else header.known_unit(column, ACCELERATION_UNITS, option=option) for column in directions
-    ]
-    factors = np.array([ACCELERATION_UNITS[name] for name in units])
+        unit if unit is not None else header.known_unit(column, ACCELERATION_UNITS, option=option)
+        for column in directions if column not in turned
+    ]  # fmt: skip
+    accelerations = iter(ACCELERATION_UNITS[name] for name in units)
+    factors = np.array([
+        header.factor(column, TURN_UNITS[kind]) if column in turned else next(accelerations) for column in directions
+    ])  # fmt: skip
     columns, axes = [time, *directions], axes_of(directions.values())
-    instants, samples, messages = _in_si(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
-    ranges = [range_of(header.units[column]) for column in directions]
+    instants, samples, filled = _in_si(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
+    ranges = [range_of(header.units[column]) for column in directions if column not in turned]
     if ranges and None not in ranges:
-        require_within_range(header.location, samples, max(limit for limit in ranges if limit is not None))
-    messages += _borrowed_time(header, time, list(directions))
-    return Reading(instants, samples, units=tuple(dict.fromkeys(units)), warnings=tuple(messages))
+        require_within_range(header.location, samples[:, :3], max(limit for limit in ranges if limit is not None))
+    messages += [*filled, *_borrowed_time(header, time, list(directions))]
+    return Reading(instants, samples, units=tuple(dict.fromkeys(units)), warnings=tuple(messages), turned_by=kind)
 
 
 def require_within_range(location: str, samples: Array, limit: float) -> None:
@@ -327,8 +348,8 @@ def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> tupl
     return [numbers], messages
 
 
-def _axis_columns(header: Header, time: int) -> dict[int, Direction]:
-    """Return the indices of the columns that are named after an axis, with their directions."""
+def _axis_columns(header: Header, time: int, *, required: bool = True) -> dict[int, Direction]:
+    """Return the indices of the columns that are named after an axis, with their directions; none only if not `required`."""
     columns: dict[int, Direction] = {}
     if lost := [name for name in header.left_out if _AXIS_COLUMN.fullmatch(underscored_unit(name, ACCELERATION_UNITS)[0])]:
         raise RecordError(
@@ -337,7 +358,7 @@ def _axis_columns(header: Header, time: int) -> dict[int, Direction]:
         )
     for column, name in enumerate(header.names):
         match = _AXIS_COLUMN.fullmatch(name) or _AXIS_COLUMN.fullmatch(underscored_unit(name, ACCELERATION_UNITS)[0])
-        if not match or column == time:
+        if not match or column == time or kind_of(header.units[column]):
             continue
         axis = match[1].lower()
         if axis in columns.values():
@@ -347,7 +368,7 @@ def _axis_columns(header: Header, time: int) -> dict[int, Direction]:
                 f'Choose with channels={{"{chosen}": "{axis}"}} (--channels {chosen}={axis}).'
             )
         columns[column] = axis
-    if not columns:
+    if not columns and required:
         listed = [column for column in range(len(header.names)) if column != time]
         accelerations = [column for column in listed if find_unit(header.units[column] or "", ACCELERATION_UNITS)]
         example = next((header.names[column] for column in (*accelerations, *listed)), "ch1")
