@@ -130,6 +130,7 @@ from .mounts.isolator import Provenance as Provenance
 from .mounts.isolator import Rotation as Rotation
 from .mounts.isolator import Spread as Spread
 from .mounts.isolator import Stiffening as Stiffening
+from .mounts.isolator import Temperature as Temperature
 from .mounts.isolator import Travel as Travel
 from .mounts.laws import AsymmetricBoucWen as AsymmetricBoucWen
 from .mounts.laws import BoucWen as BoucWen

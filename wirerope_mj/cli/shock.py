@@ -4,7 +4,9 @@ import inspect
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
 
 from wirerope_mj.cli.options import All, Deck, Decks, Force, Repeated, RepeatedPaths, Texts, dated, own_option, with_numerics
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
@@ -49,6 +51,7 @@ def shock(
     sample_rate: float = 1000.0,
     accuracy: float | None = None,
     timestep: float | None = None,
+    temperature: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     deck: Deck = None,
     decks: Decks = False,
     limit: Repeated = None,
@@ -94,6 +97,7 @@ def shock(
         sample_rate: of the response [Hz].
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
         timestep: largest step [s], in place of one that is chosen; no error is estimated then.
+        temperature: "-20 degC" of the isolators, whose files state factors for it in [temperature].
         limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm", of the payload, "load/m3 = 5 kN" of a mount,
             "force/s1 = 10 kN", "closing/s1 = 0.5 m/s" or "gap/s1 = 80 %" of its stops, in place of the model's; with
             "stops = none" no stop may be touched.
@@ -106,7 +110,10 @@ def shock(
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.engine.system.on_deck import deck_text
     from wirerope_mj.foundation.payload_limits import limit_from_text
+    from wirerope_mj.foundation.quantities import values_with_unit
     from wirerope_mj.foundation.resources import model_source
+    from wirerope_mj.foundation.units import TEMPERATURE_UNITS
+    from wirerope_mj.mounts.isolator import at_temperature
     from wirerope_mj.runs.said_motion import listed_phrases, said_motion, with_dwells_found
     from wirerope_mj.runs.scenario import Scenario
 
@@ -122,6 +129,10 @@ def shock(
         "unit": unit, "rotation": rotation, "fade": fade,
     }  # fmt: skip
     system = load_system(model_source(model, asker="wirerope shock"))
+    devices = None
+    if temperature is not None:
+        devices = at_temperature(system.isolators, *values_with_unit(temperature, "temperature", TEMPERATURE_UNITS))
+        system = load_system(model_source(model, asker="wirerope shock"), isolators=devices)
     if deck is not None:
         system = load_system(deck_text(system, deck_of(deck)), isolators=system.isolators)
     phrases = with_dwells_found(phrases, system)
@@ -135,11 +146,12 @@ def shock(
     options |= {
         "levels": " ".join(file.name for file in levels or ()) or None, "record": record.name if record else None,
         "direction": direction, "channels": None if channels is None else " ".join(channels), "duration": duration,
+        "temperature": temperature,
     }  # fmt: skip
     made = Scenario(
         question=QUESTION, model=model, motion=motion, simulate={}, name=name, combined_travel=combined_travel,
         options={name: value for name, value in options.items() if value is not None},
-        limits=[limit_from_text(text) for text in limit or ()],
+        limits=[limit_from_text(text) for text in limit or ()], isolators=devices,
     )  # fmt: skip
     made = made if deck is None else made.on_deck(deck_of(deck))
     duration = duration_of(motion, duration, system)

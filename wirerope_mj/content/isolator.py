@@ -58,6 +58,8 @@ def provenance_statement(device: Isolator) -> Statement:
             text += f" Stop, {axis}: gap {gaps}{rest}, {force}."
     if device.stiffening is not None:
         text += f" Stiffened by its first cycles, {device.stiffening.description}."
+    if device.temperature is not None:
+        text += f" Temperature: {device.temperature.description}."
     for axis, stiffness in device.bracket.stated.items() if device.bracket is not None else ():
         law = device.axes[axis]
         softer = law.initial_stiffness / (law.initial_stiffness + stiffness) if law is not None else 0.0
@@ -108,3 +110,5 @@ def _joint_lines(device: Isolator) -> Iterator[str]:
         yield f"rotation: {stiffness} N m/rad"
     if device.stiffening is not None:
         yield f"stiffening: {device.stiffening.description}, which the table does not count"
+    if device.temperature is not None:
+        yield f"temperature: {device.temperature.description}, which the table does not count"

@@ -24,6 +24,7 @@ ACCELERATION_UNITS = {
     "gal": 1e-2, "in/s^2": 0.0254, "in/s2": 0.0254, "ft/s^2": 0.3048, "ft/s2": 0.3048,
     "mg": 1e-3 * STANDARD_GRAVITY,
 }  # fmt: skip
+TEMPERATURE_UNITS = {"degC": 1.0, "°C": 1.0}
 ANGLE_UNITS = {"deg": math.pi / 180.0, "°": math.pi / 180.0, "rad": 1.0}
 ANGULAR_RATE_UNITS = {f"{unit}/s": factor for unit, factor in ANGLE_UNITS.items()} | {"dps": ANGLE_UNITS["deg"]}
 ANGULAR_ACCELERATION_UNITS = {

@@ -1,7 +1,7 @@
 """The isolator itself, and the amplitudes at which its axes are worth a test."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -25,6 +25,7 @@ from wirerope_mj.mounts.isolator.parts import (
     Rotation,
     Spread,
     Stiffening,
+    Temperature,
     Validity,
     require_law_in_metres,
 )
@@ -53,6 +54,8 @@ class Isolator(Brief):
     rotation: Rotation | None = None  #: stiffness against turning; None = the mount turns freely
     #: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it
     stiffening: Stiffening | None = None
+    #: factors on stiffness and damping over temperature, and the temperature that it has; None = none are stated
+    temperature: Temperature | None = None
     #: what it is bolted to, in series with its axes; None = rigid. `conditioned` is the isolator on it.
     bracket: Bracket | None = None
     limits: Limits = Limits()  #: rated static load and travel
@@ -136,9 +139,9 @@ class Isolator(Brief):
 
     @cached_property
     def conditioned(self) -> "Isolator":
-        """The isolator as it acts: all forces times the factor of its stiffening, on its bracket; itself where nothing changes.
+        """The isolator as it acts: with the factors of its stiffening and temperature, on its bracket; itself without any.
 
-        It has neither stiffening, bracket nor spread, which speak of the laws as written.
+        It has neither these, nor spread, which speaks of the laws as written.
         """
         if self.bracket is not None:
             rigid = replace(self, bracket=None).conditioned
@@ -149,6 +152,9 @@ class Isolator(Brief):
                     raise ValueError(f"`bracket` holds {axis}, along which {self.name} has no law.")
                 laws[axis] = on_bracket(law, stiffness)
             return replace(rigid, spread=None, **laws)
+        if self.temperature is not None and (factors := self.temperature.factors) != (1.0, 1.0):
+            stiffness, damping = factors
+            return replace(self, temperature=None).scaled(stiffness).with_damping(damping).conditioned
         if self.stiffening is None or (factor := self.stiffening.factor) == 1.0:
             return self
         return replace(self, stiffening=None).scaled(factor)
@@ -263,6 +269,28 @@ def bottom_in_place(stop: Isolator, device: Isolator) -> Isolator:
 
 _UNRATED_FRACTION = 0.05  # of the height, where no travel is rated: small enough for every mount
 _UNRATED = 0.005  # [m], where not even the height is known
+
+
+def at_temperature(isolators: Mapping[str, Isolator], celsius: float) -> dict[str, Isolator]:
+    """Return isolators at a temperature [degC], by name; stops stay as they are.
+
+    ValueError: an isolator states no factors, or none for this temperature; says what to write where.
+    """
+    silent = [device.name for device in isolators.values() if device.temperature is None and not device.is_stop]
+    if silent:
+        raise ValueError(
+            f"no factors over temperature are stated for {', '.join(dict.fromkeys(silent))}. Write those of the data sheet "
+            "into the isolator file, [temperature] with celsius = [-40, 20, 70], stiffness = [1.3, 1.0, 0.95] and damping = "
+            "[..], or leave the temperature out."
+        )
+    made = {}
+    for name, device in isolators.items():
+        try:
+            stated = device.temperature and replace(device.temperature, at=celsius)
+        except ValueError as error:
+            raise ValueError(f"{device.name}: [temperature] {error}") from None
+        made[name] = replace(device, temperature=stated)
+    return made
 
 
 def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:

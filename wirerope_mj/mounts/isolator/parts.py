@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Annotated, Literal, Self, get_args
 
+import numpy as np
+
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.structure import NEEDED, bounds, check
 from wirerope_mj.mounts.laws import Law
@@ -101,6 +103,55 @@ class Stiffening(Part):
         """The values and the factor that they amount to, as text."""
         values = f"after_50 = {self.after_50:.6g}, cycles = {self.cycles:.6g}"
         return f"{values}: all forces are {self.factor:.6g} times those of the laws"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Temperature(Part):
+    """Factors on stiffness and damping over temperature that a data sheet states, straight between its temperatures.
+
+    `stiffness` multiplies all forces, stiffness and friction of every axis, `damping` the hysteretic and viscous part of every
+    law beside that (`Law.with_damping`). The factors are 1 where the laws were identified.
+    """
+
+    celsius: tuple[float, ...]  #: rising temperatures that are stated [degC], two or more
+    stiffness: tuple[Annotated[float, bounds(ge=0.01, le=100.0)], ...]  #: factor at each of them
+    damping: tuple[Annotated[float, bounds(ge=0.01, le=100.0)], ...] = ()  #: factor at each of them; left out: 1
+    #: temperature that the isolator has [degC], within those that are stated; left out: as the laws are written
+    at: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if len(self.celsius) < 2 or any(b <= a for a, b in zip(self.celsius[:-1], self.celsius[1:], strict=True)):
+            raise ValueError(f"`celsius` must be two or more rising temperatures [degC], got {list(self.celsius)}.")
+        for name in ("stiffness", "damping"):
+            values = getattr(self, name)
+            if len(values) != len(self.celsius) and (values or name == "stiffness"):
+                raise ValueError(
+                    f"`{name}` must have a factor for each of the {len(self.celsius)} temperatures, got {len(values)}."
+                )
+        low, high = self.celsius[0], self.celsius[-1]
+        if self.at is not None and not low <= self.at <= high:
+            raise ValueError(f"`at` must be within the {low:g} to {high:g} degC that are stated, got {self.at:g} degC.")
+
+    @property
+    def factors(self) -> tuple[float, float]:
+        """Factors on all forces, and on the hysteretic and viscous part beside it; 1 where no temperature is said."""
+        if self.at is None:
+            return 1.0, 1.0
+        stiffness, damping = (np.interp(self.at, self.celsius, values or [1.0] * len(self.celsius)) for values in (
+            self.stiffness, self.damping
+        ))  # fmt: skip
+        return float(stiffness), float(damping)
+
+    @property
+    def description(self) -> str:
+        """The temperature and the factors that it makes, or the temperatures that are stated, as text."""
+        if self.at is None:
+            return f"stated from {self.celsius[0]:g} to {self.celsius[-1]:g} degC; the laws are as written"
+        stiffness, damping = self.factors
+        return (
+            f"at {self.at:g} degC all forces are {stiffness:.4g} times those of the laws, their loss {damping:.4g} times that"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

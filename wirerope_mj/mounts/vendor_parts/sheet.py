@@ -17,6 +17,7 @@ from typing import Annotated, Literal
 from wirerope_mj.foundation.structure import NEEDED, In, Key, Place, bounds, structure
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STANDARD_GRAVITY, STIFFNESS_UNITS
+from wirerope_mj.mounts.isolator import Temperature
 from wirerope_mj.mounts.rope_loop import LoopShape, loop_shape
 from wirerope_mj.mounts.vendor_parts.law_values import Secant
 from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, VIBRATION_AMPLITUDE
@@ -170,6 +171,7 @@ class DataSheet:
     damping_range: tuple[float, float] | None = None  #: [lowest, highest] that the vendor states
     yield_deflection: Length | None = None  #: in place of a damping ratio
     scales: Literal[1, 2] = 1  #: of friction
+    temperature: Temperature | None = None  #: factors over temperature, which the isolator keeps
     assumed: tuple[str, ...] = ()  #: sentences on what the sheet does not say
     compression: AxisValues
     shear: Annotated[AxisValues | None, NEEDED] = None  #: of roll, too, unless it says otherwise

@@ -79,7 +79,7 @@ def fit_sheet(sheet: DataSheet) -> Isolator:
         geometry=Geometry(
             height=sheet.height, width=sheet.width, **({} if sheet.bar_assumed else {"bar": sheet.bar, "rope": sheet.rope})
         ),
-        rotation=_rotation(sheet, axial, across.get("roll"), curves), **across,
+        rotation=_rotation(sheet, axial, across.get("roll"), curves), temperature=sheet.temperature, **across,
     )  # fmt: skip
     provenance = Provenance(
         kind="catalogue", source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),

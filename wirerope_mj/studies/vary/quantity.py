@@ -284,7 +284,7 @@ def without_force(isolator: Isolator) -> Isolator:
     acting = isolator.conditioned
     laws = {axis: law.faint() for axis, law in acting.axes.items() if law is not None}
     loop = None if acting.loop is None else acting.loop.scaled(0.0)
-    return replace(isolator, loop=loop, rotation=None, stiffening=None, bracket=None, **laws)  # type: ignore[arg-type]
+    return replace(isolator, loop=loop, rotation=None, stiffening=None, temperature=None, bracket=None, **laws)  # type: ignore[arg-type]
 
 
 def parts_of(pattern: str, existing: Collection[str]) -> list[str]:
