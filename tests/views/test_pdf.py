@@ -56,6 +56,7 @@ def test_the_same_content_makes_the_same_bytes(tmp_path):
         write_pdf(content(chart("deck"), Table("t", "T", left("mount"), [["m1"]])), tmp_path / name)
         save_pictures([chart("deck")], tmp_path / f"picture_{name}")
     assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
+    assert pages_of(tmp_path / "picture_a.pdf")[0].startswith("deck 0 0.2 0.4")
     assert (tmp_path / "picture_a.pdf").read_bytes() == (tmp_path / "picture_b.pdf").read_bytes()
 
 

@@ -19,7 +19,8 @@ from wirerope_mj.views.typesetting import typeset
 _ZOOM = 1.6  # pixels to a unit of a drawing
 _LINE, _TITLE, _NOTE = 18.0, 96, 125  # height of a line; letters of a line of a title, of a caption
 _EDGE = 6.0  # margin below
-_SHEET = """#let sheet = json(bytes(sys.inputs.report))
+_SHEET = f"""#set text(font: "{FAMILY}") // of drawings, too
+#let sheet = json(bytes(sys.inputs.report))
 #set page(width: sheet.width * 0.75pt, height: sheet.height * 0.75pt, margin: 0pt)
 #set document(date: none)
 #image(bytes(sheet.svg), format: "svg", width: 100%)"""
