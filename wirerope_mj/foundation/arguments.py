@@ -69,12 +69,12 @@ def one_of(name: str, value: object, choices: Collection[str]) -> str:
 
 def the_one_given(arguments: Mapping[str, Any]) -> tuple[str, Any]:
     """Return name and value of the one argument that is not None; ValueError if none or several are given."""
-    given = {name: value for name, value in arguments.items() if value is not None}
-    if len(given) != 1:
-        *others, last = (f"`{name}`" for name in arguments)
-        got = " and ".join(f"`{name}`" for name in given) or "none"
-        raise ValueError(f"exactly one of {', '.join(others)} and {last} must be given, got {got}.")
-    return next(iter(given.items()))
+    stated = {name: value for name, value in arguments.items() if value is not None}
+    if len(stated) != 1:
+        *first_names, last = (f"`{name}`" for name in arguments)
+        got = " and ".join(f"`{name}`" for name in stated) or "none"
+        raise ValueError(f"exactly one of {', '.join(first_names)} and {last} must be given, got {got}.")
+    return next(iter(stated.items()))
 
 
 def as_times(time: ArrayLike) -> Array:

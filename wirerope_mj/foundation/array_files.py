@@ -92,11 +92,11 @@ def _parquet(path: Path, wanted: Collection[str]) -> Header:
             name = f"{name} [s]"
         if values.dtype.kind in "fiu":
             columns[str(name)] = values.astype(np.float64)
-    return _of_columns(path, columns, {}, wanted, left=())
+    return _of_columns(path, columns, {}, wanted, left_out=())
 
 
 def _of_columns(
-    path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float], wanted: Collection[str], left: Sequence[str]
+    path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float], wanted: Collection[str], left_out: Sequence[str]
 ) -> Header:
     """Return the wanted columns, or those of the most common length; without time among them, with that of their rate.
 
@@ -104,8 +104,8 @@ def _of_columns(
     """
     lengths = {name: column.size for name, column in columns.items() if column.size > 1}
     if not lengths:
-        held = short(plain(", ".join([*columns, *scalars]))) or "nothing that is a number"
-        raise RecordError(f"{path}: the file holds no columns of numbers; it holds {held}. {_REMEDY}")
+        content = short(plain(", ".join([*columns, *scalars]))) or "nothing that is a number"
+        raise RecordError(f"{path}: the file holds no columns of numbers; it holds {content}. {_REMEDY}")
     asked = [name for name in lengths if {name, split_unit(name)[0], split_unit(name)[0].rpartition(".")[2]} & {*wanted}]
     among = [lengths[name] for name in asked or lengths]
     usual = max(among, key=lambda length: (among.count(length), length))
@@ -147,8 +147,8 @@ def _of_columns(
                 )
             names, units = ("time", *names), ("s", *units)
             numbers = np.column_stack([step * np.arange(usual), numbers])
-    others = tuple(split_unit(name)[0] for name in lengths if lengths[name] != usual or (name in rated and name not in kept))
-    return Header(path, 0, names, units, content=numbers, left_out=(*others, *left))
+    other_names = tuple(split_unit(name)[0] for name in lengths if lengths[name] != usual or (name in rated and name not in kept))
+    return Header(path, 0, names, units, content=numbers, left_out=(*other_names, *left_out))
 
 
 def _step(column: str, scalars: Mapping[str, float]) -> float | None:
@@ -174,9 +174,9 @@ def _nearest(column: str, scalars: Mapping[str, float], called: Collection[str])
     """Return the scalars of some names that are a column's own, else those of the struct or group that holds it, and so on."""
     place = column
     while True:
-        found = {value for name, value in scalars.items() if name.rpartition(".")[0] == place and _bare(name) in called}
-        if found or not place:
-            return found
+        values = {value for name, value in scalars.items() if name.rpartition(".")[0] == place and _bare(name) in called}
+        if values or not place:
+            return values
         place = place.rpartition(".")[0]
 
 
@@ -200,19 +200,19 @@ def _hdf5(path: Path) -> Mapping[str, Any]:
     import h5py
 
     def content(group: Any) -> dict[str, Any]:
-        found: dict[str, Any] = {}
+        members: dict[str, Any] = {}
         for name, member in group.items():
             if name.startswith("#"):  # what MATLAB's cells refer to
                 continue
             if isinstance(member, h5py.Group):
-                found[name] = content(member)
+                members[name] = content(member)
                 continue
             attributes = {key.lower(): value for key, value in member.attrs.items()}
             values = np.asarray(member)
             if (as_matlab := attributes.get("matlab_class")) is not None:
                 values = values.T  # columns first
                 if as_matlab == b"char":
-                    found[name] = "".join(map(chr, values.ravel()))
+                    members[name] = "".join(map(chr, values.ravel()))
                     continue
             if attributes.keys() & {"scale_factor", "add_offset"}:
                 values = values * attributes.get("scale_factor", 1.0) + attributes.get("add_offset", 0.0)
@@ -221,9 +221,9 @@ def _hdf5(path: Path) -> Mapping[str, Any]:
                     f"{path}: {member.name} holds counts, and its {min(factors)} is not applied. Store values in their unit."
                 )
             unit = _text(attributes.get("units", attributes.get("unit", "")))
-            found[f"{name} [{unit}]" if unit else name] = values
-            found |= {f"{name}.{key}": value for key, value in _intervals(path, attributes).items()}
-        return found | _intervals(path, {key.lower(): value for key, value in group.attrs.items()})
+            members[f"{name} [{unit}]" if unit else name] = values
+            members |= {f"{name}.{key}": value for key, value in _intervals(path, attributes).items()}
+        return members | _intervals(path, {key.lower(): value for key, value in group.attrs.items()})
 
     with h5py.File(path) as file:
         return content(file)
@@ -237,7 +237,7 @@ def _text(value: Any) -> str:
 
 def _intervals(path: Path, attributes: Mapping[str, Any]) -> dict[str, float]:
     """Return rates [Hz], intervals and starts [s] among attributes; a unit may stand beside each, as dt_unit."""
-    found: dict[str, float] = {}
+    intervals: dict[str, float] = {}
     for key, value in attributes.items():
         known = FREQUENCY_UNITS if _bare(key) in _RATES else TIME_UNITS if _bare(key) in _STEPS | _STARTS else None
         if known is None or np.size(value) != 1:
@@ -247,8 +247,8 @@ def _intervals(path: Path, attributes: Mapping[str, Any]) -> dict[str, float]:
         if unit is None:
             raise RecordError(f"{path}: {short(plain(key))} is in {short(plain(said))}; known units: {', '.join(known)}.")
         with suppress(ValueError):
-            found["start" if _bare(key) in _STARTS else key] = float(np.ravel(value)[0]) * known[unit]
-    return found
+            intervals["start" if _bare(key) in _STARTS else key] = float(np.ravel(value)[0]) * known[unit]
+    return intervals
 
 
 def _tdms(path: Path) -> Mapping[str, Any]:
@@ -311,12 +311,14 @@ def _of_variables(path: Path, content: Mapping[str, Any], wanted: Collection[str
     columns: dict[str, Array] = {}
     scalars: dict[str, float] = {}
     texts: dict[str, list[str]] = {}
-    left: list[str] = []
+    left_out: list[str] = []
     for name, value in _leaves(content):
         many = isinstance(value, np.ndarray | list) and np.ndim(value) > 0
         # an empty text of MATLAB's is an array of none
-        if isinstance(value, str) or (many and len(value) and all(isinstance(one, str) or not np.size(one) for one in value)):
-            texts[name] = [value] if isinstance(value, str) else [one if isinstance(one, str) else "" for one in value]
+        if isinstance(value, str) or (
+            many and len(value) and all(isinstance(entry, str) or not np.size(entry) for entry in value)
+        ):
+            texts[name] = [value] if isinstance(value, str) else [entry if isinstance(entry, str) else "" for entry in value]
         elif isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and value.ndim <= 2:
             values = value.astype(np.float64)
             if values.size == 1:
@@ -331,8 +333,8 @@ def _of_variables(path: Path, content: Mapping[str, Any], wanted: Collection[str
         elif isinstance(value, int | float | np.number):
             scalars[name] = float(value)
         elif many and np.size(value) > 1:
-            left.append(split_unit(name)[0])
-    return _of_columns(path, _named_by_texts(columns, texts), scalars, wanted, left)
+            left_out.append(split_unit(name)[0])
+    return _of_columns(path, _named_by_texts(columns, texts), scalars, wanted, left_out)
 
 
 def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -344,17 +346,17 @@ def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
         isinstance(content, np.ndarray | list)
         and np.ndim(content)
         and len(content)
-        and all(isinstance(one, Mapping) for one in content)
+        and all(isinstance(entry, Mapping) for entry in content)
     ):
-        for number, one in enumerate(content, 1):
-            yield from _leaves(one, f"{name}({number})")
+        for number, entry in enumerate(content, 1):
+            yield from _leaves(entry, f"{name}({number})")
     elif (
         isinstance(content, np.ndarray)
         and content.dtype == object
-        and all(isinstance(one, np.ndarray) for one in content.ravel())
+        and all(isinstance(cell, np.ndarray) for cell in content.ravel())
     ):
-        for number, one in enumerate(content.ravel(), 1):
-            yield f"{name}{{{number}}}", one
+        for number, cell in enumerate(content.ravel(), 1):
+            yield f"{name}{{{number}}}", cell
     else:
         yield name, content
 
@@ -373,7 +375,7 @@ def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[s
         units = {name: text for name, text in of_width.items() if "unit" in name.lower()}
         names = {name: text for name, text in of_width.items() if name not in units and len(set(text)) == len(alike)}
         if not matrix:
-            in_letters = {name: [re.sub(r"\W", "_", one) for one in text] for name, text in names.items()}
+            in_letters = {name: [re.sub(r"\W", "_", label) for label in text] for name, text in names.items()}
             names = {name: text for name, text in names.items() if in_letters[name] == alike != text}
         if len(names) == 1:
             (called,) = names.values()

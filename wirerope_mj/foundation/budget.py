@@ -27,7 +27,7 @@ _GROUPS = (
 _UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
 
 
-def require_memory(what: str, size: float, remedy: str) -> None:
+def require_memory(subject: str, size: float, remedy: str) -> None:
     """Raise BudgetError if numbers of a size [B] at the least take more memory than there is for them.
 
     The message begins with `what` takes it, as "the samples of this run", and ends with the `remedy`, a sentence.
@@ -37,23 +37,23 @@ def require_memory(what: str, size: float, remedy: str) -> None:
     free = _free_memory()
     if size > MEMORY_SHARE * free:
         raise BudgetError(
-            f"{what} would take {bytes_text(size)} of memory; the limit is {bytes_text(MEMORY_SHARE * free)}, "
+            f"{subject} would take {bytes_text(size)} of memory; the limit is {bytes_text(MEMORY_SHARE * free)}, "
             f"{MEMORY_SHARE:.0%} of what is free. {remedy}"
         )
 
 
-def require_disk(what: str, size: float, folder: Path, remedy: str) -> None:
+def require_disk(subject: str, size: float, folder: Path, remedy: str) -> None:
     """Raise BudgetError if a file may take more of a folder's disk than is free; `size` is what it takes at the most [B]."""
-    there = next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), Path())
-    free = shutil.disk_usage(there).free
+    existing = next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), Path())
+    free = shutil.disk_usage(existing).free
     if size > DISK_SHARE * free:
         raise BudgetError(
-            f"{what} may take up to {bytes_text(size)} of disk; the limit is {bytes_text(DISK_SHARE * free)}, "
+            f"{subject} may take up to {bytes_text(size)} of disk; the limit is {bytes_text(DISK_SHARE * free)}, "
             f"{DISK_SHARE:.0%} of what is free. {remedy}"
         )
 
 
-def require_time(what: str, steps: float, remedy: str, *, step: float = STEP) -> None:
+def require_time(subject: str, steps: float, remedy: str, *, step: float = STEP) -> None:
     """Raise BudgetError if so many steps, of one system unless `step` [s] says otherwise, take longer than `LONGEST`.
 
     `what` and `remedy` are those of `require_memory`.
@@ -61,8 +61,8 @@ def require_time(what: str, steps: float, remedy: str, *, step: float = STEP) ->
     seconds = step * steps
     if seconds > LONGEST:
         raise BudgetError(
-            f"{what} would take {steps:.2g} steps, {seconds / 86_400.0:.3g} days of computing at the very least; the limit is "
-            f"{LONGEST / 86_400.0:.0f} days. {remedy}"
+            f"{subject} would take {steps:.2g} steps, {seconds / 86_400.0:.3g} days of computing at the very least; the limit "
+            f"is {LONGEST / 86_400.0:.0f} days. {remedy}"
         )
 
 

@@ -32,10 +32,10 @@ def directions_in(text: str) -> tuple[Direction, ...]:
 
 def direction_in(text: str, name: str) -> Direction:
     """Parse one direction; ValueError if the text says none, or several, names the argument."""
-    found = directions_in(text)
-    if len(found) != 1:
+    directions = directions_in(text)
+    if len(directions) != 1:
         raise ValueError(f"`{name}` must be {WORDING}, got {text!r}.")
-    return found[0]
+    return directions[0]
 
 
 def checked_direction(direction: str | Sequence[float] | Array, name: str = "direction") -> Direction:

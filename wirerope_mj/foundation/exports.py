@@ -57,11 +57,11 @@ def picked(table: Exported, patterns: Sequence[str]) -> Exported:
     """
     kept = [0]
     for pattern in patterns:
-        found = [n for n, name in enumerate(table.names) if fnmatchcase(name, pattern)]
-        if not found:
+        numbers = [n for n, name in enumerate(table.names) if fnmatchcase(name, pattern)]
+        if not numbers:
             near = get_close_matches(pattern, table.names, n=3, cutoff=0.3)
             raise ValueError(f"no column matches {pattern!r}; there are {', '.join(near or table.names[1:4])} and others.")
-        kept += found
+        kept += numbers
     kept = sorted(set(kept))
     return replace(
         table, names=[table.names[n] for n in kept], units=[table.units[n] for n in kept],

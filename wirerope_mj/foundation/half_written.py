@@ -222,15 +222,15 @@ def is_full(error: OSError) -> bool:
 def clear_half_written(folder: Path) -> None:
     """Remove from `folder` what processes left half-written that are gone, and bring back what they had not yet replaced."""
     try:
-        left = [folder / name for name in os.listdir(folder) if name.startswith(".") and _MARK in name]
+        hidden = [folder / name for name in os.listdir(folder) if name.startswith(".") and _MARK in name]
     except OSError:  # nothing is there, or nobody may look
         return
-    for path in left:
+    for path in hidden:
         if _FILE.fullmatch(path.name) and path.is_file():
             with suppress(OSError), locked(path) as lock:
                 if lock == HELD:
                     path.unlink(missing_ok=True)
-    matches = [_FOLDER.fullmatch(path.name) or _ASIDE.fullmatch(path.name) for path in left if path.is_dir()]
+    matches = [_FOLDER.fullmatch(path.name) or _ASIDE.fullmatch(path.name) for path in hidden if path.is_dir()]
     for name in {match["name"] for match in matches if match}:
         with suppress(OSError), hidden_folder(folder / name):
             pass  # which puts right what was left of it

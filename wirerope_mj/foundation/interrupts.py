@@ -38,13 +38,13 @@ def interrupts_held() -> Iterator[None]:
             for number in SIGNALS:
                 if callable(handler := signal.getsignal(number)):
                     handlers[number] = handler
-                    signal.signal(number, lambda *what: arrived.append(what))
+                    signal.signal(number, lambda *signal_arguments: arrived.append(signal_arguments))
         yield
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
-        for what in arrived[:1]:
-            handlers[signal.Signals(what[0])](*what)
+        for signal_arguments in arrived[:1]:
+            handlers[signal.Signals(signal_arguments[0])](*signal_arguments)
 
 
 def end_soon_after_interrupts() -> None:

@@ -34,19 +34,19 @@ def digest(function: Callable[..., Any]) -> str:
     while waiting:
         kernel = waiting.pop()
         if id(kernel) not in reached:
-            reached[id(kernel)], others = _own(kernel)
-            waiting += others
+            reached[id(kernel)], callees = _own(kernel)
+            waiting += callees
     return hashlib.sha256("\n".join([_shared(), _own(function)[0], *sorted(reached.values())]).encode()).hexdigest()
 
 
 @cache
 def _own(kernel: FunctionType) -> tuple[str, tuple[FunctionType, ...]]:
     """Return the text that a kernel itself adds, and the functions that it calls."""
-    others: list[FunctionType] = []
+    callees: list[FunctionType] = []
     parts = [f"{kernel.__module__}.{kernel.__qualname__}", repr(kernel.__defaults__), *code_texts(kernel.__code__)]
     for name, value in _used(kernel):
-        parts.append(f"{name} = {_text(name, value, others)}")
-    return "\n".join(parts), tuple(others)
+        parts.append(f"{name} = {_text(name, value, callees)}")
+    return "\n".join(parts), tuple(callees)
 
 
 def code_texts(code: CodeType) -> Iterator[str]:
@@ -80,13 +80,13 @@ def _used(kernel: FunctionType) -> Iterator[tuple[str, object]]:
         yield name, cell.cell_contents
 
 
-def _text(name: str, value: Any, others: list[FunctionType]) -> str:
+def _text(name: str, value: Any, callees: list[FunctionType]) -> str:
     """Return what a value is known by; functions that are compiled along with the kernel are added to `others`."""
     if isinstance(value, Dispatcher):
-        others.append(value.py_func)
+        callees.append(value.py_func)
         return repr(sorted(value.targetoptions.items()))
     if isinstance(value, Intrinsic):
-        others.append(value._defn)
+        callees.append(value._defn)
         return "an intrinsic"
     if isinstance(value, np.ndarray):
         return f"{value.dtype} {value.shape} {value.tobytes().hex()}"

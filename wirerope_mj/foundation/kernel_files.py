@@ -41,7 +41,7 @@ def level() -> str | None:
     """Return the highest level of `LEVELS` that this machine's processor and operating system have, or None."""
     if not llvm.get_process_triple().startswith("x86_64"):
         return None
-    present = {name for name, there in llvm.get_host_cpu_features().items() if there}
+    present = {name for name, present_on_host in llvm.get_host_cpu_features().items() if present_on_host}
     return next((name for name, features in LEVELS.items() if present.issuperset(features)), None)
 
 
@@ -76,9 +76,9 @@ def cache_folder() -> Path:
 
     Of the environment only absolute paths count: a relative one would lead into whatever folder one stands in.
     """
-    given = Path(os.environ.get("NUMBA_CACHE_DIR", ""))
-    if given.is_absolute():
-        return given
+    stated = Path(os.environ.get("NUMBA_CACHE_DIR", ""))
+    if stated.is_absolute():
+        return stated
     root = Path(os.environ.get("LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME", ""))
     if not root.is_absolute():
         root = Path.home() if sys.platform == "win32" else Path.home() / ".cache"

@@ -41,8 +41,8 @@ def _doubt() -> str:
     except Exception as error:  # whatever a class that is not there any more leads to
         return f"{type(error).__name__}: {error}"
     name = proof_name()
-    for path, own in ((SHIPPED / name, False), (cache_folder() / name, True)):
-        note = read(path, own=own)
+    for path, users in ((SHIPPED / name, False), (cache_folder() / name, True)):
+        note = read(path, own=users)
         if note is not None:
             return note.decode()
     try:
@@ -67,7 +67,7 @@ def proof_name() -> str:
     )  # fmt: skip
     parts = [sys.implementation.cache_tag, numba.__version__, llvmlite.__version__]
     parts += [(_HERE / f"{name}.py").read_text(encoding="utf-8") for name in ("linked_code", "kernel_proof")]
-    for base in dict.fromkeys(base for one in used for base in one.__mro__ if base.__module__.startswith("numba.")):
+    for base in dict.fromkeys(base for kind in used for base in kind.__mro__ if base.__module__.startswith("numba.")):
         for name, member in sorted(vars(base).items()):
             code = getattr(getattr(member, "__func__", member), "__code__", None)
             parts += [f"{base.__qualname__}.{name}", *(code_texts(code) if code else ())]

@@ -132,8 +132,8 @@ class KernelFiles(_Cache):
         )  # that code allocates; all else that a compiler needs is loaded where one is
         for processor in _processors(target_context.codegen()):
             name = self._name(sig, processor)
-            for path, own in ((SHIPPED / name, False), (cache_folder() / name, True)):
-                payload = read(path, own=own)
+            for path, users in ((SHIPPED / name, False), (cache_folder() / name, True)):
+                payload = read(path, own=users)
                 if payload is not None:
                     try:
                         code = CompileResult._rebuild(target_context, *pickle.loads(payload))
@@ -171,10 +171,10 @@ def content_of(code: CompileResult) -> bytes:
 
 def _processors(codegen: Any) -> tuple[tuple[str, ...], ...]:
     """Return what code may be compiled for: the level that ships, and this processor; or only what the user asks for."""
-    own, shipped = codegen.magic_tuple(), level()
+    this_one, shipped = codegen.magic_tuple(), level()
     if numba.config.CPU_NAME is not None or shipped is None:
-        return (own,)
-    return ((own[0], shipped, ""), own)
+        return (this_one,)
+    return ((this_one[0], shipped, ""), this_one)
 
 
 def kernel(function: Callable[..., Any], options: dict[str, Any]) -> Any:

@@ -58,21 +58,21 @@ _VOLUME = re.compile(
 def _peer(path: Path, lines: list[str]) -> Header:
     """Read a record of PEER: "NPTS= 400, DT= 0.001 SEC" below "ACCELERATION TIME SERIES IN UNITS OF G", and numbers."""
     stated = next(i for i, line in enumerate(lines) if re.search(r"\bNPTS\b", line, re.IGNORECASE))
-    what = re.search(r"(\w+) TIME (?:SERIES|HISTORY) IN UNITS OF\s+(\S+)", "".join(lines[: stated + 1]), re.IGNORECASE)
+    heading = re.search(r"(\w+) TIME (?:SERIES|HISTORY) IN UNITS OF\s+(\S+)", "".join(lines[: stated + 1]), re.IGNORECASE)
     counts = re.search(rf"NPTS\s*=?\s*(\d+)\s*,\s*DT\s*=?\s*{_NUMBER}", lines[stated], re.IGNORECASE) or re.match(
         rf"\s*(\d+)\s+{_NUMBER}\s+NPTS", lines[stated], re.IGNORECASE
     )
-    if what is None or counts is None:
+    if heading is None or counts is None:
         raise RecordError(f'{path}, line {stated + 1}: a record of PEER states "NPTS= 400, DT= 0.001 SEC" here. {_REMEDY}')
     values = [
         _value(path, number, cell) for number, line in enumerate(lines[stated + 1 :], stated + 2) for cell in line.split()
     ]
-    return _equally_spaced(path, {what[1].lower(): (what[2], values)}, int(counts[1]), float(counts[2]), stated + 1)
+    return _equally_spaced(path, {heading[1].lower(): (heading[2], values)}, int(counts[1]), float(counts[2]), stated + 1)
 
 
 def _strong_motion(path: Path, lines: list[str]) -> Header:
     """Read the channels of a record of CSMIP or COSMOS, Volume 2: so many values in a line, each so many characters wide."""
-    found: dict[str, tuple[str | None, list[float]]] = {}
+    columns: dict[str, tuple[str | None, list[float]]] = {}
     channels, step, count, first = 0, math.nan, 0, 0
     number = 0
     while number < len(lines):
@@ -80,12 +80,12 @@ def _strong_motion(path: Path, lines: list[str]) -> Header:
         number += 1
         if match is None:
             continue
-        what, unit = (match[2] or match[5]).lower(), match[4] or match[7]
-        channels += what.startswith("acc")
+        quantity, unit = (match[2] or match[5]).lower(), match[4] or match[7]
+        channels += quantity.startswith("acc")
         interval = (
             float(match[3]) if match[3] else _interval_in_header(path, lines[: number - 1], int(match[1]), float(match[6]))
         )
-        if found and (interval != step or int(match[1]) != count):
+        if columns and (interval != step or int(match[1]) != count):
             raise RecordError(f"{path}, line {number}: this channel has other instants than the first. Use a file for each.")
         step, count, first = interval, int(match[1]), first or number
         width, values = int(match[9]), list[float]()
@@ -93,11 +93,11 @@ def _strong_motion(path: Path, lines: list[str]) -> Header:
             line = lines[number].rstrip("\r\n")
             number += 1
             values += [_value(path, number, line[i : i + width]) for i in range(0, len(line.rstrip()), width)]
-        known = {"acc": "acceleration", "vel": "velocity", "dis": "displacement"}.get(what[:3], what)
-        found[known if channels < 2 else f"{known} {channels}"] = unit, values
+        known = {"acc": "acceleration", "vel": "velocity", "dis": "displacement"}.get(quantity[:3], quantity)
+        columns[known if channels < 2 else f"{known} {channels}"] = unit, values
     if channels > 1:
-        found = {f"{name} 1" if " " not in name else name: values for name, values in found.items()}
-    return _equally_spaced(path, found, count, step, first)
+        columns = {f"{name} 1" if " " not in name else name: values for name, values in columns.items()}
+    return _equally_spaced(path, columns, count, step, first)
 
 
 def _interval_in_header(path: Path, above: Sequence[str], count: int, lasts: float) -> float:

@@ -98,12 +98,12 @@ def limits_by_patterns(limits: Sequence[PayloadLimit], known: Mapping[str, Seque
         limits: of any kind; one whose name matches nothing stays as it is.
         known: names of the bodies, points and mounts that a limit of each kind may be on.
     """
-    own = {(limit.kind, limit.name) for limit in limits}
+    stated = {(limit.kind, limit.name) for limit in limits}
     return [
         replace(limit, name=name)
         for limit in limits
         for name in matching(known[limit.kind], limit.name) or [limit.name]
-        if name == limit.name or (limit.kind, name) not in own
+        if name == limit.name or (limit.kind, name) not in stated
     ]
 
 

@@ -51,8 +51,8 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
     while parts:
         part = parts.pop(0)
         if part == "?":
-            left = f"{part} {parts[0]}" if parts else part
-            raise ValueError(f'"{left}" is still open: put the level of your specification in place of the question mark.')
+            level = f"{part} {parts[0]}" if parts else part
+            raise ValueError(f'"{level}" is still open: put the level of your specification in place of the question mark.')
         if begun and not NUMBER.match(part):
             break
         if part in words and not word:
@@ -60,11 +60,11 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
                 raise ValueError(f'"{part}" stands there twice.')
             word = part
             continue
-        found = directions_in(part)
-        if found and not word:
+        axes = directions_in(part)
+        if axes and not word:
             if directions:
                 raise ValueError(f'"{part}" is a second direction; name axes together, as in "xz", or give a vector.')
-            directions = found
+            directions = axes
             continue
         value, unit = _number(part)
         if word and words[word] == "":
@@ -79,7 +79,7 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
         if word and waiting:
             raise ValueError(f'"{word}" takes one value, and "{short(f"{begun}{part}")}" is a range.')
         quantity, factor = _quantity(unit, part, words.get(word, ""))
-        values = [in_si(one, factor) for one in (*waiting, value)]
+        values = [in_si(number, factor) for number in (*waiting, value)]
         if not all(map(math.isfinite, values)):
             raise ValueError(f'"{short(part)} {short(unit)}" is too large for a number.')
         waiting, begun = [], ""

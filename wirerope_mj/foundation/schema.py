@@ -20,9 +20,9 @@ def schema(kind: Any, schemas: Mapping[type, Entries] | None = None) -> Entries:
     """Return the JSON Schema of the tables of a class; `schemas` are those of classes that have readers."""
     explained = _comments(kind)
     properties: Entries = {}
-    for key, found in keys_of(kind).items():
-        about = explained.get(found.field)
-        properties[key] = ({"description": about} if about else {}) | _value_schema(found.hint, schemas or {})
+    for key, field in keys_of(kind).items():
+        about = explained.get(field.field)
+        properties[key] = ({"description": about} if about else {}) | _value_schema(field.hint, schemas or {})
     content: Entries = {"type": "object", "description": (kind.__doc__ or "").split("\n")[0], "properties": properties}
     needed = needed_keys(kind).values()
     alone = [keys[0] for keys in needed if len(keys) == 1]
@@ -32,20 +32,20 @@ def schema(kind: Any, schemas: Mapping[type, Entries] | None = None) -> Entries:
 
 
 def _value_schema(hint: Any, schemas: Mapping[type, Entries]) -> Entries:
-    found: list[Entries] = []
+    options: list[Entries] = []
     how, inner = tables_in(hint)
     if inner is Path:
-        found.append({"type": "string"})
+        options.append({"type": "string"})
     elif how is not float:
         tables = schemas[inner] if inner in schemas else schema(inner, schemas)
         lists = {"type": "array", "items": tables}
-        found.append(tables if how is None else lists if how is tuple else {"type": "object", "additionalProperties": tables})
+        options.append(tables if how is None else lists if how is tuple else {"type": "object", "additionalProperties": tables})
     for option, marks in options_of(hint):
         if option is not NoneType and tables_in(option)[0] is float:
             metas = tuple(mark for mark in marks if isinstance(mark, msgspec.Meta))
-            found.append(msgspec.json.schema(Annotated[(option, *metas)] if metas else option))
-            found += [{"type": "string", "format": "date"}] if DATE in marks else []
-    return found[0] if len(found) == 1 else {"anyOf": found}
+            options.append(msgspec.json.schema(Annotated[(option, *metas)] if metas else option))
+            options += [{"type": "string", "format": "date"}] if DATE in marks else []
+    return options[0] if len(options) == 1 else {"anyOf": options}
 
 
 def _comments(kind: type) -> dict[str, str]:
@@ -87,22 +87,22 @@ def _form(kind: Any, path: str, filled: Collection[str], *, shown: bool) -> Iter
     """Yield the lines of a table: keys without #, those with, then tables; `shown` if the table has no # itself."""
     explained, defaults = _comments(kind), {item.name: item.default for item in fields(kind)}
     written, first, later, tables = set[str](), list[str](), list[str](), list[str]()
-    for key, found in keys_of(kind).items():
-        if not found.among and found.field in written:  # in another unit
+    for key, field in keys_of(kind).items():
+        if not field.among and field.field in written:  # in another unit
             continue
-        written.add(found.field)
-        place, (how, inner), marks = f"{path}{key}", tables_in(found.hint), marks_of(found.hint)
+        written.add(field.field)
+        place, (how, inner), marks = f"{path}{key}", tables_in(field.hint), marks_of(field.hint)
         metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
-        about = found.meant.summary if found.meant else explained.get(found.field, "")
-        stated = [found.meant.example] if found.meant else [one for meta in metas for one in meta.examples or ()]
-        active = shown and (found.field in needed_keys(kind) or place in filled)
+        about = field.meant.summary if field.meant else explained.get(field.field, "")
+        stated = [field.meant.example] if field.meant else [text for meta in metas for text in meta.examples or ()]
+        active = shown and (field.field in needed_keys(kind) or place in filled)
         mark, nested = "" if active else "#", how is not float and inner is not Path
         if nested or (stated and isinstance(stated[0], dict)):
             tables += ["", *([f"# {about}"] if about else []), f"{mark}[[{place}]]" if how is tuple else f"{mark}[{place}]"]
             lines = _form(inner, f"{place}.", filled, shown=active) if nested else tomli_w.dumps(stated[0]).splitlines()
             tables += lines if nested else [f"{mark}{line}" for line in lines]
             continue
-        default = defaults[found.field]
+        default = defaults[field.field]
         if not stated and (default is None or default is MISSING or default in ((), "")):
             raise TypeError(f"`{place}` of {kind.__name__} needs an example.")
         example = stated[0] if stated else list(default) if isinstance(default, tuple) else default

@@ -132,14 +132,14 @@ def structure(kind: type[T], table: object, place: Place, readers: Readers | Non
             near = get_close_matches(key, known, n=1)
             meant = f" Did you mean `{near[0]}`?" if near else ""
             raise place.fault(f"`{short(key)}` is unknown; known: {', '.join(known)}.{meant}")
-        found = known[key]
-        value = _structured(found.hint, entry, place, key, readers or {})
-        if found.among:
-            values.setdefault(found.field, {})[key] = value
-        elif found.field in values:
-            raise place.fault(f"`{found.field}` is stated twice, as `{key}`, too.")
+        field = known[key]
+        value = _structured(field.hint, entry, place, key, readers or {})
+        if field.among:
+            values.setdefault(field.field, {})[key] = value
+        elif field.field in values:
+            raise place.fault(f"`{field.field}` is stated twice, as `{key}`, too.")
         else:
-            values[found.field] = _in_si(value, found.factor)
+            values[field.field] = _in_si(value, field.factor)
     for name, keys in needed.items():
         if name not in values:
             said = " or ".join(f"`{key}`" for key in keys)
@@ -150,11 +150,11 @@ def structure(kind: type[T], table: object, place: Place, readers: Readers | Non
         raise place.fault(str(error)) from None
 
 
-def check(thing: Any) -> None:
+def check(value: Any) -> None:
     """Bring the fields of a frozen dataclass into their types, as its `__post_init__`; ValueError names the one that is not."""
-    kind: Any = type(thing)
+    kind: Any = type(value)
     for name, hint in _hints(kind).items():
-        object.__setattr__(thing, name, checked(name, getattr(thing, name), hint))
+        object.__setattr__(value, name, checked(name, getattr(value, name), hint))
 
 
 def checked(name: str, value: object, hint: Any) -> Any:
@@ -172,7 +172,7 @@ def checked(name: str, value: object, hint: Any) -> Any:
     how, inner = tables_in(hint)
     if how is None and isinstance(value, inner):
         return value
-    if how is tuple and isinstance(value, list | tuple) and all(isinstance(one, inner) for one in value):
+    if how is tuple and isinstance(value, list | tuple) and all(isinstance(entry, inner) for entry in value):
         return tuple(value)
     for option, _ in options_of(hint):
         if get_origin(option) in (dict, Mapping) and isinstance(value, Mapping):
@@ -180,8 +180,8 @@ def checked(name: str, value: object, hint: Any) -> Any:
     values = _values_in(hint)
     try:
         if values is not NoneType and _is_finite(value):
-            made = msgspec.convert(value, values)
-            return tuple(made) if isinstance(made, list) else made
+            converted = msgspec.convert(value, values)
+            return tuple(converted) if isinstance(converted, list) else converted
     except msgspec.ValidationError:
         pass
     meant = ""
@@ -269,7 +269,7 @@ def options_of(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[
     if get_origin(hint) is Annotated:
         return options_of(hint.__origin__, (*marks, *hint.__metadata__))
     if get_origin(hint) in (Union, UnionType):
-        return [option for one in get_args(hint) for option in options_of(one, marks)]
+        return [option for arg in get_args(hint) for option in options_of(arg, marks)]
     return [(hint, marks)]
 
 
@@ -300,7 +300,7 @@ def _hints(kind: Any) -> dict[str, Any]:
 def bounds_of(kind: Any) -> dict[str, msgspec.Meta]:
     """Collect the marks of `bounds` on the fields of a class, by their names."""
     metas = {name: [m for m in marks_of(hint) if isinstance(m, msgspec.Meta)] for name, hint in _hints(kind).items()}
-    return {name: found[0] for name, found in metas.items() if found}
+    return {name: marks[0] for name, marks in metas.items() if marks}
 
 
 @dataclass(frozen=True)
@@ -335,10 +335,10 @@ def needed_keys(kind: Any) -> dict[str, list[str]]:
     """Return the fields that a file must state, each with the keys that may state it."""
     items = {item.name: item for item in fields(kind)}
     keys: dict[str, list[str]] = {}
-    for key, found in keys_of(kind).items():
-        item = items[found.field]
-        if NEEDED in marks_of(found.hint) or item.default is item.default_factory is MISSING:
-            keys.setdefault(found.field, []).append(key)
+    for key, field in keys_of(kind).items():
+        item = items[field.field]
+        if NEEDED in marks_of(field.hint) or item.default is item.default_factory is MISSING:
+            keys.setdefault(field.field, []).append(key)
     return keys
 
 
@@ -396,4 +396,4 @@ def _in_si(value: Any, factor: float | tuple[float, ...] | None) -> Any:
         return value
     if isinstance(factor, tuple):
         return tuple(tuple(map(in_si, row, factor)) for row in value)
-    return tuple(in_si(one, factor) for one in value) if isinstance(value, list | tuple) else in_si(value, factor)
+    return tuple(in_si(number, factor) for number in value) if isinstance(value, list | tuple) else in_si(value, factor)

@@ -77,18 +77,18 @@ def _of_workbook(path: Path, sheet: str, wanted: str) -> Header:
     for order in (chosen, chosen[:1]):
         for name in order:
             title, filled = xlsx_rows(path, name)
-            found = find_header(path, filled[:_ABOVE])
-            if found is not None and found.surety > 0:
+            header = find_header(path, filled[:_ABOVE])
+            if header is not None and header.surety > 0:
                 break
         else:
             continue
         break
     if not filled:
         raise RecordError(f"{path}: the sheet {short(plain(title))} is empty. {wanted}")
-    if found is None:
+    if header is None:
         raise _without_header(f"{path}, sheet {short(plain(title))}, row {filled[0][0]}", wanted)
-    below = [row for row in filled if row[0] > found.last]
-    header = replace(found, sheet=title, content=below)
+    below = [row for row in filled if row[0] > header.last]
+    header = replace(header, sheet=title, content=below)
     return _checked(replace(header, decimal=_decimal_sign(header, (cells for _, cells in below[:_LOOKED_AT]))))
 
 
@@ -105,20 +105,20 @@ def _of_text(path: Path, wanted: str) -> Header:
         if delimiter == " " and tried and max(tried)[0] > 0:
             break  # spaces stand within names and beside other separators
         rows = [(number, split_cells(text, delimiter)) for number, text in lines]
-        if found := find_header(path, rows) or _in_comments(path, comments, rows):
-            several = len(found.names) > 1 or (found.surety > 0 and delimiter == ",")
-            tried.append((found.surety if several else -1, -order, delimiter, found))
-    surety, _, delimiter, found = max(tried, default=(-1, 0, "", Header(path, 0, (), ())))
+        if header := find_header(path, rows) or _in_comments(path, comments, rows):
+            several = len(header.names) > 1 or (header.surety > 0 and delimiter == ",")
+            tried.append((header.surety if several else -1, -order, delimiter, header))
+    surety, _, delimiter, header = max(tried, default=(-1, 0, "", Header(path, 0, (), ())))
     if not tried or (surety < 1 and is_number(lines[0][1].split()[0])):  # numbers with spaces between them
         raise _without_header(f"{path}, line {lines[0][0]}", wanted)
     if surety < 1:  # nothing tells: the first separator that the line has
-        text = next(text for number, text in lines if number == found.line)
+        text = next(text for number, text in lines if number == header.line)
         delimiter = next((sign for sign in (*DELIMITERS,)[:4] if sign in text), ",")
-        found_by = [one for _, _, sign, one in tried if sign == delimiter]
-        if not found_by:  # a file of numbers alone
+        headers = [candidate for _, _, sign, candidate in tried if sign == delimiter]
+        if not headers:  # a file of numbers alone
             raise _without_header(f"{path}, line {lines[0][0]}", wanted)
-        found = found_by[0]
-    header = replace(found, delimiter=delimiter, encoding=encoding)
+        header = headers[0]
+    header = replace(header, delimiter=delimiter, encoding=encoding)
     with open_rows(header) as file:
         rows_of_cells = (header.cells(text) for _, text in zip(range(_LOOKED_AT), file, strict=False))
         return _checked(replace(header, decimal=_decimal_sign(header, rows_of_cells)))
@@ -154,7 +154,7 @@ def _first_lines(path: Path, file: TextIO) -> tuple[list[tuple[int, str]], list[
 def _in_comments(path: Path, comments: Sequence[tuple[int, str]], rows: Rows) -> Header | None:
     """Find a header in the last comment that has as many cells as the numbers below, whatever separates them."""
     width = len(rows[0][1])
-    for number, text in reversed([one for one in comments if one[0] < rows[0][0]]):
+    for number, text in reversed([comment for comment in comments if comment[0] < rows[0][0]]):
         for delimiter in DELIMITERS:
             cells = split_cells(text, delimiter)
             if len(cells) == width and (width > 1 or split_unit(cells[0])[1]) and not any(map(is_number, cells)):
@@ -199,7 +199,7 @@ def find_column(header: Header, name: str, *, without: int | None = None) -> int
         alike[int(number) - 1 : int(number)] if number.isdigit() and int(number) else [],
         [int(position[1]) - 1] if position and int(position[1]) - 1 in columns else [],
     )
-    places = next((found for found in ways if found), [])
+    places = next((matches for matches in ways if matches), [])
     if len(places) == 1:
         return places[0]
     fault, remedy = f'there is no column "{short(plain(name))}"', ""

@@ -82,8 +82,8 @@ class Header:
         """
         name, unit = short(plain(self.names[column])), self.units[column]
         if unit is None:
-            if found := underscored_unit(self.names[column], known)[1]:
-                return found
+            if known_name := underscored_unit(self.names[column], known)[1]:
+                return known_name
             first = next(iter(known))
             underscored = f"{name}_{re.sub('[^A-Za-z0-9]', '', first.replace('/', 'p'))}"
             example = (
@@ -93,8 +93,8 @@ class Header:
                 f'{self.location}: column "{name}" has no unit. {f"Say it with {option}, or write" if option else "Write"} it '
                 f"behind the name, for instance {example}; known units: {', '.join(known)}."
             )
-        if found := find_unit(unit, known):
-            return found
+        if known_name := find_unit(unit, known):
+            return known_name
         raise RecordError(
             f'{self.location}: column "{name}" has the unknown unit "{short(plain(unit))}". Known units: {", ".join(known)}.'
         )
@@ -184,8 +184,8 @@ def find_header(path: Path, rows: Rows) -> Header | None:
     kept = max((i for i, heading in enumerate(headings, 1) if heading[0] or heading[1]), default=0)
     if data < len(rows):
         kept = max(kept, min(len(headings), len(rows[data][1])))  # a column without a name may hold something
-    found, units = zip(*(headings[:kept] or headings[:1]), strict=True)
-    return Header(path, line, tuple(found), tuple(units), last=rows[last][0], surety=surety)
+    headed, units = zip(*(headings[:kept] or headings[:1]), strict=True)
+    return Header(path, line, tuple(headed), tuple(units), last=rows[last][0], surety=surety)
 
 
 def _is_data(cells: Sequence[str]) -> bool:

@@ -78,15 +78,18 @@ class Table:
         strong = [number for number, column in enumerate(self.columns) if column.unit == "kN"]
         values = [plain for row in self.rows for number in strong if isinstance(plain := _plain(row[number]), float)]
         if values and force_unit(max(map(abs, values))) == "N":
-            weak = [replace(one, unit="N", form=one.form if isinstance(one.form, int) else "z.1f") for one in self.columns]
-            columns = [weak[number] if number in strong else one for number, one in enumerate(self.columns)]
+            weak = [
+                replace(column, unit="N", form=column.form if isinstance(column.form, int) else "z.1f")
+                for column in self.columns
+            ]
+            columns = [weak[number] if number in strong else column for number, column in enumerate(self.columns)]
             object.__setattr__(self, "columns", columns)
 
     def to_dict(self) -> Entries:
         """Return titles, headings, units and rows as JSON takes them: values in SI, cells without one as None."""
         return {
             "title": self.title,
-            "columns": [{"heading": " ".join(one.heading.split()), "shown_in": one.unit} for one in self.columns],
+            "columns": [{"heading": " ".join(column.heading.split()), "shown_in": column.unit} for column in self.columns],
             "rows": [[_plain(cell) for cell in row] for row in self.rows],
             **({"note": self.note} if self.note else {}),
         }

@@ -24,7 +24,9 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     chosen += [ticks for ticks in equal if all(np.isclose(ticks, power, rtol=1e-9).any() for power in whole)]
     chosen += [whole[::step] for step in range(2, whole.size)]
     room = _CLOSER * math.log(high / low) / most
-    fitting = [ticks for one in chosen if (ticks := _inside(one, low, high)).size > 1 and np.diff(np.log(ticks)).min() >= room]
+    fitting = [
+        ticks for choice in chosen if (ticks := _inside(choice, low, high)).size > 1 and np.diff(np.log(ticks)).min() >= room
+    ]
     fitting += [thinned for ticks in equal if not fitting and (thinned := _thinned(ticks, whole, room)).size > 1]
     if fitting:
         return max(fitting, key=len)
@@ -48,7 +50,7 @@ def _thinned(ticks: Array, whole: Array, room: float) -> Array:
     """Return the powers of ten, and of other ticks those that stand apart from them and from each other."""
     kept = list(whole)
     for tick in ticks:
-        if all(abs(math.log(tick / other)) >= room for other in kept):
+        if all(abs(math.log(tick / neighbour)) >= room for neighbour in kept):
             kept.append(tick)
     return np.sort(kept)
 

@@ -114,8 +114,8 @@ def find_unit(text: str, known: Mapping[str, float]) -> str | None:
     if text in known:
         return text
     spelled = _spelled(text)
-    if found := _by_spelling(tuple(known)).get(spelled):
-        return found
+    if unit := _by_spelling(tuple(known)).get(spelled):
+        return unit
     if spelled == "lb" and "lbf" in known:
         return "lbf"
     if spelled in (spelled.upper(), spelled.lower()) or text.istitle():
@@ -135,10 +135,10 @@ def range_of(unit: str | None) -> float | None:
     A number near that of a g, or below 1, is a factor of the numbers and no range.
     """
     match = _RANGE.fullmatch(unit or "")
-    found = find_unit(match[2], ACCELERATION_UNITS) if match else None
-    if match is None or found is None or float(match[1]) < 1.0 or abs(float(match[1]) / STANDARD_GRAVITY - 1.0) < 0.02:
+    known = find_unit(match[2], ACCELERATION_UNITS) if match else None
+    if match is None or known is None or float(match[1]) < 1.0 or abs(float(match[1]) / STANDARD_GRAVITY - 1.0) < 0.02:
         return None
-    return float(match[1]) * ACCELERATION_UNITS[found]
+    return float(match[1]) * ACCELERATION_UNITS[known]
 
 
 def is_unit(text: str) -> bool:
@@ -175,8 +175,8 @@ def underscored_unit(name: str, known: Mapping[str, float]) -> tuple[str, str | 
     """Split a name such as time_ms or z_m_s2, which cannot hold other signs, into its name and its unit; None without one."""
     for place in (match.start() for match in re.finditer("(?<=.)_", name)):
         behind = name[place + 1 :].replace("_per_", "/")
-        if found := find_unit(behind, known) or find_unit(behind.replace("_", "/", 1), known):
-            return name[:place], found
+        if unit := find_unit(behind, known) or find_unit(behind.replace("_", "/", 1), known):
+            return name[:place], unit
     return name, None
 
 

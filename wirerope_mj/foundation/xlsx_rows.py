@@ -44,7 +44,7 @@ def _values(path: Path, sheet: str, *, formulas: bool = False) -> tuple[str, lis
     """Read the name of a sheet and what is in its cells, row by row: the values of formulas, or formulas themselves."""
     with _workbook(path, formulas=formulas) as book:
         sheets = book.worksheets
-        chosen = next((one for one in sheets if one.title.strip().lower() == sheet), sheets[0])
+        chosen = next((candidate for candidate in sheets if candidate.title.strip().lower() == sheet), sheets[0])
         chosen.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
         return str(chosen.title), list(chosen.iter_rows(values_only=True))
 

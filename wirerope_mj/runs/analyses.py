@@ -61,7 +61,7 @@ def write_frequency_response(
     with atomic_folder(folder, force=force, kind=KIND, marks=MARKS) as temporary:
         _write_settings(temporary, result.name, result.system, _question(result), "pyarrow", "matplotlib")
         tables = {block.id: block.to_dict() for block in content.blocks() if isinstance(block, Table)}
-        levels = [plain_summary(one) for one in findings]
+        levels = [plain_summary(finding) for finding in findings]
         said = {"format": FORMAT, "headline": content.verdict.text, "levels": levels, "tables": tables}
         (temporary / MARKS[1]).write_text(json_text(said), encoding="utf-8")
         save_tables(result, temporary)

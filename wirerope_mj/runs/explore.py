@@ -61,37 +61,37 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     """Return the sliders that act on a system under a motion: none that could do nothing."""
     # A fall has the level of its height, and the direction of gravity.
     falls = motion.up is not None
-    found = [] if falls else [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
+    sliders = [] if falls else [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
     drive = system.assembly.tables.drive
     reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
     # The base follows any horizontal motion, and there is one; 1e-9: rounding of unit vectors, as where simulations check it.
     if not (falls or motion.rotates) and np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9 < np.abs(motion.directions[:, :2]).max(
         initial=0.0
     ):
-        found.append(Slider(
+        sliders.append(Slider(
             key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0, nominal=0.0,
             note="Turns the motion about the vertical, from x towards y.",
         ))  # fmt: skip
     if system.mounts:
         mass = sum(payload.mass for payload in payloads_of(system))
         note = f"On mass and inertia of all that the mounts carry, {significant(mass)} kg; its shape stays."
-        found.append(_factor(MASS, "Payload mass", (0.5, 2.0), note))
+        sliders.append(_factor(MASS, "Payload mass", (0.5, 2.0), note))
     groups = groups_of(system)
     for group, mounts in groups.items():
         device = system.mounts[mounts[0]].written.name
         note = f"On all forces of {len(mounts)} {'mounts' if len(mounts) > 1 else 'mount'}; their ratings stay."
-        found.append(_factor(STIFFNESS + group, f"Stiffness of {device}", (0.5, 2.0), note))
+        sliders.append(_factor(STIFFNESS + group, f"Stiffness of {device}", (0.5, 2.0), note))
     laws = {group: system.mounts[mounts[0]].written.axes.values() for group, mounts in groups.items()}
     damped = [group for group in groups if any(law.damping_parameters for law in laws[group] if law is not None)]
     if damped:
-        others = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
+        undamped = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
         note = "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
-        note += f" {', '.join(others)}: loss and stiffness are one law, which stays." if others else ""
-        found.append(_factor(DAMPING, "Damping of all mounts", (0.33, 3.0), note))
+        note += f" {', '.join(undamped)}: loss and stiffness are one law, which stays." if undamped else ""
+        sliders.append(_factor(DAMPING, "Damping of all mounts", (0.33, 3.0), note))
     if (deck := sprung_joints(system.model).get(NAME)) is not None:
         note = f"On the {significant(deck)} Hz of the deck panel alone; its mass and damping ratio stay."
-        found.append(_factor(DECK, "Deck frequency", (0.5, 2.0), note))
-    return tuple(found)
+        sliders.append(_factor(DECK, "Deck frequency", (0.5, 2.0), note))
+    return tuple(sliders)
 
 
 def groups_of(system: System) -> dict[str, list[str]]:
@@ -307,7 +307,9 @@ class Exploration:
             warnings.simplefilter("always")
             response = simulate(system, motion, **arguments)
             judged = judged_run(system, motion, response)
-        moved = {one.label: one.text(values[one.key]) for one in self.sliders if values[one.key] != one.nominal}
+        moved = {
+            slider.label: slider.text(values[slider.key]) for slider in self.sliders if values[slider.key] != slider.nominal
+        }
         return ShownRun(
             number=next(self._numbers), values=values, changes=moved,
             motion=motion.description, response=response, verdicts=judged.verdicts, random=judged.random,

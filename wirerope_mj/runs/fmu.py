@@ -55,9 +55,9 @@ def write_fmu(
         (here / "unit.toml").write_text(tomli_w.dumps(about), encoding="utf-8")
         script = Path(__file__).with_name("fmu_slave.py")
         abilities = ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUState", "canSerializeFMUState")
-        made = FmuBuilder.build_FMU(
+        built = FmuBuilder.build_FMU(
             script, here / "out", [here / "model", here / "unit.toml"], **dict.fromkeys(abilities, True)
         )
         with atomic_file(target) as temporary:
-            shutil.copyfile(made, temporary)
+            shutil.copyfile(built, temporary)
     return target

@@ -66,11 +66,11 @@ def alterations(folder: Path) -> Alterations | None:
     """
     if not (folder / CHECKSUMS).is_file():
         return None
-    stored, there = _read(folder / CHECKSUMS), _names(folder)
+    stored, present = _read(folder / CHECKSUMS), _names(folder)
     return Alterations(
-        altered=tuple(name for name in there if name in stored and digest_of(folder / name) != stored[name]),
-        missing=tuple(name for name in sorted(stored) if name not in there),
-        added=tuple(name for name in there if name not in stored),
+        altered=tuple(name for name in present if name in stored and digest_of(folder / name) != stored[name]),
+        missing=tuple(name for name in sorted(stored) if name not in present),
+        added=tuple(name for name in present if name not in stored),
     )
 
 

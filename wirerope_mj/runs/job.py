@@ -108,10 +108,10 @@ def run_job(
             model = _digest([[file.relative_to(temporary).as_posix(), digest_of(file)] for file in files])
         computed, questions = {}, []
         for case in job.cases:
-            made, run = _with_digests(case.scenario, model), folder / CASES / case.folder
-            if why := _why(run, made, force=force):
+            completed, run = _with_digests(case.scenario, model), folder / CASES / case.folder
+            if why := _why(run, completed, force=force):
                 computed[case.name] = why
-                questions.append((made, run, why == _JUDGED_AGAIN))
+                questions.append((completed, run, why == _JUDGED_AGAIN))
         try:
             failed = dict(_run_all(questions, workers, done))
         finally:
@@ -241,7 +241,7 @@ def _simulated(question: _Question) -> _Outcome:
             write(scenario, folder, when_judged=lambda judged: answers.append(judged.headline))
         except (WireRopeError, ValueError, OSError) as error:
             return _Outcome(scenario.name, perf_counter() - began, "", error=str(error))
-    warned = tuple((one.category, str(one.message)) for one in caught)
+    warned = tuple((warning.category, str(warning.message)) for warning in caught)
     return _Outcome(scenario.name, perf_counter() - began, answers[0], warned=warned)
 
 

@@ -171,14 +171,14 @@ def load_job(path: str | Path) -> Job:
         slug = re.sub(r"\W+", "-", case.name).strip("-").lower()
         if not slug:
             raise place.fault('`name` is missing: it names the case and its folder, name = "vertical shock".')
-        if any(other.folder == slug for other in cases):
+        if any(earlier.folder == slug for earlier in cases):
             raise place.fault(f"{quoted(case.name)} is given twice; names of cases must differ by a letter or a digit.")
         every = {name: getattr(content.simulate, name) for name in _SIMULATE if getattr(case, name) is None}
-        made = Scenario(
+        scenario = Scenario(
             question=content.question, model=source, name=case.name, limits=limits, combined_travel=content.combined_travel,
             **_scenario(place, replace(case, **every), folder, system),
         )  # fmt: skip
-        cases.append(LoadCase(name=case.name, folder=slug, note=case.note, scenario=made))
+        cases.append(LoadCase(name=case.name, folder=slug, note=case.note, scenario=scenario))
     if not cases:
         raise ModelError(
             f'{path}: there is no load case; one is [[case]] with a name and a motion, such as half-sine = "15 g 11 ms z", or '
@@ -197,20 +197,20 @@ def _cases(path: Path, content: JobFile) -> Iterator[tuple[Place, Path, Case]]:
     if content.sheet is not None:
         sheet = path.parent / content.sheet
         for row in read_sheet(sheet, kind="sheet of load cases", needed={"name": TEXT}, further=_IN_SHEETS):
-            given = {name: kind for name, kind in _IN_SHEETS.items() if row.has(name)}
-            cells = {name: row.text(name) if kind == TEXT else row.number(name) for name, kind in given.items()}
+            stated = {name: kind for name, kind in _IN_SHEETS.items() if row.has(name)}
+            cells = {name: row.text(name) if kind == TEXT else row.number(name) for name, kind in stated.items()}
             place = Place(row.location)
             yield place, sheet.parent, structure(Case, {"name": row.text("name")} | cells, place)
     if content.records is not None:
         place, pattern = Place(path, ("records",)), content.records.files
         if not pattern or Path(pattern).is_absolute():
             raise place.fault('`files` must be a pattern below the folder of the job, such as "records/*.csv".')
-        found = sorted(path.parent.glob(pattern))
-        if not found:
+        files = sorted(path.parent.glob(pattern))
+        if not files:
             text = f"no file matches `files` = {pattern!r} in {path.resolve().parent}."
             raise replace(place, error=RecordError).fault(text)
         shared = {name: value for name, value in vars(content.records).items() if name != "files"}
-        for file in found:
+        for file in files:
             yield place, path.parent, Case(name=file.stem, record=str(file.relative_to(path.parent)), **shared)
 
 
@@ -247,7 +247,7 @@ def _scenario(place: Place, case: Case, folder: Path, system: System) -> Entries
     except (WireRopeError, ValueError) as error:
         kind = type(error) if isinstance(error, WireRopeError) else ModelError
         raise replace(place, error=kind).fault(f"{quoted(case.name)}: {error}") from None
-    stated |= {kind: tuple(text for one, text in phrases if one == kind) for kind, _ in phrases}
+    stated |= {kind: tuple(text for other_kind, text in phrases if other_kind == kind) for kind, _ in phrases}
     lists = (*SPOKEN_MOTIONS, "levels", "channels")
     options = {name: "; ".join(_texts(value)) if name in lists else value for name, value in stated.items()}
     simulate = {name: getattr(case, name) for name in _SIMULATE if getattr(case, name) is not None}

@@ -38,9 +38,9 @@ def use_all_kernels() -> None:
     identify(steady_loops(deflection, law.trace(deflection).force), law=BoucWen)
     plane.trace([[0.0, 0.0], [0.001, 0.001]])
     replace(plane, brackets=(1e6, 1e6)).own_deflection(np.zeros(2), np.zeros(4))
-    for one in (law, Zener(k0=2e4, k1=4e4, c=50.0)):
-        equivalent_linear(one, mass=100.0, frequencies=[5.0], acceleration=1.0)
-        harmonic_balance(one, mass=100.0, frequency=5.0, acceleration=1.0)
+    for axial_law in (law, Zener(k0=2e4, k1=4e4, c=50.0)):
+        equivalent_linear(axial_law, mass=100.0, frequencies=[5.0], acceleration=1.0)
+        harmonic_balance(axial_law, mass=100.0, frequency=5.0, acceleration=1.0)
     Stop(gap_below=0.005, k=5e5, loss=0.3, reversal=5e-4).pressed(0.01)
     VaianaRosati(kb=0.2, f0=0.4, alpha=2.0).kernel_parameters()
     Tabulated(

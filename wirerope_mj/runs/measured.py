@@ -57,16 +57,16 @@ def read_map(items: Sequence[str]) -> Entries:
     for item in items:
         column, sign, phrase = item.partition("=")
         if sign:
-            found: Entries = {"channels": {column.strip(): phrase.strip()}}
+            arguments: Entries = {"channels": {column.strip(): phrase.strip()}}
         elif item.endswith(".toml"):
-            found = _column_map(Path(item)).arguments
+            arguments = _column_map(Path(item)).arguments
         else:
             raise ValueError(f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.')
-        for name, phrase in found["channels"].items():
+        for name, phrase in arguments["channels"].items():
             if name in channels:
                 raise ValueError(f"`--map` must say once what a column is, got {name!r} twice.")
             channels[name] = phrase
-        options |= {key: value for key, value in found.items() if key != "channels"}
+        options |= {key: value for key, value in arguments.items() if key != "channels"}
     return {"channels": channels, **options}
 
 
@@ -102,9 +102,9 @@ def tests_of(folder: Path) -> tuple[Measured, ...]:
     """
     tests = []
     for path in sorted((folder / FOLDER).glob("*.toml")):
-        found = _column_map(path)
-        file = file_inside(path.parent, found.file, "measurement")
-        tests.append(load_measured(file, name=found.name or path.stem, **found.arguments))
+        column_map = _column_map(path)
+        file = file_inside(path.parent, column_map.file, "measurement")
+        tests.append(load_measured(file, name=column_map.name or path.stem, **column_map.arguments))
     return tuple(tests)
 
 
@@ -128,9 +128,9 @@ def write_correlation(
     warn_of_alterations(folder)
     response = load_response(folder)
     measured = [load_measured(file, name=name, **options) for name, file in files.items()]
-    tests = tuple(correlate(response, one) for one in measured)
-    for one in measured:
-        store_test(folder, one, force=force)
+    tests = tuple(correlate(response, test) for test in measured)
+    for test in measured:
+        store_test(folder, test, force=force)
     content = correlation_content(folder.resolve().name, tests)
     with atomic_file(page) as beside:
         beside.write_text(report_html(content), encoding="utf-8")

@@ -37,15 +37,15 @@ def tables_in(source: Path) -> dict[str, Path]:
     """
     if source.is_dir():
         files = sorted(file for file in source.iterdir() if file.suffix.lower() in (".csv", ".xlsx", ".xlsm", ".txt", ".urdf"))
-        found = {file.stem.lower(): file for file in files if file.stem.lower() in TABLES}
+        tables = {file.stem.lower(): file for file in files if file.stem.lower() in TABLES}
     else:
-        found = {name: source for name in sheet_names(source) if name in TABLES}
-    if missing := [kind for kind in TABLES[:2] if kind not in found]:
+        tables = {name: source for name in sheet_names(source) if name in TABLES}
+    if missing := [kind for kind in TABLES[:2] if kind not in tables]:
         raise RecordError(
             f"{source}: there is no table {' and none '.join(missing)}. A folder holds mounts.csv, a workbook a sheet mounts; "
             f"the tables are {', '.join(TABLES)}, and the first two are needed."
         )
-    return found
+    return tables
 
 
 def new_model(
@@ -228,8 +228,8 @@ def gaps_text(layout: Layout) -> str:
             low, high = f"{min(moves.values()):.3g}", f"{max(moves.values()):.3g}"
             far = f"{low} mm" if low == high else f"{low} to {high} mm"
             parts.append(f"gaps of {listed(list(moves))} count at rest, as installed, where the payload has {way} {far}")
-    if others := [name for name in laws if name not in installed]:
-        counts = f"gaps of {listed(others)} count from the unloaded geometry"
+    if as_modelled := [name for name in laws if name not in installed]:
+        counts = f"gaps of {listed(as_modelled)} count from the unloaded geometry"
         parts.append(f'{counts} (gap_at "installed" in the table of stops counts them at rest)')
     ends = {device: cast(Stop, stop.axial) for device, stop in layout.bottoms.items()}
     for device, stop in ends.items():

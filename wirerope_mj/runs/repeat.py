@@ -96,10 +96,10 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
         if altered is None or altered.intact:
             raise
         raise type(error)(f"{error} {altered.text}") from None  # of which it may be the consequence
-    nonzero = [one for one in differences if one[0] > 0.0]
+    nonzero = [difference for difference in differences if difference[0] > 0.0]
     worst = max(nonzero, default=(0.0, ""))
     # the summary repeats what the response says, which is named first
-    of_response = max((one for one in nonzero if not one[1].startswith(SUMMARY)), default=worst)
+    of_response = max((difference for difference in nonzero if not difference[1].startswith(SUMMARY)), default=worst)
     difference, where = of_response if (of_response[0] > AGREES) == (worst[0] > AGREES) else worst
     return Replay(
         identical=not where, largest_difference=difference, column=where, response=None if long else again, alterations=altered
@@ -128,7 +128,7 @@ def replay_study(folder: str | Path) -> tuple[float, str]:
     worst = (0.0, "")
     for name in again[0].column_names:
         old, new = (
-            np.concatenate([np.asarray(one[name]) for one in tables])
+            np.concatenate([np.asarray(table[name]) for table in tables])
             for tables in ([result.table], [again[number] for number in numbers])
         )
         same = (old == new) | ((old != old) & (new != new))
@@ -187,9 +187,9 @@ def _peak_differences(stored: Response, again: Response) -> Iterator[Difference]
     has the same bits, and neither does that of a value that is reached twice: their difference is `NEGLIGIBLE` then.
     """
     end = max(float(stored.time[-1]), again.timestep)
-    mine, other = stored.peaks.to_dict(), again.peaks.to_dict()
-    contacts, contacts_again = mine.pop("contacts"), other.pop("contacts")
-    travels, travels_again = mine.pop("travels"), other.pop("travels")
+    expected, repeated = stored.peaks.to_dict(), again.peaks.to_dict()
+    contacts, contacts_again = expected.pop("contacts"), repeated.pop("contacts")
+    travels, travels_again = expected.pop("travels"), repeated.pop("travels")
     if contacts is not None:  # older responses have none
         for name, contact in contacts.items():
             if name in contacts_again:  # nor what stands beside them here
@@ -197,14 +197,14 @@ def _peak_differences(stored: Response, again: Response) -> Iterator[Difference]
         yield from _plain_differences(contacts, contacts_again, "peaks.contacts")
     if travels is not None:
         yield from _plain_differences(travels, travels_again, "peaks.travels")
-    mine, other = flat_entries(mine), flat_entries(other)
-    for where in [where for where in mine if mine[where] != other[where]]:
+    expected, repeated = flat_entries(expected), flat_entries(repeated)
+    for where in [where for where in expected if expected[where] != repeated[where]]:
         peak, index = where.rsplit(".", 1)
-        largest = max(abs(mine[f"{peak}.0"]), abs(other[f"{peak}.0"]), np.finfo(float).tiny)
-        ratio = abs(mine[where] - other[where]) / (end if int(index) in _INSTANTS else largest)
+        largest = max(abs(expected[f"{peak}.0"]), abs(repeated[f"{peak}.0"]), np.finfo(float).tiny)
+        ratio = abs(expected[where] - repeated[where]) / (end if int(index) in _INSTANTS else largest)
         reached = f"{peak}.{_INSTANTS.get(int(index), 0)}"
-        same = abs(mine[reached] - other[reached]) <= NEGLIGIBLE * largest
-        yield NEGLIGIBLE if same and mine[reached] != other[reached] else ratio, f"peaks.{peak}"
+        same = abs(expected[reached] - repeated[reached]) <= NEGLIGIBLE * largest
+        yield NEGLIGIBLE if same and expected[reached] != repeated[reached] else ratio, f"peaks.{peak}"
 
 
 _ADDED = ("energy", "axis", "gap_below", "gap_above", "rest", "closing_speed", "closing_time")  # Not in older contacts
@@ -220,42 +220,42 @@ def _rest_differences(stored: Response, again: Response, parts: Sequence[Integer
     """
     for name in ("initial_state", "final_state"):
         a, b = getattr(stored, name), getattr(again, name)
-        mine, other = a.values, b.values
+        expected, repeated = a.values, b.values
         # older states end before the memory of contacts, of travels, or of the speeds at which stops close
-        stops = [one for one in (stored.peaks.contacts or {}).values() if one.mount]
-        if stored.peaks.travels is None or any(not one.axis for one in stops):
-            other = other[: mine.size]
-        if mine.shape != other.shape or a.time != b.time:
+        stops = [contact for contact in (stored.peaks.contacts or {}).values() if contact.mount]
+        if stored.peaks.travels is None or any(not stop.axis for stop in stops):
+            repeated = repeated[: expected.size]
+        if expected.shape != repeated.shape or a.time != b.time:
             yield np.inf, name
             continue
-        if not np.array_equal(mine, other):
+        if not np.array_equal(expected, repeated):
             ratios = [
-                np.abs(mine[i] - other[i]).max(initial=0.0) / max(float(np.abs(mine[i]).max(initial=0.0)), _SMALLEST)
+                np.abs(expected[i] - repeated[i]).max(initial=0.0) / max(float(np.abs(expected[i]).max(initial=0.0)), _SMALLEST)
                 for i in parts
             ]
             yield max(NEGLIGIBLE, *map(float, ratios)), name
     pairs = {
         "scene": (scene_to_dict(stored.scene), scene_to_dict(again.scene)),
         "events": ([list(event) for event in stored.events], [list(event) for event in again.events]),
-        "numerics": tuple({key: asdict(one.numerics)[key] for key in ("timestep", "steps")} for one in (stored, again)),
+        "numerics": tuple({key: asdict(run.numerics)[key] for key in ("timestep", "steps")} for run in (stored, again)),
     }
-    for name, (here, there) in pairs.items():
-        yield from _plain_differences(here, there, name)
+    for name, (stored_part, repeated_part) in pairs.items():
+        yield from _plain_differences(stored_part, repeated_part, name)
 
 
 def _plain_differences(
-    mine: object, other: object, where: str, *, texts: bool = True, without: tuple[str, ...] = ()
+    expected: object, repeated: object, where: str, *, texts: bool = True, without: tuple[str, ...] = ()
 ) -> Iterator[Difference]:
     """Yield the differences between plain values: numbers relative to themselves, anything else infinite."""
-    one, two = (flat_entries(value, label=_label) for value in (mine, other))
-    for key in dict.fromkeys((*one, *two)):
+    expected_entries, repeated_entries = (flat_entries(value, label=_label) for value in (expected, repeated))
+    for key in dict.fromkeys((*expected_entries, *repeated_entries)):
         if key.startswith(without) if without else False:
             continue
-        if key not in one or key not in two:
+        if key not in expected_entries or key not in repeated_entries:
             if texts:
                 yield np.inf, f"{where} {key}"
             continue
-        a, b = one[key], two[key]
+        a, b = expected_entries[key], repeated_entries[key]
         if _is_number(a) and _is_number(b):
             if a != b and not (a != a and b != b):  # NaN says in both that something is not known
                 known = np.isfinite(a) and np.isfinite(b)

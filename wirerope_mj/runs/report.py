@@ -68,7 +68,7 @@ def _content_of(folder: Path, *, decks: bool = False) -> Content:
     warn_of_alterations(_run_folder(folder))
     run = replace(judged_folder(folder), decks=decks)
     content = run_content(run)
-    tests = tuple(correlate(run.response, one) for one in tests_of(folder))
+    tests = tuple(correlate(run.response, test) for test in tests_of(folder))
     return replace(content, sections=(*content.sections, *correlation_sections(tests))) if tests else content
 
 

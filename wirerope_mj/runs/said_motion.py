@@ -49,15 +49,17 @@ def said_motion(
             zero = "all of its samples are zero" if one.baseline == "none" else "nothing but zeros is left of it"
             text = f"{zero}, so that the base would not move. Is it the right file, and the right channel?"
             raise RecordError(f"{record}: {text}")
-        if one.end <= 0.0:
+        if record_motion.end <= 0.0:
             raise ValueError(
-                f"`start` {one.start:g} lets the record end at {one.end:g} s, before the simulation begins at 0 s: the base "
-                "would not move. Start it at 0 s or later."
+                f"`start` {record_motion.start:g} lets the record end at {record_motion.end:g} s, before the simulation begins "
+                "at 0 s: the base would not move. Start it at 0 s or later."
             )
-        if duration is not None and duration <= one.start:
-            text = f"`duration` {duration:g} ends the simulation before the record begins, at {one.start:g} s (`start`)."
+        if duration is not None and duration <= record_motion.start:
+            text = (
+                f"`duration` {duration:g} ends the simulation before the record begins, at {record_motion.start:g} s (`start`)."
+            )
             raise ValueError(text)
-        motions.append(one)
+        motions.append(record_motion)
     elif channels is not None or direction is not None:
         raise ValueError("`direction` and `channels` belong to a `record`; other motions say their direction.")
     return sum(motions[1:], start=motions[0])
@@ -114,8 +116,8 @@ def _completed(text: str, system: System, folder: Path) -> str:
     motion_from_phrase(KIND, f"{text} {lines[0][0]:.17g} Hz", folder=folder)  # so is what is lacking
     if len(phrase.directions) != 1:
         raise ValueError(f'{KIND} "{text}": frequencies for dwells are found along one direction; shake the axes one by one.')
-    found = prominences(system, quantity, lines, phrase.directions[0])
-    return f"{text} {' '.join(f'{frequency:.17g} Hz' for frequency in found)}"
+    frequencies = prominences(system, quantity, lines, phrase.directions[0])
+    return f"{text} {' '.join(f'{frequency:.17g} Hz' for frequency in frequencies)}"
 
 
 def prominences(system: System, quantity: str, lines: Points, direction: str | Sequence[float]) -> list[float]:
@@ -135,9 +137,9 @@ def prominences(system: System, quantity: str, lines: Points, direction: str | S
         )  # fmt: skip
         state = part.final_state
         bodies.append([part.envelopes[name].transmissibility.max(axis=1) for name in system.payloads])
-    found = set[int]()
+    lines_found = set[int]()
     for parts in zip(*bodies, strict=True):
         curve = np.concatenate([[0.0], *parts, [0.0]])
         beside = np.maximum(curve[:-2], curve[2:])
-        found |= set(np.flatnonzero(curve[1:-1] > (1.0 + _STANDS_OUT) * beside).tolist())
-    return [lines[number][0] for number in sorted(found)]
+        lines_found |= set(np.flatnonzero(curve[1:-1] > (1.0 + _STANDS_OUT) * beside).tolist())
+    return [lines[number][0] for number in sorted(lines_found)]

@@ -86,7 +86,9 @@ class OptionFile:
             if option not in values:
                 raise ModelError(f"{self.path}: no option {option!r}; the options are {', '.join(values)}.")
             default = values[option]  # None says nothing of its kind
-            known, accepted, kind = next((one for one in _OPTION_KINDS if isinstance(default, one[0])), (object, object, ""))
+            known, accepted, kind = next(
+                (option_kind for option_kind in _OPTION_KINDS if isinstance(default, option_kind[0])), (object, object, "")
+            )
             if not isinstance(value, accepted) or (isinstance(value, bool) and known not in (bool, object)):
                 text = f"option `{option}` must be {kind}, as its default {default!r} is, got {value!r}."
                 raise ModelError(f"{self.path}: {text}")
@@ -129,16 +131,16 @@ def guarded(path: Path, action: Callable[[], object]) -> object:
     except SyntaxError as error:
         line = f", line {error.lineno}" if error.lineno else ""
         quoted = f"`{short(error.text.strip())}`" if error.text else "this"
-        what = "is not text in UTF-8. Save it in UTF-8" if "codec" in error.msg else f"is not Python: {error.msg}"
-        raise ModelError(f"{path}{line}: {quoted} {what}.") from error
+        fault = "is not text in UTF-8. Save it in UTF-8" if "codec" in error.msg else f"is not Python: {error.msg}"
+        raise ModelError(f"{path}{line}: {quoted} {fault}.") from error
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
-        own = [frame for frame in frames if Path(frame.filename) == path.resolve()]
-        line = f", line {own[-1].lineno}" if own else ""
-        said = isinstance(error, ValueError) and bool(own) and str(own[-1].line).startswith("raise ")
+        own_frames = [frame for frame in frames if Path(frame.filename) == path.resolve()]
+        line = f", line {own_frames[-1].lineno}" if own_frames else ""
+        said = isinstance(error, ValueError) and bool(own_frames) and str(own_frames[-1].line).startswith("raise ")
         if isinstance(error, WireRopeError) or said or _PACKAGE in Path(frames[-1].filename).parents:
             raise ModelError(f"{path}{line}: {error}") from error  # the message says what is wrong, and is meant to
-        quoted = f"`{short(own[-1].line or '')}` ends with " if own else ""
+        quoted = f"`{short(own_frames[-1].line or '')}` ends with " if own_frames else ""
         raise ModelError(f"{path}{line}: {quoted}{type(error).__name__}: {error}") from error
 
 
@@ -184,9 +186,9 @@ class Scenario:
             if not isinstance(value, kind):
                 raise ValueError(f"`{name}` of a Scenario must be {said}, got {quoted(value, 80)}.")
         for name, kind in (("limits", PayloadLimit), ("changes", Changes)):
-            for one in getattr(self, name):
-                if not isinstance(one, kind):
-                    raise ValueError(f"`{name}` of a Scenario must hold {kind.__name__}s only, got {quoted(one)}.")
+            for entry in getattr(self, name):
+                if not isinstance(entry, kind):
+                    raise ValueError(f"`{name}` of a Scenario must hold {kind.__name__}s only, got {quoted(entry)}.")
         for name in ("simulate", "options", "isolators"):
             for key in getattr(self, name) or ():
                 if not isinstance(key, str):
@@ -210,12 +212,12 @@ class Scenario:
         up = self.motion.up
         if up is None and not self.motion.rotates:
             return self
-        system = made = load_system(self.model_source(), isolators=self.isolators)
+        system = turned = load_system(self.model_source(), isolators=self.isolators)
         if up is not None and not falls_by_gravity(system, up):
-            made = with_gravity(made, up=up)
+            turned = with_gravity(turned, up=up)
         if self.motion.rotates:
-            made = with_rotation(made)
-        return self if made is system else replace(self, model=made.mjcf, isolators=made.isolators)
+            turned = with_rotation(turned)
+        return self if turned is system else replace(self, model=turned.mjcf, isolators=turned.isolators)
 
 
 class ScenarioFile(OptionFile):
@@ -226,10 +228,10 @@ class ScenarioFile(OptionFile):
 
         ModelError if an option is unknown, or the function does not return a Scenario, or fails; says in which line.
         """
-        made, values = self.made(options)
-        if not isinstance(made, Scenario):
-            raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {quoted(made)}.")
-        return replace(made, name=self.name, options=values, folder=self.path.parent)
+        scenario, values = self.made(options)
+        if not isinstance(scenario, Scenario):
+            raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {quoted(scenario)}.")
+        return replace(scenario, name=self.name, options=values, folder=self.path.parent)
 
 
 def shipped_scenarios() -> dict[str, Path]:

@@ -45,7 +45,7 @@ def judged_by(system: System, *, combined_travel: bool, limits: Sequence[Payload
                 f"limit {limit.kind}/{limit.name}: there is no {KINDS[limit.kind].subject} {limit.name!r} that has this. "
                 f"There are {', '.join(known[limit.kind]) or 'none'}."
             )
-        if any((other.kind, other.name) == (limit.kind, limit.name) for other in limits[:number]):
+        if any((earlier.kind, earlier.name) == (limit.kind, limit.name) for earlier in limits[:number]):
             raise ModelError(f"limit {limit.kind}/{limit.name}: it is given twice.")
     named = {(limit.kind, limit.name) for limit in limits}
     kept = [limit for limit in system.limits if (limit.kind, limit.name) not in named]
@@ -109,14 +109,14 @@ class JudgeTable:
     @property
     def payload_limits(self) -> tuple[PayloadLimit, ...]:
         """The limits; ValueError if one is none."""
-        found = []
+        limits = []
         for key, values in self.limits.items():
             kind, _, name = key.partition("/")
             try:
-                found.append(PayloadLimit(kind=kind, name=name, values=values))
+                limits.append(PayloadLimit(kind=kind, name=name, values=values))
             except ValueError as error:
                 raise ValueError(f"`limits` `{key}`: {error}") from None
-        return tuple(found)
+        return tuple(limits)
 
     def __post_init__(self) -> None:
         _ = self.payload_limits
@@ -249,13 +249,13 @@ def check_one_run(folder: Path, content: Entries, system: System, response: Resp
             f"{folder / SCENARIO}: `simulate.duration` and `simulate.sample_rate` make {samples:.0f} samples, and {FILE} holds "
             f"{response.time.size}. {_OF_TWO_RUNS}"
         )
-    here, there = flat_entries(content["motion"]), flat_entries(response.motion)
+    motion, played = flat_entries(content["motion"]), flat_entries(response.motion)
     named = [
-        name for name in sorted({*here, *there}) if not {*name.split(".")} & {"path", "description"}
+        name for name in sorted({*motion, *played}) if not {*name.split(".")} & {"path", "description"}
     ]  # records lie elsewhere
     pairs = [
         *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("timestep", "callback")),
-        *((f"motion.{name}", here.get(name), there.get(name)) for name in named),
+        *((f"motion.{name}", motion.get(name), played.get(name)) for name in named),
         *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("engine", "accuracy") if key in simulate),
     ]  # fmt: skip
     for name, stated, computed in pairs:
@@ -264,8 +264,8 @@ def check_one_run(folder: Path, content: Entries, system: System, response: Resp
                 f"{folder / SCENARIO}: `{name}` is {stated}, and {FILE} was computed with {computed}. {_OF_TWO_RUNS}"
             )
     if not same_columns(response.samples.names, column_plan(system).names):
-        what = f"the bodies, points and mounts of {content['model']['file']}"
-        raise RecordError(f"{folder}: {what} are not those of {FILE}. {_OF_TWO_RUNS}")
+        subject = f"the bodies, points and mounts of {content['model']['file']}"
+        raise RecordError(f"{folder}: {subject} are not those of {FILE}. {_OF_TWO_RUNS}")
 
 
 _RESOLVED = ("engine",)  # What a run's folder says of its simulation that nobody asked for: the engine that was chosen

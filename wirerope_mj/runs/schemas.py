@@ -32,9 +32,9 @@ FILES: dict[str, tuple[type, ...]] = {
 
 def file_schema(kind: str) -> Entries:
     """Return the schema of a kind of file, a key of `FILES`."""
-    found = [schema(one, {Law: {"$ref": "#/$defs/law"}}) for one in FILES[kind]]
+    schemas = [schema(file_class, {Law: {"$ref": "#/$defs/law"}}) for file_class in FILES[kind]]
     content: Entries = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    content |= found[0] if len(found) == 1 else {"anyOf": found}
+    content |= schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
     return content | ({"$defs": {"law": law_schema()}} if Isolator in FILES[kind] else {})
 
 

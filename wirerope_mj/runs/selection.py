@@ -56,8 +56,8 @@ def equipment(
         job = load_job(model)
         first = job.cases[0].scenario
         cases = {case.name: case.scenario.motion for case in job.cases} | dict(cases)
-        named = {(one.kind, one.name) for one in limits}
-        limits = [*(one for one in first.limits if (one.kind, one.name) not in named), *limits]
+        named = {(limit.kind, limit.name) for limit in limits}
+        limits = [*(limit for limit in first.limits if (limit.kind, limit.name) not in named), *limits]
         source, combined = first.model_source(), first.combined_travel
         systems = {"": load_system(source)}
     elif model is not None:
@@ -68,8 +68,8 @@ def equipment(
         raise ValueError('there must be at least one load case: say its motion, for instance --half-sine "15 g 11 ms z".')
     installed = {
         name
-        for one in systems.values()
-        for name, mount in one.mounts.items()
+        for variant in systems.values()
+        for name, mount in variant.mounts.items()
         if any(stop.rest for law in mount.isolator.axes.values() if law is not None for stop in law.stops)
     }
     if installed:
@@ -86,25 +86,25 @@ def equipment(
                     f"load case {case!r} lands on another side than the one on which the model stands, and a selection turns "
                     "no model: drop it onto the bottom, and run other drops by `wirerope shock` on what was chosen."
                 )
-        if forces := [f"{one.kind}/{one.name}" for one in (*system.limits, *limits) if one.kind in ON_MOUNTS]:
+        if forces := [f"{limit.kind}/{limit.name}" for limit in (*system.limits, *limits) if limit.kind in ON_MOUNTS]:
             raise ModelError(f"a selection does not judge {forces[0]}: leave it out, and judge runs of what was chosen by it.")
-        own = {(one.kind, one.name): one for one in limits}
+        stated = {(limit.kind, limit.name): limit for limit in limits}
         if fragility is not None:
             for body in payload_bodies(system):
                 stands = PayloadLimit(kind="acceleration", name=body, values=(fragility,))
-                own.setdefault(("acceleration", body), stands)
+                stated.setdefault(("acceleration", body), stands)
         if travel is not None:
             if not (points := payload_points(system)):
                 raise ModelError("the model has no points to keep a `--travel`: give it sites called point/NAME.")
             for point in points:
-                own.setdefault(("clearance", point), PayloadLimit(kind="clearance", name=point, values=(travel,) * 3))
-        judged[name] = judged_by(system, combined_travel=combined, limits=tuple(own.values()))
+                stated.setdefault(("clearance", point), PayloadLimit(kind="clearance", name=point, values=(travel,) * 3))
+        judged[name] = judged_by(system, combined_travel=combined, limits=tuple(stated.values()))
     return judged, dict(cases)
 
 
 def _box_on(name: str, mounts: str, box: Entries) -> System:
     """Make the box on mounts of a part, each with a stop where the part goes solid, as far as that is known."""
-    part = next(one for one in vendor_parts() if one.name == name)
+    part = next(candidate for candidate in vendor_parts() if candidate.name == name)
     isolator = load_isolator(part)
     stop = bottom_stop(isolator)
     layout = replace(box_layout(part, mounts=mounts, **box), bottoms={} if stop is None else {name: stop})
@@ -144,5 +144,5 @@ def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = Non
     if np.abs(moved).max() > 1e-9:
         raise ModelError("the mounts of this model do not stand where its own text says: write its model by hand.")
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:
-        write_model(made, temporary).rename(temporary / f"{name}.xml")
+        write_model(new_system, temporary).rename(temporary / f"{name}.xml")
     return folder / f"{name}.xml"

@@ -49,12 +49,12 @@ class StudyFile(OptionFile):
 
         ModelError if an option is unknown, or the function does not return a Study, or fails; says in which line.
         """
-        made, _ = self.made(options)
-        if not isinstance(made, Study | Search):
-            raise ModelError(f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}.")
-        made.name = self.name if made.name == "study" else made.name
-        made.question = made.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
-        return made
+        study, _ = self.made(options)
+        if not isinstance(study, Study | Search):
+            raise ModelError(f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {study!r}.")
+        study.name = self.name if study.name == "study" else study.name
+        study.question = study.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
+        return study
 
 
 def shipped_studies() -> dict[str, Path]:
@@ -106,8 +106,8 @@ def study_of(
         raise ModelError(f"{text}; leave it out.")
     if (engine := simulate.pop("engine", "auto")) != "auto":
         raise ModelError(f"{asks} asks for the engine {engine!r}, and of variants each has its own; leave it out.")
-    if other := [key for key in simulate if key not in _CARRIED]:
-        text = f"a study cannot take over `{other[0]}` of its simulation; it takes {', '.join(_CARRIED)}."
+    if unsupported := [key for key in simulate if key not in _CARRIED]:
+        text = f"a study cannot take over `{unsupported[0]}` of its simulation; it takes {', '.join(_CARRIED)}."
         raise ModelError(f"{asks}: {text}")
     if "duration" not in simulate:
         raise ModelError(f"{asks}: `simulate` must say the duration [s].")
@@ -144,13 +144,13 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
     stated = limits_by_patterns(scenario.limits, known)
     named = {(limit.kind, limit.name) for limit in stated}
     forces = [limit for limit in system.limits if limit.kind in ON_MOUNTS and (limit.kind, limit.name) not in named]
-    for one in (*stated, *forces):
-        if one.kind == "acceleration" and set(one.judged) == {""}:
-            can.append(_text(one))
-        elif one.kind == "clearance" and one.name in points:
-            can += [f"displacement/{one.name}/{side} = {value:.12g} m" for side, value in one.ways.items()]
+    for limit in (*stated, *forces):
+        if limit.kind == "acceleration" and set(limit.judged) == {""}:
+            can.append(_text(limit))
+        elif limit.kind == "clearance" and limit.name in points:
+            can += [f"displacement/{limit.name}/{side} = {value:.12g} m" for side, value in limit.ways.items()]
         else:
-            cannot.append(_text(one))
+            cannot.append(_text(limit))
     return can, cannot
 
 
@@ -274,8 +274,8 @@ def write_worst(result: StudyResult, by: str | None, count: int) -> list[Path]:
     inputs = {}
     for name in folders:
         row = result.study.row(int(name.split()[1]))
-        values = {one: row[one] for one in input_names(result.table)}
-        inputs[name] = {one: f"{value:.5g}" if isinstance(value, float) else str(value) for one, value in values.items()}
+        values = {key: row[key] for key in input_names(result.table)}
+        inputs[name] = {label: f"{value:.5g}" if isinstance(value, float) else str(value) for label, value in values.items()}
     if isinstance(result, SearchResult):
         tables = [front_table(result, _ROWS)] if result.front.num_rows else []
     else:

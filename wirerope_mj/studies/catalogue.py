@@ -76,7 +76,7 @@ class TriedPart:
     def governing(self) -> tuple[float, str, str]:
         """Utilisation, criterion and load case that are the most critical; NaN and "" if nothing is judged."""
         judged = [(*self.used(measure), criterion) for measure, criterion in CRITERIA.items()]
-        value, case, criterion = max(judged, key=lambda one: -1.0 if math.isnan(one[0]) else one[0])
+        value, case, criterion = max(judged, key=lambda candidate: -1.0 if math.isnan(candidate[0]) else candidate[0])
         return (value, "", "") if math.isnan(value) else (value, criterion, case)
 
     @property
@@ -96,16 +96,18 @@ class TriedPart:
     def largest(self, pattern: str, case: str | None = None) -> float:
         """Find the largest of the measures of a pattern, under all load cases or one; NaN if there is none."""
         cases = self.measures if case is None else {case: self.measures.get(case, {})}
-        found = [value for own in cases.values() for name, value in own.items() if fnmatchcase(name, pattern)]
-        return max((one for one in found if not math.isnan(one)), default=math.nan)
+        values = [
+            value for case_measures in cases.values() for name, value in case_measures.items() if fnmatchcase(name, pattern)
+        ]
+        return max((value for value in values if not math.isnan(value)), default=math.nan)
 
 
 class Race:
     """Parts under load cases, stepped side by side with one step after the other, each half the last one."""
 
     def __init__(self, runs: Mapping[str, TriedPart], cases: Mapping[str, BaseMotion], initial: str, accuracy: float) -> None:
-        self._systems = {name: one.system for name, one in runs.items() if one.system is not None}
-        self._periods = {name: slowest_period(one) for name, one in self._systems.items()}
+        self._systems = {name: run.system for name, run in runs.items() if run.system is not None}
+        self._periods = {name: slowest_period(system) for name, system in self._systems.items()}
         self._cases, self._initial, self._accuracy = cases, initial, accuracy
         self._left = [(case, name) for case in cases for name in sorted(self._systems, key=self._periods.__getitem__)]
         self.found: dict[str, dict[str, Mapping[str, float]]] = {name: {} for name in self._systems}
@@ -119,32 +121,35 @@ class Race:
         groups = [(case, names[k : k + WIDTH]) for (case, _), names in alike.items() for k in range(0, len(names), WIDTH)]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             outcomes = list(pool.map(lambda group: self._batch(group[0], group[1], _LONGEST / 2**level), groups))
-        left, beyond = [], set()
+        remaining, beyond = [], set()
         for (case, names), results in zip(groups, outcomes, strict=True):
             for name, result in zip(names, results, strict=True):
-                before, own = self.found[name].get(case), f"{case}: "
+                before, label = self.found[name].get(case), f"{case}: "
                 if isinstance(result, BatchFailure):
-                    self.reasons[name] = own + (_GREW if result.message.startswith("the kernel") else result.message)
-                    left += [(case, name)] if before is None and level < _PATIENCE else []
+                    self.reasons[name] = label + (_GREW if result.message.startswith("the kernel") else result.message)
+                    remaining += [(case, name)] if before is None and level < _PATIENCE else []
                     continue
-                if self.reasons.get(name, "").startswith(own):
+                if self.reasons.get(name, "").startswith(label):
                     del self.reasons[name]
                 system = self._systems[name]
                 self.found[name][case] = now = measures(system, result.peaks, result.initial_state, result.response)
                 if now["static_load"] > 1.0:
                     beyond.add(name)
                 elif before is None:
-                    left.append((case, name))
-                elif any(now[one] - 1.0 > _CERTAIN * abs(now[one] - before[one]) for one in CRITERIA):
+                    remaining.append((case, name))
+                elif any(now[criterion] - 1.0 > _CERTAIN * abs(now[criterion] - before[criterion]) for criterion in CRITERIA):
                     beyond.add(name)  # whatever a finer step would say
                 else:  # the largest relative difference of what is judged
-                    judged = [*CRITERIA, *(f"acceleration/{one}" for one in (*payload_bodies(system), *payload_points(system)))]
-                    pairs = np.array([(before[one], now[one]) for one in judged if not math.isnan(now[one])])
+                    judged = [
+                        *CRITERIA,
+                        *(f"acceleration/{name}" for name in (*payload_bodies(system), *payload_points(system))),
+                    ]
+                    pairs = np.array([(before[name], now[name]) for name in judged if not math.isnan(now[name])])
                     error = np.abs(pairs[:, 0] - pairs[:, 1]) / np.maximum(np.abs(pairs).max(axis=1), 1e-12)
-                    left += [(case, name)] if error.max() > _FINER * self._accuracy else []
+                    remaining += [(case, name)] if error.max() > _FINER * self._accuracy else []
         for name in beyond:  # whatever failed of it at such steps
             self.reasons.pop(name, None)
-        self._left = [(case, name) for case, name in left if name not in beyond]
+        self._left = [(case, name) for case, name in remaining if name not in beyond]
 
     def _batch(self, case: str, names: Sequence[str], step: float) -> Sequence[BatchResult | BatchFailure]:
         systems, motion = [self._systems[name] for name in names], self._cases[case]
@@ -186,15 +191,15 @@ def try_parts(
         for name, on, why in _systems(system, parts, room)
     ]
     with warnings.catch_warnings(action="ignore", category=ModelWarning):  # of parts that will not be chosen
-        begun = _settled([one for one in tried if one.system is not None and not one.reason], initial)
-    runs = {one.name: one for one in begun if not one.reason}
+        begun = _settled([part for part in tried if part.system is not None and not part.reason], initial)
+    runs = {part.name: part for part in begun if not part.reason}
     race = Race(runs, cases, initial, accuracy)
     for level in range(LEVELS):
         race.run(level)
         progress((level + 1) / LEVELS)
     return [
-        replace(one, measures=race.found.get(one.name, {}), reason=race.reasons.get(one.name, one.reason))
-        for one in {one.name: one for one in (*tried, *begun)}.values()
+        replace(part, measures=race.found.get(part.name, {}), reason=race.reasons.get(part.name, part.reason))
+        for part in {part.name: part for part in (*tried, *begun)}.values()
     ]
 
 
@@ -219,19 +224,19 @@ def limits_in_room(system: System, room: Array) -> tuple[PayloadLimit, ...]:
     if not points:
         raise ModelError("the model has no points to keep in a `--room`: give it sites called point/NAME.")
     mounts = [system.mounts[name] for name in replaced(system)]
-    heights = [one.isolator.geometry.height if one.isolator.geometry else None for one in mounts]
-    bars = np.array([one.position - 0.5 * (h or 0.0) * one.axes[:, 2] for one, h in zip(mounts, heights, strict=True)])
+    heights = [mount.isolator.geometry.height if mount.isolator.geometry else None for mount in mounts]
+    bars = np.array([mount.position - 0.5 * (h or 0.0) * mount.axes[:, 2] for mount, h in zip(mounts, heights, strict=True)])
     corners = np.array(list(points.values()))
     low, high = corners.min(axis=0), corners.max(axis=0)
     before, behind = np.maximum(low - bars.min(axis=0), 0.0), np.maximum(bars.max(axis=0) - high, 0.0)
     rest = room - (high - low) - before - behind
-    if lacking := [axis for axis, left in zip("xyz", rest, strict=True) if left < 0.0]:
+    if lacking := [axis for axis, clearance in zip("xyz", rest, strict=True) if clearance < 0.0]:
         raise ModelError(f"{_NO_ROOM} along {' and '.join(lacking)}, even at rest")
     alone = (before > 0.0) == (behind > 0.0)
     under = before + np.where(alone, 0.5 * rest, np.where(before > 0.0, 0.0, rest))
     over = behind + np.where(alone, 0.5 * rest, np.where(before > 0.0, rest, 0.0))
-    stated = {one.name: one.ways for one in system.limits if one.kind == "clearance" and one.name in points}
-    limits = {(one.kind, one.name): one for one in system.limits}
+    stated = {limit.name: limit.ways for limit in system.limits if limit.kind == "clearance" and limit.name in points}
+    limits = {(limit.kind, limit.name): limit for limit in system.limits}
     for name, position in points.items():
         walls = np.column_stack([position - low + under, high - position + over]).ravel()
         least = [min(wall, stated.get(name, {}).get(side, math.inf)) for side, wall in zip(SIDES, walls, strict=True)]
@@ -245,7 +250,7 @@ def _systems(
 ) -> Iterator[tuple[str, System | None, str]]:
     """Yield name, system and "" of each part, or None and why there is none."""
     mounts = replaced(system)
-    weight = sum(one.mass for one in payloads_of(system)) * math.hypot(*system.model.opt.gravity)
+    weight = sum(payload.mass for payload in payloads_of(system)) * math.hypot(*system.model.opt.gravity)
     base: System | None = None
     for name, isolator in parts.items():
         rated = (isolator.limits.static_load or math.inf) * len(mounts)
@@ -263,7 +268,7 @@ def _systems(
         except ModelError:  # its laws are laid out otherwise than those of the last
             on = None
         if on is None:
-            placed = {system.mounts[mount].isolator_name: own for mount, own in changes.items()}
+            placed = {system.mounts[mount].isolator_name: device for mount, device in changes.items()}
             loaded = load_system(system.path or system.mjcf, isolators={**system.isolators, **placed})
             base = replace(loaded, limits=system.limits, combined_travel=system.combined_travel)
             on = varied(base, positions=shifts)
@@ -290,20 +295,20 @@ def shifted(system: System, placed: Mapping[str, Isolator]) -> dict[str, list[fl
 
 def _settled(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
     """Find the equilibria from which all begin; of a part without one the reason."""
-    systems = sorted((one.system for one in tried if one.system), key=slowest_period)
+    systems = sorted((part.system for part in tried if part.system), key=slowest_period)
     settle_together(systems, HISTORIES[initial])
     result = []
-    for one in tried:
+    for part in tried:
         try:
-            assert one.system is not None
-            equilibrium(one.system, history=HISTORIES[initial])
+            assert part.system is not None
+            equilibrium(part.system, history=HISTORIES[initial])
             reason = ""  # what stops and contacts carry at rest, on which no part isolates
-            if any(mount.isolator.stops for mount in one.system.mounts.values()) or one.system.model.geom_contype.any():
-                carried = rested_verdicts(static_table(one.system))
+            if any(mount.isolator.stops for mount in part.system.mounts.values()) or part.system.model.geom_contype.any():
+                carried = rested_verdicts(static_table(part.system))
                 reason = max(carried, key=lambda row: row.value).note if carried else ""
-            result.append(replace(one, reason=reason))
+            result.append(replace(part, reason=reason))
         except WireRopeError as error:
-            result.append(replace(one, reason=str(error)))
+            result.append(replace(part, reason=str(error)))
     return result
 
 
@@ -324,19 +329,19 @@ class CatalogueSelection(Summarised):
     @property
     def meeting(self) -> tuple[TriedPart, ...]:
         """Parts that keep every limit."""
-        return tuple(one for one in self.tried if one.meets)
+        return tuple(part for part in self.tried if part.meets)
 
-    def figure(self, one: TriedPart, by: str) -> float:
+    def figure(self, part: TriedPart, by: str) -> float:
         """Return what a part is ranked by; price and mass are those of all mounts."""
         if by in ("price", "mass"):
-            return one.mounts * self.stated.get(one.name, {}).get(by, math.nan)
-        geometry = one.isolator.geometry if one.isolator else None
+            return part.mounts * self.stated.get(part.name, {}).get(by, math.nan)
+        geometry = part.isolator.geometry if part.isolator else None
         height = geometry.height if geometry and geometry.height else math.nan
-        figures = {"margin": one.governing[0], "acceleration": one.acceleration, "number": one.mounts, "height": height}
+        figures = {"margin": part.governing[0], "acceleration": part.acceleration, "number": part.mounts, "height": height}
         return figures[by]
 
     def _summary(self) -> tuple[str, dict[str, str]]:
-        shown = {one.name: f"{100.0 * one.governing[0]:.0f} % of {one.governing[1]}" for one in self.meeting}
+        shown = {part.name: f"{100.0 * part.governing[0]:.0f} % of {part.governing[1]}" for part in self.meeting}
         return f"{len(self.meeting)} of {len(self.tried)} parts keep every limit", shown
 
 
@@ -364,30 +369,30 @@ def select_parts(
         ValueError: an argument is out of range, or a motion has no end.
         ModelError: a model has no mounts but stops.
     """
-    limited = all(any(one.kind == "acceleration" for one in system.limits) for system in systems.values())
+    limited = all(any(limit.kind == "acceleration" for limit in system.limits) for system in systems.values())
     by = one_of("by", by or ("margin" if limited else "acceleration"), BY)
     for case, motion in cases.items():
         if not math.isfinite(motion.end):
             raise ValueError(f'load case {case!r} has no end: say how long it lasts, as in "for 10 s".')
-    devices = {name: one for name, one in parts.items() if isinstance(one, Isolator)}
+    devices = {name: part for name, part in parts.items() if isinstance(part, Isolator)}
     tried = [TriedPart(name=name, reason=why) for name, why in parts.items() if isinstance(why, str)]
     for number, (placement, system) in enumerate(systems.items()):
         tried += try_parts(
             system, devices, cases, initial=initial, placement=placement, room=room,
             progress=lambda done, first=number: progress((first + done) / len(systems)),  # type: ignore[misc]
         )  # fmt: skip
-    made = CatalogueSelection(tried=tuple(tried), cases=cases, by=by, stated=stated or {})
-    if not made.meeting:
-        first = next((one.system for one in tried if one.system is not None), next(iter(systems.values())))
-        made = replace(made, needed=needed_mount(first, len(replaced(first)), cases))
+    selection = CatalogueSelection(tried=tuple(tried), cases=cases, by=by, stated=stated or {})
+    if not selection.meeting:
+        first = next((part.system for part in tried if part.system is not None), next(iter(systems.values())))
+        selection = replace(selection, needed=needed_mount(first, len(replaced(first)), cases))
 
-    def order(one: TriedPart) -> tuple[int, float, float]:
-        used = one.governing[0]
-        value = made.figure(one, by) if one.meets else used
+    def order(part: TriedPart) -> tuple[int, float, float]:
+        used = part.governing[0]
+        value = selection.figure(part, by) if part.meets else used
         return (
-            2 if one.reason else 0 if one.meets else 1,
+            2 if part.reason else 0 if part.meets else 1,
             math.inf if math.isnan(value) else value,
             math.inf if math.isnan(used) else used,
         )
 
-    return replace(made, tried=tuple(sorted(tried, key=order)))
+    return replace(selection, tried=tuple(sorted(tried, key=order)))

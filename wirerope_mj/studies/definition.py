@@ -78,30 +78,30 @@ class StudyDefinition:
         check_arguments(duration=duration, timestep=timestep, accuracy=accuracy, sample_rate=sample_rate)
         one_of("initial", initial, STARTS)
         self.name, self.question = name, question
-        self.vary = {quantity: OtherIsolator.listed(quantity, one) for quantity, one in vary.items()}
+        self.vary = {quantity: OtherIsolator.listed(quantity, distribution) for quantity, distribution in vary.items()}
         self.duration, self.sample_rate, self.initial = float(duration), float(sample_rate), initial
         self.timestep, self.accuracy = None if timestep is None else float(timestep), accuracy
         self.sampling, self.seed = sampling, integer("seed", seed, least=0)
         if (motion is None) == (len(motions) == 0):
             raise ValueError("either `motion` or `motions` must be given.")
         self.motions = (motion,) if motion is not None else tuple(motions)
-        for one in self.motions:
-            if not isinstance(one, BaseMotion):
-                raise ValueError(f"`motion` must be a base motion, got {one!r}.")
+        for entry in self.motions:
+            if not isinstance(entry, BaseMotion):
+                raise ValueError(f"`motion` must be a base motion, got {entry!r}.")
         written = load_system(model_source(model, folder=folder, asker=f"study {name!r}"), isolators=isolators)
         self.base = with_changes(written, changes)
         self.quantities = quantities(self.vary, self.base, self.motions)
-        if len(self.motions) > 1 and not any(one.name == "motion/record" for one in self.quantities):
+        if len(self.motions) > 1 and not any(varied.name == "motion/record" for varied in self.quantities):
             raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
         self._inputs = inputs(self.quantities, variants=variants, sampling=sampling, seed=seed)
         self.size = self._inputs.num_rows
         self.require_time(f"a study of {self.size} variants", self.size, "`variants`")
         self._maker = Maker(self.base, self.motions, self._columns)
 
-    def require_time(self, what: str, runs: float, fewer: str) -> None:
+    def require_time(self, subject: str, runs: float, fewer: str) -> None:
         """Raise BudgetError if so many runs, which messages call `what`, take too long; the remedy names what to lower."""
         require_time(
-            f"{what} of {self.duration:.4g} s",
+            f"{subject} of {self.duration:.4g} s",
             runs * self.duration * max(self.sample_rate, 1.0 / self.timestep if self.timestep else 0.0),
             f"Compute fewer {fewer}, a shorter `duration`, or use a lower `sample_rate`, at whose samples steps end.",
         )
@@ -112,7 +112,9 @@ class StudyDefinition:
         model = check_inside(folder, content["model"])
         for motion in content["motions"]:
             check_records(motion, folder)
-        vary = {one["name"]: {key: value for key, value in one.items() if key != "name"} for one in content["vary"]}
+        vary = {
+            quantity["name"]: {key: value for key, value in quantity.items() if key != "name"} for quantity in content["vary"]
+        }
         return cls(
             model=model, changes=read_changes(folder / content["model"]["changes"]) if "changes" in content["model"] else (),
             motions=[motion_from_dict(motion, folder=folder) for motion in content["motions"]],
@@ -155,11 +157,11 @@ class StudyDefinition:
     def of(self, rows: pa.Table) -> Self:
         """Return this study with other variants, to be looked at: `rows` has the columns of its table. Its step stays."""
         work = self.work
-        other = copy(self)
-        vars(other).pop("_checked", None)
-        other._inputs, other.size, other.sampling = rows.select(self._inputs.column_names), rows.num_rows, GIVEN
-        vars(other)["work"] = work
-        return other
+        narrowed = copy(self)
+        vars(narrowed).pop("_checked", None)
+        narrowed._inputs, narrowed.size, narrowed.sampling = rows.select(self._inputs.column_names), rows.num_rows, GIVEN
+        vars(narrowed)["work"] = work
+        return narrowed
 
     @cached_property
     def work(self) -> Work:
@@ -173,7 +175,7 @@ class StudyDefinition:
             step = min(choose(motion, start).timestep for motion, start in starts)
         return Work(
             system=self.base, motions=self.motions, columns=self._columns, duration=self.duration, timestep=step,
-            sample_rate=self.sample_rate, initial=self.initial, corners=joined(*(one.corners for one in self.motions)),
+            sample_rate=self.sample_rate, initial=self.initial, corners=joined(*(motion.corners for motion in self.motions)),
         )  # fmt: skip
 
     def _extreme_motions(self) -> Iterator[BaseMotion]:
@@ -183,14 +185,14 @@ class StudyDefinition:
         size = np.broadcast_to(np.abs(1.0 if settings.level is None else settings.level), rows)
         reaches = [size]
         if settings.turns:
-            a, e = (np.radians(0.0 if one is None else one) for one in (settings.azimuth, settings.elevation))
+            a, e = (np.radians(0.0 if angle is None else angle) for angle in (settings.azimuth, settings.elevation))
             axes = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
             reaches = [size * np.abs(axis) for axis in axes]
-        record, found = np.broadcast_to(settings.record, rows), dict[int, None]()
+        record, numbers = np.broadcast_to(settings.record, rows), dict[int, None]()
         for number in np.unique(record):
-            own = np.flatnonzero(record == number)
-            found |= {int(own[np.argmax(reach[own])]): None for reach in reaches}
-        for row in found:
+            rows_of_record = np.flatnonzero(record == number)
+            numbers |= {int(rows_of_record[np.argmax(reach[rows_of_record])]): None for reach in reaches}
+        for row in numbers:
             yield self._maker.motion(self._checked.slice(row, 1).to_pylist()[0])
 
     def warn_of_given_step(self) -> None:

@@ -75,8 +75,8 @@ def ended_early(table: pa.Table, measure: str = "") -> Booleans:
         return np.zeros(table.num_rows, dtype=bool)
     early = np.asarray(pc.starts_with(table["message"], TOO_EARLY))
     grown = {text for text in pc.unique(table["message"]).to_pylist() if text.startswith(GROWS)} if kind else set()
-    own = [text for text in grown if kind in text.rpartition(_LISTED)[2].split(", ")]
-    return early | np.asarray(pc.is_in(table["message"], pa.array(own, pa.string())))
+    endings = [text for text in grown if kind in text.rpartition(_LISTED)[2].split(", ")]
+    return early | np.asarray(pc.is_in(table["message"], pa.array(endings, pa.string())))
 
 
 def still_growing(table: pa.Table) -> int:

@@ -142,7 +142,7 @@ def read_inputs(folder: Path) -> Entries:
     if content["format"] != FIRST:
         return content
     # Today's names; the format stays, which says how the table is written.
-    return {**content, "vary": [{**one, "name": todays_name(one["name"])} for one in content["vary"]]}
+    return {**content, "vary": [{**quantity, "name": todays_name(quantity["name"])} for quantity in content["vary"]]}
 
 
 def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: Entries | None) -> Entries:
@@ -179,22 +179,22 @@ def identity(content: Entries) -> str:
 
 def check_same(folder: Path, content: Entries, *, computed: bool) -> None:
     """Raise RecordError if another study than that of `content` stands in the folder; `computed`: nothing of it is missing."""
-    there = read_inputs(folder)
-    if there["id"] == content["id"]:
+    stored = read_inputs(folder)
+    if stored["id"] == content["id"]:
         return
-    if there["format"] != FORMAT:
+    if stored["format"] != FORMAT:
         raise RecordError(
             f"{folder}: an earlier version wrote this study, in which `centre` and `position` were the names of shifts. It can "
             "be read (`wirerope study-report`, `load_study`), but does not go on; nothing in it was touched. Choose another "
             "folder, or begin it anew with --force (`force=True`)."
         )
-    old, new = flat_entries(there), flat_entries(content)
-    other = [key for key in {**old, **new} if key not in _TEXTS and old.get(key) != new.get(key)]
+    old, new = flat_entries(stored), flat_entries(content)
+    differing = [key for key in {**old, **new} if key not in _TEXTS and old.get(key) != new.get(key)]
     if computed:  # whoever computed it
-        other = [key for key in other if not key.startswith("versions.")]
-    if not other:
+        differing = [key for key in differing if not key.startswith("versions.")]
+    if not differing:
         return
-    key = min(other, key=lambda name: (name == "keep", name.startswith("versions."), not name.startswith(_FILES)))
+    key = min(differing, key=lambda name: (name == "keep", name.startswith("versions."), not name.startswith(_FILES)))
     raise RecordError(f"{folder}: {_difference(key, old, new)}")
 
 

@@ -59,13 +59,15 @@ def measures(system: System, peaks: Peaks, rest: State | None, response: Respons
     together, and of stops of mounts that closed. NaN where nothing is rated or stated, or samples are too few to judge it.
     """
     forces = None if rest is None else forces_at_rest(system, rest)[np.newaxis]
-    found = {name: float(one[0]) for name, one in measures_together(system, Extremes.of_peaks(system, peaks), forces).items()}
+    results = {
+        name: float(values[0]) for name, values in measures_together(system, Extremes.of_peaks(system, peaks), forces).items()
+    }
     if response is None:
-        return found
+        return results
     rows = rattle_verdicts(response)  # NaN where one is not known and none exceeded
     worst = max((row.utilisation for row in rows if row.utilisation is not None), default=NAN)
     unknown = any(row.limit is None and SAMPLED in row.note for row in rows)
-    return found | {"clearance": NAN if unknown and not worst > 1.0 else worst}
+    return results | {"clearance": NAN if unknown and not worst > 1.0 else worst}
 
 
 def late(system: System, peaks: Peaks) -> float:
@@ -114,15 +116,18 @@ class Extremes:
     @classmethod
     def of_peaks(cls, system: System, peaks: Peaks) -> "Extremes":
         """Return the extremes of one variant that was computed by itself."""
-        moved = [peak for one in peaks.points.values() for peak in (one.acceleration, one.relative_displacement)]
-        stretched = [peak for one in peaks.mounts.values() for peak in (one.deflection, one.force)]
-        every = [*(one.acceleration for one in peaks.bodies.values()), *moved, *stretched]
+        moved = [peak for point in peaks.points.values() for peak in (point.acceleration, point.relative_displacement)]
+        stretched = [peak for mount in peaks.mounts.values() for peak in (mount.deflection, mount.force)]
+        every = [*(body.acceleration for body in peaks.bodies.values()), *moved, *stretched]
         numbers = np.array([peak.numbers for peak in every])[np.newaxis]
         numbers[:, system.assembly.tables.base_channels] = 0.0
         low, high = numbers[:, :, Peak.MINIMUM], numbers[:, :, Peak.MAXIMUM]
         times = numbers[:, :, Peak.MINIMUM_TIME], numbers[:, :, Peak.MAXIMUM_TIME]
         followed = [(peaks.travels or {}).get(name) for name in system.mounts]
-        travels = [(NAN, NAN) if one is None else (one.value, NAN if one.judged is None else one.judged) for one in followed]
+        travels = [
+            (NAN, NAN) if travel is None else (travel.value, NAN if travel.judged is None else travel.judged)
+            for travel in followed
+        ]
         return cls(
             failed=np.zeros(1, dtype=bool), value=numbers[:, :, 0], lowest=low, highest=high,
             struck=np.array([float(len(peaks.struck))]), travels=np.array(travels).reshape(1, -1, 2),
@@ -146,8 +151,8 @@ def measures_together(
     rated, loads, act = _ratings(system, names, isolators or [{}] * n)
     deflections = [channels["deflection"][name] for name in names]
     reached = travel_reached(extremes.lowest[:, deflections], extremes.highest[:, deflections])
-    there = (act > 0.0) | np.isfinite(rated).any(axis=-1)  # an empty place travels nothing; what has failed keeps its ratings
-    reached = {rating: np.where(there, values, NAN) for rating, values in reached.items()}
+    present = (act > 0.0) | np.isfinite(rated).any(axis=-1)  # an empty place travels nothing; what has failed keeps its ratings
+    reached = {rating: np.where(present, values, NAN) for rating, values in reached.items()}
     travels = np.stack(list(reached.values()), axis=-1)
     used = largest_utilisation(travels, rated)
     combined = np.full_like(used, NAN)
@@ -179,8 +184,12 @@ def measures_together(
     for name, c in channels["displacement"].items():  # how far it went along -x, +x and so on, >= 0
         ways = {"-": np.maximum(-extremes.lowest[:, c], 0.0), "+": np.maximum(extremes.highest[:, c], 0.0)}
         result |= {f"displacement/{name}/{side}": ways[side[0]][:, "xyz".index(side[1])] for side in SIDES}
-    clearances = [one for one in system.limits if one.kind == "clearance" and one.name in channels["displacement"]]
-    utilisations = [result[f"displacement/{one.name}/{side}"] / most for one in clearances for side, most in one.ways.items()]
+    clearances = [limit for limit in system.limits if limit.kind == "clearance" and limit.name in channels["displacement"]]
+    utilisations = [
+        result[f"displacement/{clearance.name}/{side}"] / most
+        for clearance in clearances
+        for side, most in clearance.ways.items()
+    ]
     result["clearance"] = _largest(np.array(utilisations).reshape(-1, n).T)
     for number, name in enumerate(names):
         result |= {f"deflection/{name}/{rating}": values[:, number] for rating, values in reached.items()}
@@ -227,18 +236,22 @@ def _ratings(system: System, names: Sequence[str], isolators: Sequence[Mapping[s
     """
     rows, numbers = dict[int, list[float]](), {name: number for number, name in enumerate(names)}
 
-    def row(one: Isolator) -> list[float]:
-        if id(one) not in rows:
-            travel, load = one.limits.travel.stated, one.limits.static_load
-            rows[id(one)] = [*(travel.get(rating, NAN) for rating in RATINGS), NAN if load is None else load, acts(one)]
-        return rows[id(one)]
+    def row(isolator: Isolator) -> list[float]:
+        if id(isolator) not in rows:
+            travel, load = isolator.limits.travel.stated, isolator.limits.static_load
+            rows[id(isolator)] = [
+                *(travel.get(rating, NAN) for rating in RATINGS),
+                NAN if load is None else load,
+                acts(isolator),
+            ]
+        return rows[id(isolator)]
 
-    own = np.array([row(system.mounts[name].isolator) for name in names]).reshape(-1, len(RATINGS) + 2)
-    table = np.tile(own, (len(isolators), 1, 1))
-    for of_variant, others in zip(table, isolators, strict=True):
-        for name, one in others.items():
+    nominal = np.array([row(system.mounts[name].isolator) for name in names]).reshape(-1, len(RATINGS) + 2)
+    table = np.tile(nominal, (len(isolators), 1, 1))
+    for of_variant, changed in zip(table, isolators, strict=True):
+        for name, isolator in changed.items():
             if name in numbers:
-                of_variant[numbers[name]] = row(one)
+                of_variant[numbers[name]] = row(isolator)
     return table[..., :-2], table[..., -2], table[..., -1]
 
 
@@ -281,7 +294,7 @@ def _latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
 def needs_samples(system: System) -> bool:
     """Return whether peaks do not judge every limit of a model: it states clearances of corners or between two points."""
     alone = set(payload_points(system)) - set(payload_bodies(system))
-    return any(one.kind == "clearance" and one.name not in alone for one in system.limits)
+    return any(limit.kind == "clearance" and limit.name not in alone for limit in system.limits)
 
 
 def payload_bodies(system: System) -> list[str]:

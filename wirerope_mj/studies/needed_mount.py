@@ -41,11 +41,11 @@ def needed_mount(system: System, mounts: int, cases: Mapping[str, BaseMotion]) -
     a point along the axis. Rotation, and what several axes do together, are left out.
     """
     points, gravity = payload_points(system), np.abs(system.model.opt.gravity)
-    accelerations = (value for one in system.limits if one.kind == "acceleration" for value in one.values)
+    accelerations = (value for limit in system.limits if limit.kind == "acceleration" for value in limit.values)
     acceleration = min(filter(None, accelerations), default=math.inf)
-    ways = [one.ways for one in system.limits if one.kind == "clearance" and one.name in points]
+    ways = [limit.ways for limit in system.limits if limit.kind == "clearance" and limit.name in points]
     room = [min((way.get(sign + axis, math.inf) for way in ways for sign in "-+"), default=math.inf) for axis in "xyz"]
-    mass, pulsation = sum(one.mass for one in payloads_of(system)), 2.0 * math.pi * _FREQUENCIES
+    mass, pulsation = sum(payload.mass for payload in payloads_of(system)), 2.0 * math.pi * _FREQUENCIES
     peaks, moves = np.zeros((2, _FREQUENCIES.size, 3))
     for motion in cases.values():
         spectrum = shock_response_spectrum(*_history(motion), _FREQUENCIES, q=0.5 / DAMPING)

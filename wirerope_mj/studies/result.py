@@ -88,12 +88,12 @@ class StudyResult(Exportable, Summarised):
         finer = nominal(replace(work, timestep=0.5 * work.timestep))
         if isinstance(finer, str) or not self.nominal:
             return math.nan
-        found = [0.0]
+        errors = [0.0]
         for kind in ("acceleration/", "deflection/", "force/"):
             pairs = [(value, finer[name]) for name, value in self.nominal.items() if name.startswith(kind) and name in finer]
             largest = max((abs(fine) for _, fine in pairs), default=0.0)
-            found += [abs(value - fine) / largest for value, fine in pairs if largest > 0.0]
-        return max(found)
+            errors += [abs(value - fine) / largest for value, fine in pairs if largest > 0.0]
+        return max(errors)
 
     @property
     def exported(self) -> Exported:
@@ -111,11 +111,11 @@ class StudyResult(Exportable, Summarised):
 
         The table of a million variants takes gigabytes of memory, one column of it 8 MB.
         """
-        there = read_schema(self.folder).names
-        other = copy(self)
-        names = [name for name in there if any(fnmatchcase(name, one) for one in columns)]
-        vars(other)["table"] = read_table(self.folder, names)
-        return other
+        columns_stored = read_schema(self.folder).names
+        copied = copy(self)
+        names = [name for name in columns_stored if any(fnmatchcase(name, column) for column in columns)]
+        vars(copied)["table"] = read_table(self.folder, names)
+        return copied
 
     @cached_property
     def failed(self) -> dict[int, str]:
@@ -179,7 +179,7 @@ class StudyResult(Exportable, Summarised):
         Raises:
             ValueError: there is no such measure, or a probability is not between 0 and 1.
         """
-        if not all(0.0 <= one <= 1.0 for one in probabilities):
+        if not all(0.0 <= probability <= 1.0 for probability in probabilities):
             raise ValueError(f"`probabilities` must be from 0 to 1, got {list(probabilities)}.")
         table = self.independent
         return quantiles(values_of(table, checked_measure(table, measure)), probabilities)
@@ -196,8 +196,8 @@ class StudyResult(Exportable, Summarised):
                 number.
         """
         table = self.independent
-        own = measure_of(checked_measure(table, measure)).limit
-        limit = own if limit is None else finite("limit", limit)
+        stated_limit = measure_of(checked_measure(table, measure)).limit
+        limit = stated_limit if limit is None else finite("limit", limit)
         if limit is None:
             raise ValueError(f"`limit` must be given for {measure!r}: it is no utilisation of anything rated.")
         return exceedance_of(table, measure, limit)

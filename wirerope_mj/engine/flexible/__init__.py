@@ -33,8 +33,8 @@ def import_part(
         return read_flexible(files[0] / MODES, files[0] / SHAPES, points or files[0] / POINTS, units), None
     if points is not None and 1 <= len(files) <= 2 and endings[0] in (*UNIVERSAL, *PUNCH, *PRINTED, BINARY):
         modes = files[1] if len(files) == 2 else None
-        if (found := read_eigenvectors(files[0])) is not None:
-            return part_of_eigenvectors(found, files[0], points, units, damping=damping, modes=modes), None
+        if (eigenvectors := read_eigenvectors(files[0])) is not None:
+            return part_of_eigenvectors(eigenvectors, files[0], points, units, damping=damping, modes=modes), None
     if points is not None and files and all(ending in MATRICES for ending in endings):
         return part_of_matrices(files, points, units, damping=damping)
     if points is not None and len(files) == 2:

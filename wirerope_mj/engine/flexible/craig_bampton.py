@@ -22,21 +22,21 @@ def read_matrices(paths: Sequence[Path], n_points: int) -> tuple[Array, Array, i
 
     These stand before the modes. RecordError unless both are there, whole and in that form.
     """
-    found: dict[str, Array] = {}
+    matrices: dict[str, Array] = {}
     for path in paths:
-        found |= read_named_matrices(path)
+        matrices |= read_named_matrices(path)
     where, pair = ", ".join(map(str, paths)), []
-    for letter, what in (("k", "stiffness"), ("m", "mass")):
-        names = [name for name in found if name.startswith(letter)]
+    for letter, quantity in (("k", "stiffness"), ("m", "mass")):
+        names = [name for name in matrices if name.startswith(letter)]
         # beside KXX and MXX an external superelement's file has recovery matrices, placeholders, and structural damping K4XX
-        whole = [one for one in names if 1 < len(found[one]) == found[one].size ** 0.5 and not one.startswith("k4")]
+        whole = [key for key in names if 1 < len(matrices[key]) == matrices[key].size ** 0.5 and not key.startswith("k4")]
         names = whole or names
         if len(names) != 1:
             raise RecordError(
-                f"{where}: expected one {what} matrix, with a name that begins with {letter.upper()}, got {len(names)}; the "
-                f"matrices are {', '.join(found) or 'none'}. Write both by DMAP (OUTPUT4 or OUTPUT2), or eigenvectors."
+                f"{where}: expected one {quantity} matrix, with a name that begins with {letter.upper()}, got {len(names)}; "
+                f"the matrices are {', '.join(matrices) or 'none'}. Write both by DMAP (OUTPUT4 or OUTPUT2), or eigenvectors."
             )
-        matrix = np.asarray(found[names[0]])
+        matrix = np.asarray(matrices[names[0]])
         if np.iscomplexobj(matrix) or matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
             raise RecordError(f"{where}: {names[0].upper()} must be real and square, got {matrix.shape} of {matrix.dtype}.")
         size = float(np.abs(matrix).max(initial=0.0))
@@ -104,9 +104,9 @@ def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, dampi
             "the points are not those of the matrices."
         )
     free = ~held & ((stiff > _NULL * stiff.max()) | (heavy > _NULL * heavy.max()))
-    own = np.ix_(free, free)
+    kept = np.ix_(free, free)
     try:
-        squares, vectors = scipy.linalg.eigh(stiffness[own], mass[own])
+        squares, vectors = scipy.linalg.eigh(stiffness[kept], mass[kept])
     except np.linalg.LinAlgError:
         raise RecordError(
             f"{where}: M is not positive: no body has this mass. Is it complete, and in the order of K?"

@@ -42,26 +42,26 @@ def read_eigenvectors(path: Path) -> Eigenvectors | None:
     if path.suffix.lower() == BINARY:
         if (tables := read_binary_shapes(path)) is None:
             return None
-        found = _unscaled(*tables)
+        eigenvectors = _unscaled(*tables)
     else:
-        found = _universal(path) if path.suffix.lower() in UNIVERSAL else _written(path)
-    low = np.flatnonzero(found.frequencies < RIGID) + 1
+        eigenvectors = _universal(path) if path.suffix.lower() in UNIVERSAL else _written(path)
+    low = np.flatnonzero(eigenvectors.frequencies < RIGID) + 1
     if low.size:
         raise RecordError(
             f"{path}: mode {', '.join(map(str, low[:6]))} is below {RIGID:g} Hz: rigid-body motions are the body's own. Have "
             "the program write elastic modes alone (EIGRL with V1 = 0.1), of a deck with its edge held."
         )
-    largest = np.max([np.abs(shape).max(axis=1) for shape in found.shapes.values()], axis=0)
-    if not found.modal_mass.any() and largest.size > 1 and (np.abs(largest - 1.0) < _UNIT).all():
+    largest = np.max([np.abs(shape).max(axis=1) for shape in eigenvectors.shapes.values()], axis=0)
+    if not eigenvectors.modal_mass.any() and largest.size > 1 and (np.abs(largest - 1.0) < _UNIT).all():
         raise RecordError(
             f"{path}: the largest component of every mode is 1: these modes are not mass-normalised. Have the program write "
             "them with unit modal mass (NORM = MASS)."
         )
-    return found
+    return eigenvectors
 
 
 def part_of_eigenvectors(
-    found: Eigenvectors, path: Path, points: Path, units: Units, *, damping: float, modes: Path | None
+    eigenvectors: Eigenvectors, path: Path, points: Path, units: Units, *, damping: float, modes: Path | None
 ) -> FlexiblePart:
     """Build a part from eigenvectors, read from `path`, at the nodes that a table of points names.
 
@@ -72,37 +72,37 @@ def part_of_eigenvectors(
     Raises:
         RecordError: a node is missing or elsewhere, or the table of modes is another analysis'.
     """
-    scale = np.sqrt(np.where(found.modal_mass > 0.0, found.modal_mass, 1.0) * units.mass)
+    scale = np.sqrt(np.where(eigenvectors.modal_mass > 0.0, eigenvectors.modal_mass, 1.0) * units.mass)
     places, shapes = {}, {}
-    for name, (where, row, place) in read_points(points, units, found.shapes).items():
+    for name, (where, row, place) in read_points(points, units, eigenvectors.shapes).items():
         text = row.get("node") or name
-        if not text.isdigit() or int(text) not in found.shapes:
-            nodes = sorted(found.shapes)
+        if not text.isdigit() or int(text) not in eigenvectors.shapes:
+            nodes = sorted(eigenvectors.shapes)
             raise RecordError(
                 f"{where}: {path.name} has no shapes of node {short(text)!r} for point {name!r}; it has {len(nodes)} nodes "
                 f'from {nodes[0]} to {nodes[-1]}. Name them in a column "node".'
             )
         node = int(text)
-        if node in found.places and np.linalg.norm(found.places[node] * units.length - place) > NEAR:
-            there = ", ".join(f"{c * units.length:.4g}" for c in found.places[node])
+        if node in eigenvectors.places and np.linalg.norm(eigenvectors.places[node] * units.length - place) > NEAR:
+            position = ", ".join(f"{c * units.length:.4g}" for c in eigenvectors.places[node])
             raise RecordError(
-                f"{where}: point {name!r} is elsewhere than its node {node}, which {path.name} has at ({there}) m. Check the "
-                "units and the axes of both."
+                f"{where}: point {name!r} is elsewhere than its node {node}, which {path.name} has at ({position}) m. Check "
+                "the units and the axes of both."
             )
-        places[name], shapes[name] = place, found.shapes[node] / scale[:, np.newaxis]
-    ratios, participation = np.where(found.damping > 0.0, found.damping, damping), np.zeros((0, 3))
+        places[name], shapes[name] = place, eigenvectors.shapes[node] / scale[:, np.newaxis]
+    ratios, participation = np.where(eigenvectors.damping > 0.0, eigenvectors.damping, damping), np.zeros((0, 3))
     if modes is not None:
         rows = read_rows(modes, (MODE_COLUMNS,))
         table = np.array([numbers_of(where, row, MODE_COLUMNS[1:]) for where, row in rows])
-        if len(table) != len(scale) or not np.allclose(table[:, 0], found.frequencies, rtol=_SAME):
+        if len(table) != len(scale) or not np.allclose(table[:, 0], eigenvectors.frequencies, rtol=_SAME):
             raise RecordError(
-                f"{modes}: expected the {len(scale)} modes of {path.name} from {found.frequencies[0]:.6g} to "
-                f"{found.frequencies[-1]:.6g} Hz, got {len(table)} from {table[0, 0]:.6g} to {table[-1, 0]:.6g} Hz."
+                f"{modes}: expected the {len(scale)} modes of {path.name} from {eigenvectors.frequencies[0]:.6g} to "
+                f"{eigenvectors.frequencies[-1]:.6g} Hz, got {len(table)} from {table[0, 0]:.6g} to {table[-1, 0]:.6g} Hz."
             )
         ratios, participation = table[:, 1], table[:, 2:] * math.sqrt(units.mass)
     try:
         return FlexiblePart(
-            frequencies=found.frequencies, damping=ratios, participation=participation, shapes=shapes, points=places
+            frequencies=eigenvectors.frequencies, damping=ratios, participation=participation, shapes=shapes, points=places
         )
     except ValueError as error:
         raise RecordError(f"{modes or path}: {error}") from None
@@ -126,39 +126,41 @@ def _universal(path: Path) -> Eigenvectors:
             f"{path}: a line -1, which begins or ends a dataset, or the number of a dataset below it is lost or doubled. "
             "Write the file again."
         )
-    data = [one for one in sets if one["type"] == 55]
-    if any(int(one["analysis_type"]) in _COMPLEX or np.iscomplexobj(one["r1"]) for one in data):
+    data = [dataset for dataset in sets if dataset["type"] == 55]
+    if any(int(dataset["analysis_type"]) in _COMPLEX or np.iscomplexobj(dataset["r1"]) for dataset in data):
         raise RecordError(
             f"{path}: its modes are complex; expected are the real normal modes of the undamped structure. Write those, and "
             "say the damping with --damping."
         )
-    data = [one for one in data if int(one["analysis_type"]) == _NORMAL]
+    data = [dataset for dataset in data if int(dataset["analysis_type"]) == _NORMAL]
     if not data:
         raise RecordError(
             f"{path}: this universal file holds no normal modes (dataset 55, analysis 2); its datasets are "
             f"{', '.join(map(str, kinds)) or 'none'}."
         )
-    numbers = [int(one["mode_n"]) for one in data]
+    numbers = [int(dataset["mode_n"]) for dataset in data]
     nodes = [int(node) for node in data[0]["node_nums"]]
-    for number, one in zip(numbers, data, strict=True):
-        if int(one["spec_data_type"]) != _DISPLACEMENT:
-            raise RecordError(f"{path}: mode {number} is no displacement (data type 8) but type {one['spec_data_type']}.")
+    for number, dataset in zip(numbers, data, strict=True):
+        if int(dataset["spec_data_type"]) != _DISPLACEMENT:
+            raise RecordError(f"{path}: mode {number} is no displacement (data type 8) but type {dataset['spec_data_type']}.")
         if numbers.count(number) > 1:
             raise RecordError(f"{path}: mode {number} stands there twice.")
-        if list(map(int, one["node_nums"])) != nodes:
+        if list(map(int, dataset["node_nums"])) != nodes:
             raise RecordError(f"{path}: mode {number} is at other nodes than mode {numbers[0]}; write all at the same ones.")
-    for one in sets:
-        _require_whole(path, one)
-    values = np.array([[one["r1"], one["r2"], one["r3"]] for one in data])  # (m, 3, n)
+    for dataset in sets:
+        _require_whole(path, dataset)
+    values = np.array([[dataset["r1"], dataset["r2"], dataset["r3"]] for dataset in data])  # (m, 3, n)
     places = {
-        int(node): np.array([one[axis][n] for axis in "xyz"])
-        for one in sets if one["type"] in _COORDINATES for n, node in enumerate(one["node_nums"])
+        int(node): np.array([dataset[axis][n] for axis in "xyz"])
+        for dataset in sets if dataset["type"] in _COORDINATES for n, node in enumerate(dataset["node_nums"])
     }  # fmt: skip
-    found = [np.array([float(one[key] or 0.0) for one in data]) for key in ("freq", "modal_m", "modal_damp_vis")]
-    if not (np.isfinite(values).all() and np.isfinite(found).all()):
+    frequencies, modal_mass, damping = (
+        np.array([float(dataset[key] or 0.0) for dataset in data]) for key in ("freq", "modal_m", "modal_damp_vis")
+    )
+    if not (np.isfinite(values).all() and np.isfinite([frequencies, modal_mass, damping]).all()):
         raise RecordError(f"{path}: its modes hold numbers that are not finite. Write the file again.")
     return Eigenvectors(
-        frequencies=found[0], modal_mass=found[1], damping=found[2], places=places,
+        frequencies=frequencies, modal_mass=modal_mass, damping=damping, places=places,
         shapes={node: values[:, :, n] for n, node in enumerate(nodes)},
     )  # fmt: skip
 
@@ -168,10 +170,10 @@ def _require_whole(path: Path, dataset: Mapping[str, Any]) -> None:
     shapes, nodes = dataset["type"] == 55, [*map(int, dataset["node_nums"])]
     sizes = {np.size(dataset.get(name, ())) for name in (("r1", "r2", "r3") if shapes else "xyz")}
     if sizes != {len(nodes)} or len(set(nodes)) != len(nodes):
-        what = f"mode {int(dataset['mode_n'])}" if shapes else f"dataset {dataset['type']}"
+        title = f"mode {int(dataset['mode_n'])}" if shapes else f"dataset {dataset['type']}"
         raise RecordError(
-            f"{path}: {what} is damaged: {len(nodes)} nodes, {len(set(nodes))} different ones, {max(sizes)} rows of numbers. A "
-            "line is lost or doubled; write the file again."
+            f"{path}: {title} is damaged: {len(nodes)} nodes, {len(set(nodes))} different ones, {max(sizes)} rows of numbers. "
+            "A line is lost or doubled; write the file again."
         )
 
 
@@ -226,9 +228,9 @@ def _written(path: Path) -> Eigenvectors:
             "PRINT instead of PUNCH in an f06 file."
         )
     nodes = set(shapes[0])
-    other = next((n for n, shape in enumerate(shapes, 1) if set(shape) != nodes or not shape), 0)
-    if other:
-        raise RecordError(f"{path}: mode {other} is at other grid points than the first, or at none: is the file whole?")
+    incomplete = next((n for n, shape in enumerate(shapes, 1) if set(shape) != nodes or not shape), 0)
+    if incomplete:
+        raise RecordError(f"{path}: mode {incomplete} is at other grid points than the first, or at none: is the file whole?")
     squares = np.array(eigenvalues)
     if not np.isfinite(squares).all() or not np.isfinite([*map(list, map(dict.values, shapes))]).all():
         raise RecordError(f"{path}: its modes hold numbers that are not finite. Write them again.")

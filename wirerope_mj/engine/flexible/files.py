@@ -99,15 +99,15 @@ def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) ->
     numbers = [row["mode"] for _, row in of_modes]
     _require_once([(where, f"mode {row['mode']}") for where, row in of_modes])
     _require_once([(where, f"point {row['point']}, mode {row['mode']},") for where, row in of_shapes])
-    found = {}
+    values = {}
     for where, row in of_shapes:
         if row["point"] not in places:
             raise RecordError(f"{where}: point {row['point']!r} is not in {points.name}; say there where it is.")
         if row["mode"] not in numbers:
             raise RecordError(f"{where}: mode {row['mode']!r} is not in {modes.name}; say there its frequency.")
-        found[row["point"], row["mode"]] = numbers_of(where, row, _SHAPES[2:]) / math.sqrt(units.mass)
+        values[row["point"], row["mode"]] = numbers_of(where, row, _SHAPES[2:]) / math.sqrt(units.mass)
     for point in places:
-        if missing := [mode for mode in numbers if (point, mode) not in found]:
+        if missing := [mode for mode in numbers if (point, mode) not in values]:
             raise RecordError(f"{shapes}: point {point!r} has no row for mode {missing[0]!r}.")
     figures = np.array([numbers_of(where, row, MODE_COLUMNS[1:3]) for where, row in of_modes])
     participation = [numbers_of(where, row, MODE_COLUMNS[3:]) for where, row in of_modes if MODE_COLUMNS[3] in row]
@@ -115,7 +115,7 @@ def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) ->
         return FlexiblePart(
             frequencies=figures[:, 0], damping=figures[:, 1], points=places,
             participation=np.reshape(participation, (-1, 3)) * math.sqrt(units.mass),
-            shapes={point: np.array([found[point, mode] for mode in numbers]) for point in places},
+            shapes={point: np.array([values[point, mode] for mode in numbers]) for point in places},
             residual=np.array([mode.endswith(RESIDUAL) for mode in numbers]),
         )  # fmt: skip
     except ValueError as error:
@@ -133,14 +133,16 @@ def read_points(path: Path, units: Units, nodes: Collection[int] | None = None) 
             raise RecordError(f"{path}: none of its {len(grids)} grid points is a node of the eigenvectors. Is it their model?")
         return {str(grid): (str(path), {}, grids[grid] * units.length) for grid in kept}
     plain = (_POINTS, ("point", "x", "y", "z"))
-    found: dict[str, tuple[str, dict[str, str], Array]] = {}
-    rows = read_rows(path, (*plain, *((*one, "held") for one in plain), *((one[0], "node", *one[1:]) for one in plain)))
+    points: dict[str, tuple[str, dict[str, str], Array]] = {}
+    rows = read_rows(
+        path, (*plain, *((*columns, "held") for columns in plain), *((columns[0], "node", *columns[1:]) for columns in plain))
+    )
     _require_once([(where, f"point {row['point']}") for where, row in rows])
     for where, row in rows:
         metres = "x_m" in row
         place = numbers_of(where, row, _POINTS[1:] if metres else ("x", "y", "z"))
-        found[row["point"]] = where, row, place * (1.0 if metres else units.length)
-    return found
+        points[row["point"]] = where, row, place * (1.0 if metres else units.length)
+    return points
 
 
 def read_rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str, dict[str, str]]]:
@@ -168,11 +170,11 @@ def read_rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str,
 
 
 def _require_once(keys: Sequence[tuple[str, str]]) -> None:
-    seen: set[str] = set()
+    known: set[str] = set()
     for where, key in keys:
-        if key in seen:
+        if key in known:
             raise RecordError(f"{where}: {short(key)} stands there twice.")
-        seen.add(key)
+        known.add(key)
 
 
 def numbers_of(where: str, row: Mapping[str, str], columns: Sequence[str]) -> Array:

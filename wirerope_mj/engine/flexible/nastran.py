@@ -37,13 +37,13 @@ def read_binary_shapes(path: Path) -> tuple[Array, dict[int, Array]] | None:
                 return None
             if len(tables) > 1:
                 raise RecordError(f"{path}: it has {len(tables)} tables of shapes ({', '.join(tables)}); write one subcase.")
-            found = file.rdop2oug(tables[0])
-        if found is None:
+            record = file.rdop2oug(tables[0])
+        if record is None:
             raise RecordError(f"{path}: {tables[0]} holds no real modes sorted by modes; write those of SOL 103, SORT1.")
-        values, degrees = found.to_numpy(dtype=np.float64), np.array(found.index.to_list())
+        values, degrees = record.to_numpy(dtype=np.float64), np.array(record.index.to_list())
         firsts = np.flatnonzero(degrees[:, 1] == 1)  # of grid points; a scalar point has degree 0 alone
         shapes = {int(degrees[first, 0]): values[first : first + 3].T for first in firsts}
-        return np.array([frequency for _, frequency in found.columns], dtype=np.float64), shapes
+        return np.array([frequency for _, frequency in record.columns], dtype=np.float64), shapes
 
 
 def read_grids(path: Path) -> dict[int, Array]:

@@ -85,7 +85,7 @@ def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity
     Raises:
         ModelError: the base does not stand in this document.
     """
-    body = next((one for one in root.iter("body") if one.get("name") == base), None)
+    body = next((element for element in root.iter("body") if element.get("name") == base), None)
     if body is None:
         raise ModelError(
             f"the driven base {base!r} does not stand as a <body> in the model's own file; a deck panel is put between it and "
@@ -93,7 +93,7 @@ def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity
         )
     direction = unit_vector(panel.direction)
     along = " ".join(repr(float(value)) for value in axes.T @ direction)
-    carried = [one for one in body if one.tag not in ("joint", "inertial", "freejoint")]
+    carried = [element for element in body if element.tag not in ("joint", "inertial", "freejoint")]
     inertial = body.find("inertial")
     inner = ET.Element("body", name=NAME)
     ET.SubElement(
@@ -102,9 +102,9 @@ def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity
     )  # fmt: skip
     size = repr(panel.mass)
     ET.SubElement(inner, "inertial", pos="0 0 0", mass=size, diaginertia=f"{size} {size} {size}")
-    for one in carried:
-        body.remove(one)
-        inner.append(one)
+    for element in carried:
+        body.remove(element)
+        inner.append(element)
     if inertial is None:  # its geoms, which had its mass, are the panel's now; a drive's inertia outweighs any
         ET.SubElement(body, "inertial", pos="0 0 0", mass="1", diaginertia="1 1 1")
     body.append(inner)

@@ -35,11 +35,11 @@ class FlexiblePart:
     def __post_init__(self) -> None:
         frequencies = np.atleast_1d(np.asarray(self.frequencies, dtype=np.float64))
         n = frequencies.size
-        own = np.asarray(self.participation, dtype=np.float64)
+        participation = np.asarray(self.participation, dtype=np.float64)
         checked = {
             "frequencies": frequencies,
             "damping": np.broadcast_to(np.asarray(self.damping, dtype=np.float64), (n,)).copy(),
-            "participation": own if own.size else np.zeros((n, 3)),
+            "participation": participation if participation.size else np.zeros((n, 3)),
             "residual": np.asarray(self.residual, dtype=np.bool_) if np.size(self.residual) else np.zeros(n, dtype=np.bool_),
             "shapes": {name: np.asarray(shape, dtype=np.float64) for name, shape in self.shapes.items()},
             "points": {name: np.asarray(place, dtype=np.float64) for name, place in self.points.items()},
@@ -101,7 +101,7 @@ class FlexiblePart:
 
     def nearest(self, place: Array) -> str:
         """Return the name of the point at a place in the part's axes [m]; ValueError if there is none within 1 mm."""
-        name = min(self.points, key=lambda one: float(np.linalg.norm(self.points[one] - place)))
+        name = min(self.points, key=lambda point: float(np.linalg.norm(self.points[point] - place)))
         away = float(np.linalg.norm(self.points[name] - place))
         if away > NEAR:
             raise ValueError(

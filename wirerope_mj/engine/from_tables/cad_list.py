@@ -33,18 +33,18 @@ def columns_of_masses(names: Sequence[str]) -> tuple[str, ...]:
 
     SolidWorks' L are moments about the centre of mass; where they stand, its I, at the origin, are not read.
     """
-    found = []
+    columns = []
     central = any(re.fullmatch(r"l[ _]?[xyz]{2}", name.casefold()) for name in names)
     for name in names:
         written = " ".join(name.casefold().split())
         if central and re.fullmatch(r"i[ _]?[xyz]{2}", written):
-            found.append(BESIDE)
+            columns.append(BESIDE)
             continue
         known = next((column for column, called in _CALLED.items() if re.fullmatch(called, written)), None)
-        found.append(BESIDE if known is None and re.fullmatch(rf"{_BESIDE}|{_NUMBER}", written) else known or name)
-    if "name" not in found and (numbers := [k for k, name in enumerate(names) if re.fullmatch(_NUMBER, name.casefold())]):
-        found[numbers[0]] = "name"
-    return tuple(found)
+        columns.append(BESIDE if known is None and re.fullmatch(rf"{_BESIDE}|{_NUMBER}", written) else known or name)
+    if "name" not in columns and (numbers := [k for k, name in enumerate(names) if re.fullmatch(_NUMBER, name.casefold())]):
+        columns[numbers[0]] = "name"
+    return tuple(columns)
 
 
 def sign_of_products(rows: Sequence[Row], products: str) -> float:

@@ -197,9 +197,9 @@ def check_places(layout: Layout, masses: Path) -> None:
     apart = float(np.linalg.norm(np.ptp(places, axis=0)))
     far = _FAR * max(apart, _LEAST)
     for mass in layout.masses:
-        own = mass.properties
-        away = float(np.linalg.norm(own.centre - places.mean(axis=0)))
-        radius = float(np.sqrt(0.5 * own.inertia.trace() / own.mass))
+        properties = mass.properties
+        away = float(np.linalg.norm(properties.centre - places.mean(axis=0)))
+        radius = float(np.sqrt(0.5 * properties.inertia.trace() / properties.mass))
         if away > far or radius > far:
             columns = ['"x", "y", "z"'] * (away > far) + ['"size_x" to "size_z", or "ixx" to "iyz",'] * (radius > far)
             raise RecordError(
@@ -239,11 +239,11 @@ def check_places(layout: Layout, masses: Path) -> None:
                 "payload, and here it leads away from the payload's centre of mass. Turn the direction round."
             )
     for n, mount in enumerate(layout.mounts):
-        for other in layout.mounts[:n]:
-            if np.linalg.norm(mount.position - other.position) < _SAME:
+        for earlier in layout.mounts[:n]:
+            if np.linalg.norm(mount.position - earlier.position) < _SAME:
                 raise RecordError(
-                    f'{mount.location}: columns "x", "y", "z": mount "{mount.name}" stands where "{other.name}" stands '
-                    f"({other.location})."
+                    f'{mount.location}: columns "x", "y", "z": mount "{mount.name}" stands where "{earlier.name}" stands '
+                    f"({earlier.location})."
                 )
 
 
@@ -265,7 +265,7 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
     if size is None and groups.keys() != {"below"}:
         where = " and ".join("at corners of" if side == "diagonal" else side for side in groups if side != "below")
         raise ValueError(f"`mounts` {mounts} stand {where} the equipment: give its `size`.")
-    box = np.full(3, _CUBE) if size is None else np.array([positive("size", one) for one in size])
+    box = np.full(3, _CUBE) if size is None else np.array([positive("size", side) for side in size])
     height = part.height or 0.0
     half = box / 2.0 - _INSET * box
     signs = [np.array([x, y, z]) for z in (-1, 1) for x in (-1, 1) for y in (-1, 1)]  # those below first
@@ -301,7 +301,7 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
 
 def _mount_groups(mounts: str) -> dict[str, tuple[int, float, int]]:
     """Parse how many mounts stand at each side of a box: number, angle of those at corners [deg], rows of those behind."""
-    found: dict[str, tuple[int, float, int]] = {}
+    groups: dict[str, tuple[int, float, int]] = {}
     for position, text in enumerate(mounts.lower().split("+")):
         match = _GROUP.fullmatch(text.strip())
         number, word, angle = match.groups() if match else ("0", "", None)
@@ -311,14 +311,14 @@ def _mount_groups(mounts: str) -> dict[str, tuple[int, float, int]]:
         count, lean = int(number), _LEANING if angle is None else float(angle)
         even = side == "behind" and word == "" or count <= 2 or count % 2 == 0
         right = {"diagonal": count in (4, 8) and lean < 90.0}.get(side, even and angle is None)
-        if not (side and right and side not in found and 0 < count <= 100):
+        if not (side and right and side not in groups and 0 < count <= 100):
             raise ValueError(
                 '`mounts` must be how many stand where, at one side 1 or an even number: "4", "4+2" (below and behind), '
                 '"4 top + 4 bottom", "4 ceiling", "4 wall", "8 corners 45 deg" or "4 corners"; got '
                 f"{quoted(mounts)}. Write a model for others."
             )
-        found[side] = count, lean, 1 if word == "" or count <= 2 else 2
-    return found
+        groups[side] = count, lean, 1 if word == "" or count <= 2 else 2
+    return groups
 
 
 def _row(count: int, half: float) -> list[float]:

@@ -130,8 +130,8 @@ def _part(where: str, text: str, mass: float, products: str) -> tuple[MassProper
     central, outer = None, None
     for letter in "li":
         try:
-            if (found := _tensor(where, text, letter)) is not None:
-                central, outer = (found[0], outer) if found[1] else (central, found[0])
+            if (tensor := _tensor(where, text, letter)) is not None:
+                central, outer = (tensor[0], outer) if tensor[1] else (central, tensor[0])
         except RecordError:
             if central is None:  # else the text goes on with what is not needed
                 raise
@@ -143,7 +143,7 @@ def _part(where: str, text: str, mass: float, products: str) -> tuple[MassProper
     shown = _shown(where, central, outer, principal, shift)
     said = {*stated, *shown, *([products] if products else [])}
     if len(said) > 1:
-        words, figures = (" and ".join(sorted(one)) or "not said" for one in (stated, shown))
+        words, figures = (" and ".join(sorted(notations)) or "not said" for notations in (stated, shown))
         raise RecordError(
             f"{where}: the notation of products of inertia is {words} by the words of the text, {figures} by its figures, "
             f"{products or 'not given'} by --products: export the text again, or leave the option out."
@@ -183,15 +183,15 @@ def _shown(where: str, central: Array | None, outer: Array | None, principal: Ar
         meant = principal if central is not None else principal + shift
         ends = np.linalg.eigvalsh(principal)
         pairs.append((listed, meant, _FEW * float(np.ptp(ends))))
-    found = set[str]()
+    notations = set[str]()
     for listed, meant, least in pairs:
         size = float(np.abs(meant * _OFF).max())
         near = [
             name for name, sign in _SIGNS.items() if np.abs((sign * listed - meant) * _OFF).max() < _ROUGH * size + least
         ]  # fmt: skip
         if size > 4.0 * least and len(near) == 1:
-            found.add(near[0])
-    return found
+            notations.add(near[0])
+    return notations
 
 
 def _tensor(where: str, text: str, letter: str) -> tuple[Array, bool] | None:
@@ -256,7 +256,9 @@ def _with_points(path: Path, text: str) -> str:
     """Return a text with decimal points; RecordError if its numbers hold both signs, or commas that may be of thousands."""
     numbers = re.findall(r"=\s*[-+]?(\d[\d.,]*\d|\d)", text)
     commas = [number for number in numbers if "," in number]
-    if commas and (any("." in number for number in numbers) or all(re.fullmatch(r"\d{1,3}(,\d{3})+", one) for one in commas)):
+    if commas and (
+        any("." in number for number in numbers) or all(re.fullmatch(r"\d{1,3}(,\d{3})+", number) for number in commas)
+    ):
         raise RecordError(
             f'{path}: "{short(commas[0])}" holds a comma: of thousands, or of decimals? Write all numbers with decimal points, '
             "and without signs of thousands."

@@ -110,18 +110,18 @@ def _add_payload(world: ET.Element, layout: Layout) -> None:
 
 def _add_subassembly(payload: ET.Element, mass: Mass, sprung: Sprung) -> None:
     """Add a part of the payload that rings on its own, on a slide; the weight that it has is in its spring as drawn."""
-    own, omega = mass.properties, 2.0 * np.pi * sprung.frequency
-    body = ET.SubElement(payload, "body", name=mass.name, pos=_numbers(own.centre))
+    properties, omega = mass.properties, 2.0 * np.pi * sprung.frequency
+    body = ET.SubElement(payload, "body", name=mass.name, pos=_numbers(properties.centre))
     axis = np.eye(3)["xyz".index(sprung.axis)]
     ET.SubElement(
-        body, "joint", name=mass.name, type="slide", axis=_numbers(axis), stiffness=_numbers([own.mass * omega**2]),
-        damping=_numbers([2.0 * sprung.damping * own.mass * omega]),
+        body, "joint", name=mass.name, type="slide", axis=_numbers(axis), stiffness=_numbers([properties.mass * omega**2]),
+        damping=_numbers([2.0 * sprung.damping * properties.mass * omega]),
         springref=_numbers([STANDARD_GRAVITY * axis[2] / omega**2]),
     )  # fmt: skip
-    least = 0.0 if own.inertia.any() else 1e-4 * own.mass  # of a point mass a centimetre's
-    inertia = own.inertia + least * np.eye(3)
+    least = 0.0 if properties.inertia.any() else 1e-4 * properties.mass  # of a point mass a centimetre's
+    inertia = properties.inertia + least * np.eye(3)
     ET.SubElement(
-        body, "inertial", pos="0 0 0", mass=_numbers([own.mass]),
+        body, "inertial", pos="0 0 0", mass=_numbers([properties.mass]),
         fullinertia=_numbers([inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]),
     )  # fmt: skip
     drawn = _drawn(mass) | {"pos": "0 0 0"}

@@ -148,10 +148,10 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
     for row in rows:
         name = _site_name(row)
         if row.has("isolator"):
-            if given := [column for column in _FIGURES if row.has(column)]:
+            if stated := [column for column in _FIGURES if row.has(column)]:
                 raise row.error(
-                    f'"{short(name)}" has an isolator and a {given[0]}; the isolator\'s file says '
-                    f'all of it. Leave column "isolator" or column "{given[0]}" empty.'
+                    f'"{short(name)}" has an isolator and a {stated[0]}; the isolator\'s file says '
+                    f'all of it. Leave column "isolator" or column "{stated[0]}" empty.'
                 )
             law, isolator = None, _isolator(row, path, isolators)
         else:
@@ -259,20 +259,20 @@ def _axes(row: Row) -> Array:
 
 def _isolator(row: Row, path: Path, isolators: dict[str, Path | VendorPart]) -> str:
     """Name a row's isolator and note where it is from: beside the table, the catalogue, or a vendor's table."""
-    given = row.text("isolator")
+    text = row.text("isolator")
     try:
-        found = find_isolator(given, beside=path.parent)
-        if isinstance(found, Path):
-            found = found.resolve()
-        name = found.name if isinstance(found, VendorPart) else found.stem
+        file = find_isolator(text, beside=path.parent)
+        if isinstance(file, Path):
+            file = file.resolve()
+        name = file.name if isinstance(file, VendorPart) else file.stem
         if name not in isolators:
-            load_isolator(found)
+            load_isolator(file)
         if any(character.isspace() for character in name):
-            raise ModelError(f"{found}: the file's name holds a space, which names in a model cannot. Rename the file.")
+            raise ModelError(f"{file}: the file's name holds a space, which names in a model cannot. Rename the file.")
     except (ModelError, ConvergenceError) as error:
         raise row.error(f'column "isolator": {error}') from None
-    if (first := isolators.setdefault(name, found)) != found:
-        raise row.error(f'column "isolator": {found} and {first} have one name. Rename one of them.')
+    if (first := isolators.setdefault(name, file)) != file:
+        raise row.error(f'column "isolator": {file} and {first} have one name. Rename one of them.')
     return name
 
 
@@ -286,7 +286,7 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
         raise RecordError(f"{path}: products of inertia in URDF are elements of the tensor: leave --products positive out.")
     if path.suffix.lower() in _DESCRIBED:
         parts = read_urdf(path) if path.suffix.lower() == ".urdf" else read_mass_text(path, products=products)
-        masses = tuple(Mass(name, one, location=str(path)) for name, one in parts)
+        masses = tuple(Mass(name, properties, location=str(path)) for name, properties in parts)
     else:
         needed, further = COLUMNS["masses"]
         rows = read_sheet(
@@ -295,11 +295,11 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
         sign = sign_of_products(rows, products)
         masses = tuple(_mass(row, sign) for row in _without_totals(rows))
     last = masses[-1]  # where a total stands; another part may well weigh as much as the rest
-    others = sum(mass.properties.mass for mass in masses[:-1])
-    if len(masses) > 2 and abs(last.properties.mass - others) < _SAME * others:
+    mass_of_others = sum(mass.properties.mass for mass in masses[:-1])
+    if len(masses) > 2 and abs(last.properties.mass - mass_of_others) < _SAME * mass_of_others:
         warnings.warn(
-            f'{last.location}: "{short(last.name)}" weighs what all others weigh together, {others:.6g} kg: if it is their '
-            "total, leave it out.", RecordWarning, stacklevel=2,
+            f'{last.location}: "{short(last.name)}" weighs what all others weigh together, {mass_of_others:.6g} kg: if it is '
+            "their total, leave it out.", RecordWarning, stacklevel=2,
         )  # fmt: skip
     return masses
 
@@ -339,23 +339,23 @@ def _mass(row: Row, sign: float) -> Mass:
         )
     if mass <= 0.0:
         raise row.error(f'column "mass" of "{short(name)}" must be > 0, got {row.cells["mass"]}.')
-    given = [column for column in (*MOMENTS, *PRODUCTS) if row.has(column)]
-    missing = [column for column in MOMENTS if column not in given]
-    if given and missing:
+    stated = [column for column in (*MOMENTS, *PRODUCTS) if row.has(column)]
+    missing = [column for column in MOMENTS if column not in stated]
+    if stated and missing:
         raise row.error(
-            f'column "{missing[0]}" of "{short(name)}" is empty though "{given[0]}" is given; fill in '
+            f'column "{missing[0]}" of "{short(name)}" is empty though "{stated[0]}" is given; fill in '
             "ixx, iyy and izz, or size_x, size_y and size_z of a box, or leave all empty: then it is a point mass."
         )
     tensor = np.zeros((3, 3))
     if any(row.has(column) for column in SIZES):  # a box that is filled evenly
-        if given:
-            raise row.error(f'columns "{given[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.')
+        if stated:
+            raise row.error(f'columns "{stated[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.')
         sizes = np.array([row.number(column) for column in SIZES])
         for column, size in zip(SIZES, sizes, strict=True):
             if size < 0.0:
                 raise row.error(f'column "{column}" of "{short(name)}" must be >= 0, got {row.cells[column]}.')
         tensor = np.diag(mass / 12.0 * (sizes @ sizes - sizes**2))
-    elif given:
+    elif stated:
         tensor[np.diag_indices(3)] = [row.number(column) for column in MOMENTS]
         for column, (i, j) in zip(PRODUCTS, ((0, 1), (0, 2), (1, 2)), strict=True):
             tensor[i, j] = tensor[j, i] = sign * row.number(column, 0.0)
@@ -371,8 +371,8 @@ def _mass(row: Row, sign: float) -> Mass:
 def _sprung(row: Row, name: str) -> Sprung | None:
     """Read how a subassembly is attached to the payload; None for a mass that is rigidly part of the payload."""
     if not row.has("frequency"):
-        if given := [column for column in ("damping", "along") if row.has(column)]:
-            raise row.error(f'"{short(name)}" has a {given[0]} and no "frequency"; fill in both or none.')
+        if stated := [column for column in ("damping", "along") if row.has(column)]:
+            raise row.error(f'"{short(name)}" has a {stated[0]} and no "frequency"; fill in both or none.')
         return None
     frequency, damping = row.number("frequency"), row.number("damping", DAMPING)
     axis = row.text("along") if row.has("along") else "z"

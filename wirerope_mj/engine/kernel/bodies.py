@@ -60,10 +60,10 @@ class Bodies:
         self.link = [numbers.get(int(body), len(self.links)) for body in model.body_weldid]
         self.pose: list[Pose] = []
         for body in range(model.nbody):
-            own = HERE
+            pose = HERE
             if body and not moving[body]:
-                own = self.pose[int(model.body_parentid[body])].then(model.body_pos[body], model.body_quat[body])
-            self.pose.append(own)
+                pose = self.pose[int(model.body_parentid[body])].then(model.body_pos[body], model.body_quat[body])
+            self.pose.append(pose)
 
     def on_parent(self, body: int) -> tuple[int, Pose]:
         """Return the link that a link's body hangs on, and its pose there."""
@@ -87,13 +87,13 @@ def modelled(bodies: Bodies, number: int) -> Pose:
 def inertia_of(bodies: Bodies, number: int) -> Array:
     """Return mass, centre, inertia and its inverse of a link with everything welded to it, (INERTIA_SIZE,)."""
     model = bodies.model
-    own = [body for body in range(1, model.nbody) if bodies.link[body] == number]
-    masses = model.body_mass[own]
-    poses = [bodies.pose[body].then(model.body_ipos[body], model.body_iquat[body]) for body in own]
+    members = [body for body in range(1, model.nbody) if bodies.link[body] == number]
+    masses = model.body_mass[members]
+    poses = [bodies.pose[body].then(model.body_ipos[body], model.body_iquat[body]) for body in members]
     total = float(masses.sum())
     centre = sum(m * pose.origin for m, pose in zip(masses, poses, strict=True)) / total if total else np.zeros(3)
     about = np.zeros((3, 3))
-    for body, mass, pose in zip(own, masses, poses, strict=True):
+    for body, mass, pose in zip(members, masses, poses, strict=True):
         arm = pose.origin - centre
         about += pose.axes @ np.diag(model.body_inertia[body]) @ pose.axes.T
         about += mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
@@ -110,9 +110,9 @@ def pair_rows(model: mujoco.MjModel, bodies: Bodies, fix: Writer) -> list[list[i
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     least: dict[tuple[int, int], tuple[float, float]] = {}
-    for one, other, margin in may_touch(model):
-        plane = model.geom_type[other] == mujoco.mjtGeom.mjGEOM_PLANE
-        first, second = (other, one) if plane else (one, other)
+    for geom, other_geom, margin in may_touch(model):
+        plane = model.geom_type[other_geom] == mujoco.mjtGeom.mjGEOM_PLANE
+        first, second = (other_geom, geom) if plane else (geom, other_geom)
         links = (bodies.link[int(model.geom_bodyid[first])], bodies.link[int(model.geom_bodyid[second])])
         clearance = mujoco.mj_geomDistance(model, data, first, second, FARTHEST, np.zeros(6)) - margin
         body = int(model.geom_bodyid[second])
@@ -122,8 +122,8 @@ def pair_rows(model: mujoco.MjModel, bodies: Bodies, fix: Writer) -> list[list[i
         least[links] = (min(known[0], clearance), max(known[1], reach))
     rows = []
     for (first, second), (clearance, reach) in least.items():
-        here, there = _place(data, bodies, first), _place(data, bodies, second)
-        place, turn = here.axes.T @ (there.origin - here.origin), here.axes.T @ there.axes
+        first_place, second_place = _place(data, bodies, first), _place(data, bodies, second)
+        place, turn = first_place.axes.T @ (second_place.origin - first_place.origin), first_place.axes.T @ second_place.axes
         rows.append([first, second, fix.put(place, turn, clearance, reach)])
     return rows
 
@@ -145,18 +145,18 @@ def may_touch(model: mujoco.MjModel) -> list[tuple[int, int, float]]:
     declared = list(zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), model.pair_margin.tolist(), strict=True))
     known = {frozenset(pair[:2]) for pair in declared}
     excluded = set(model.exclude_signature.tolist())
-    types, affinities, found = model.geom_contype, model.geom_conaffinity, list(declared)
+    types, affinities, pairs = model.geom_contype, model.geom_conaffinity, list(declared)
     active = np.flatnonzero(types | affinities)
-    for i, one in enumerate(active.tolist()):
-        for other in active[i + 1 :].tolist():
-            a, b = int(bodies[one]), int(bodies[other])
+    for i, geom in enumerate(active.tolist()):
+        for other_geom in active[i + 1 :].tolist():
+            a, b = int(bodies[geom]), int(bodies[other_geom])
             related = a and b and (parent[a] == b or parent[b] == a)
-            if a == b or not (types[one] & affinities[other] or types[other] & affinities[one]):
+            if a == b or not (types[geom] & affinities[other_geom] or types[other_geom] & affinities[geom]):
                 continue
             if related and not model.opt.disableflags & off.mjDSBL_FILTERPARENT:
                 continue
-            low, high = sorted((int(model.geom_bodyid[one]), int(model.geom_bodyid[other])))
-            if (low << 16) + high in excluded or frozenset((one, other)) in known:
+            low, high = sorted((int(model.geom_bodyid[geom]), int(model.geom_bodyid[other_geom])))
+            if (low << 16) + high in excluded or frozenset((geom, other_geom)) in known:
                 continue
-            found.append((one, other, float(model.geom_margin[one] + model.geom_margin[other])))
-    return [pair for pair in found if bodies[pair[0]] != bodies[pair[1]]]
+            pairs.append((geom, other_geom, float(model.geom_margin[geom] + model.geom_margin[other_geom])))
+    return [pair for pair in pairs if bodies[pair[0]] != bodies[pair[1]]]

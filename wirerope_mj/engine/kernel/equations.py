@@ -195,20 +195,20 @@ def _trees(bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer)
     trees = model.body_treeid[bodies.links]
     rows = []
     for tree in range(model.ntree):
-        links, own = np.flatnonzero(trees == tree), np.flatnonzero(model.dof_treeid == tree)
-        plain = not (model.dof_armature[own].any() or model.dof_damping[own].any())
-        if all(dofs[dof][4] >= 0 for dof in own):
+        links, of_tree = np.flatnonzero(trees == tree), np.flatnonzero(model.dof_treeid == tree)
+        plain = not (model.dof_armature[of_tree].any() or model.dof_damping[of_tree].any())
+        if all(dofs[dof][4] >= 0 for dof in of_tree):
             kind = at.DRIVEN_TREE
         elif kinds[links[0]] == at.MODAL:
             kind = at.MODAL_TREE
         elif len(links) == 1 and kinds[links[0]] == at.FREE and plain:
             kind = at.FREE_TREE
-        elif len(links) == 1 and kinds[links[0]] == at.STRAIGHT and not any(dofs[dof][4] >= 0 for dof in own):
+        elif len(links) == 1 and kinds[links[0]] == at.STRAIGHT and not any(dofs[dof][4] >= 0 for dof in of_tree):
             kind = at.SLIDING_TREE
         else:
             kind = at.ANY_TREE
-        inverse = num.put(inverse_mass(bodies, int(links[0]), own)) if kind == at.SLIDING_TREE else 0
-        rows.append([kind, int(own[0]), own.size, int(links[0]), links.size, inverse])
+        inverse = num.put(inverse_mass(bodies, int(links[0]), of_tree)) if kind == at.SLIDING_TREE else 0
+        rows.append([kind, int(of_tree[0]), of_tree.size, int(links[0]), links.size, inverse])
     return rows
 
 
@@ -267,20 +267,20 @@ def seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
 def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
     """Return the integers among the parameters, which say how the numbers behind them are read."""
     par = tables.parameters
-    found: list[int] = []
+    counts: list[int] = []
 
     def law_counts(law: int, p: int) -> None:
         where = {MASING: p + ELEMENTS, SMOOTHED: p + 1, TABULATED: p + KNOTS, STOP: p + N_POINTS, PARALLEL: p}
         if law in where:
-            found.append(int(par[where[law]]))
+            counts.append(int(par[where[law]]))
         if law == SMOOTHED:
             law_counts(int(par[p + 1]), p + 2)
         if law == ON_BRACKET:
-            found.append(int(par[p + 1]))
+            counts.append(int(par[p + 1]))
             law_counts(PARALLEL, p + HEAD)
         for part in range(int(par[p]) if law == PARALLEL else 0):
-            kind, first, state = (int(one) for one in par[p + 1 + 3 * part : p + 4 + 3 * part])
-            found.extend([kind, first, state])
+            kind, first, state = (int(number) for number in par[p + 1 + 3 * part : p + 4 + 3 * part])
+            counts.extend([kind, first, state])
             law_counts(kind, p + first)
 
     for law, first, _, _ in axes:
@@ -288,8 +288,8 @@ def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
     for mount, row in enumerate(tables.rows(control.MOUNTS, control.MOUNT_COLUMNS, tables.user.n_mounts)):
         if row[control.COUPLING] >= 0.0 and row[control.PARTNER] == AXIAL:  # the grid of a loop's energy
             first = int(row[control.COUPLING]) + RATE_NUMBERS * axes[3 * mount][3]
-            found.extend(int(par[first + entry]) for entry in (4, 5))
-    return tuple(found)
+            counts.extend(int(par[first + entry]) for entry in (4, 5))
+    return tuple(counts)
 
 
 def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer, num: Writer) -> list[list[int]]:
@@ -306,8 +306,8 @@ def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer,
     points = assembly.subjects.points
     for site, row in zip(points, tables.rows(control.POINTS, control.POINT_COLUMNS, len(points)), strict=True):
         link, pose = bodies.site(site)
-        there = [bodies.link[base], num.put(base_centre), fix.put(row[4:7])]
-        rows.append([link, num.put(pose.origin), fix.put(pose.quaternion), 1, *there, 1, places.get(site, 0)])
+        base_row = [bodies.link[base], num.put(base_centre), fix.put(row[4:7])]
+        rows.append([link, num.put(pose.origin), fix.put(pose.quaternion), 1, *base_row, 1, places.get(site, 0)])
     return rows
 
 
@@ -333,7 +333,7 @@ def not_held(system: System) -> str:
         ),
     }  # fmt: skip
     kinds, free = model.jnt_type, mujoco.mjtJoint.mjJNT_FREE
-    held = {
+    allowed = {
         "ball joints": kinds == mujoco.mjtJoint.mjJNT_BALL, "dry friction in joints": model.dof_frictionloss > 0.0,
         "springs of floating bodies": (kinds == free) & (model.jnt_stiffness != 0.0),
         "springs or dampers that are not linear": [model.jnt_stiffnesspoly.any(), model.dof_dampingpoly.any()],
@@ -341,5 +341,5 @@ def not_held(system: System) -> str:
         "options of MuJoCo's that change its steps": [model.opt.enableflags & ~_ENABLED],
     }  # fmt: skip
     parts = [name for name, number in counts.items() if number > 0]
-    parts += [name for name, values in held.items() if np.any(values)]
+    parts += [name for name, values in allowed.items() if np.any(values)]
     return f"the model has {', '.join(parts)}" if parts else ""

@@ -103,7 +103,7 @@ class Numbers:
         """Return the numbers of a mount's isolator, as it acts, and where they stand; None if it is of another structure."""
         old = self._system.mounts[mount].isolator
         turns, coupled = turning(isolator), isolator.coupled
-        grids = [one.loop and np.shape(one.loop.coefficients) for one in (isolator, old)]
+        grids = [device.loop and np.shape(device.loop.coefficients) for device in (isolator, old)]
         if isolator.coupling != old.coupling or grids[0] != grids[1] or any(turns) != any(turning(old)):
             return None
         if not all(map(same_structure, isolator.axes.values(), old.axes.values())):
@@ -170,8 +170,8 @@ class Numbers:
         trees = self.equations.rows(at.TREES, at.TREE_COLUMNS, lay[at.N_TREES]).tolist()
         for number, (kind, _, size, first_link, _, inverse) in enumerate(trees):
             if kind == at.SLIDING_TREE and first_link == link:
-                own = np.flatnonzero(model.dof_treeid == number)
-                numbers[inverse : inverse + size * size] = made.inverse_mass(bodies, link, own).ravel()
+                dofs = np.flatnonzero(model.dof_treeid == number)
+                numbers[inverse : inverse + size * size] = made.inverse_mass(bodies, link, dofs).ravel()
 
 
 def same_structure(law: Law | None, other: Law | None) -> bool:
@@ -238,7 +238,7 @@ def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]
     memory = np.zeros((int(first.lay[at.N_WORK]), WIDTH))
     memory[first.lay[at.KIN] : first.lay[at.KIN] + first.rest.size] = first.rest[:, np.newaxis]
     return Group(
-        equations=first, numbers=np.ascontiguousarray(np.array([one.num for one in equations])[lanes].T),
+        equations=first, numbers=np.ascontiguousarray(np.array([equation.num for equation in equations])[lanes].T),
         states=np.ascontiguousarray(states[lanes].T), memory=memory, clock=np.zeros(CLOCK_SIZE),
         which=np.asarray(which, dtype=np.int64)[lanes], size=size,
     )  # fmt: skip

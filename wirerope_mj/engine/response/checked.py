@@ -91,7 +91,7 @@ def read_metadata(content: Entries, columns: Sequence[str], place: Place) -> Met
     """Make all that `response_metadata` wrote of `content`; the error of `place` if it does not describe these columns."""
 
     def peak(value: object, place: Place) -> Peak:
-        numbers = value if isinstance(value, list) and all(type(one) in (int, float) for one in value) else []
+        numbers = value if isinstance(value, list) and all(type(number) in (int, float) for number in value) else []
         if len(numbers) != Peak.SIZE or not all(map(math.isfinite, numbers)):
             raise place.fault(f"it must be {Peak.SIZE} finite numbers, got {quoted(value, 60)}.")
         return Peak.from_list(numbers)

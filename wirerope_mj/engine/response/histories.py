@@ -77,7 +77,7 @@ class _Columns(Summarised):
     first: int
 
     def _summary(self) -> tuple[str, dict[str, str]]:
-        kinds = {name: part for one in reversed(type(self).__mro__) for name, part in vars(one).items()}
+        kinds = {name: part for base in reversed(type(self).__mro__) for name, part in vars(base).items()}
         parts = {name: part for name, part in kinds.items() if isinstance(part, cached_property)}
         lines = {name: str(part.__doc__).partition(":")[0].rstrip(".") for name, part in parts.items()}
         return type(self).__name__, lines
@@ -189,8 +189,8 @@ class Numerics:
         if math.isfinite(self.error_estimate):
             missed = f", above the {self.accuracy:.0e} asked for" if self.error_estimate > self.accuracy else ""
             return f"estimated error {self.error_estimate:.1e} of the peaks{missed}"
-        given = math.isnan(self.accuracy)
-        return "step given: no error estimated" if given else "no error estimated: halving the step changes nothing"
+        not_estimated = math.isnan(self.accuracy)
+        return "step given: no error estimated" if not_estimated else "no error estimated: halving the step changes nothing"
 
     @property
     def computed_by(self) -> str:

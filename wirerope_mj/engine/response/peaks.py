@@ -201,16 +201,16 @@ class Peaks(Brief):
     @property
     def struck(self) -> list[str]:
         """Names of the pairs and stops of `contacts` that came together during the run, the first to touch first."""
-        touches = {name: one.first_touch or 0.0 for name, one in (self.contacts or {}).items() if one.struck}
+        touches = {name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck}
         return sorted(touches, key=lambda name: touches[name])
 
     def same_as(self, other: "Peaks") -> bool:
         """Return whether all peaks have the same bits; contacts and travels are left out if only one of the two has them."""
-        one, two = self.to_dict(), other.to_dict()
+        content, other_content = self.to_dict(), other.to_dict()
         for part in ("contacts", "travels"):
-            if one[part] is None or two[part] is None:
-                one[part] = two[part] = None
-        return one == two
+            if content[part] is None or other_content[part] is None:
+                content[part] = other_content[part] = None
+        return content == other_content
 
     def to_dict(self) -> Entries:
         """Return the peaks as plain values."""

@@ -263,7 +263,7 @@ def load_response(folder: str | Path) -> Response:
     if not path.is_file():
         if not path.parent.is_dir():
             raise RecordError(f"{folder}: there is no such folder.")
-        inside = sorted(str(one.parent.relative_to(folder)) for one in path.parent.glob(f"cases/*/{FILE}"))
+        inside = sorted(str(file.parent.relative_to(folder)) for file in path.parent.glob(f"cases/*/{FILE}"))
         runs = f"; the runs of this job are {', '.join(inside[:5])}" if inside else ""
         raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one{runs}.")
     import pyarrow as pa

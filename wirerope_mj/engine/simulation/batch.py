@@ -146,17 +146,19 @@ def simulate_batch(
         if first != last:
             raise ValueError(f"`initial` states must be of one instant, got {first:.6g} s and {last:.6g} s.")
         # Motions that are variants of one share their corners.
-        own = {motion.corners.tobytes(): motion.corners for motion in {id(one): one for one in motions}.values()}
+        corners_of_motions = {
+            motion.corners.tobytes(): motion.corners for motion in {id(each): each for each in motions}.values()
+        }
         grid = time_grid(
             start=first, duration=duration, sample_rate=sample_rate, timestep=timestep,
-            motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
+            motion=motions[0], corners=joined(checked_corners(corners), *corners_of_motions.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
         if judged:
             warn_of_missing_modes(systems[0], {id(motion): motion for motion in motions}.values())
             for text in soft_equalities(systems[0]):
                 warnings.warn(text, ModelWarning, stacklevel=2)
-            came = [(one, v) for v in variants if isinstance(one := results[v.number], BatchResult)]
+            came = [(outcome, v) for v in variants if isinstance(outcome := results[v.number], BatchResult)]
             if decays := [decay_over_step(variant.system, result.peaks, result.timestep) for result, variant in came]:
                 worst = came[int(np.argmax(decays))][1]  # in which friction yields most within a step
                 error_of_step = error_of_given(
@@ -193,16 +195,16 @@ def _variants(
     systems: System | Sequence[System], motions: BaseMotion | Sequence[BaseMotion], initial: str | State | Sequence[str | State]
 ) -> tuple[list[System], list[BaseMotion], list[str | State]]:
     """Return one system, motion and start for each variant."""
-    given: dict[str, list[Any]] = {
+    arguments: dict[str, list[Any]] = {
         "systems": [systems] if isinstance(systems, System) else list(systems),
         "motions": [motions] if isinstance(motions, BaseMotion) else list(motions),
         "initial": [initial] if isinstance(initial, str | State) else list(initial),
     }
-    several = {name: len(values) for name, values in given.items() if len(values) != 1}
+    several = {name: len(values) for name, values in arguments.items() if len(values) != 1}
     if len(set(several.values())) > 1:
         raise ValueError(f"`systems`, `motions` and `initial` must hold one each or equally many, got {several}.")
     size = min(several.values(), default=1)
-    systems, motions, initial = (values if len(values) == size else values * size for values in given.values())
+    systems, motions, initial = (values if len(values) == size else values * size for values in arguments.values())
     return systems, motions, initial
 
 
@@ -226,7 +228,7 @@ def _in_lanes(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
 ) -> tuple[dict[int, BatchResult | BatchFailure], dict[int, str]]:
     """Compute variants by the kernel: the results, and why it gave up the others, by number."""
-    recorders = [Recorder(one.system, one.motion, grid, None) for one in variants] if responses else []
+    recorders = [Recorder(variant.system, variant.motion, grid, None) for variant in variants] if responses else []
     done = run_in_lanes(
         [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], grid, threads=threads,
         sink=(lambda index, first, rows: recorders[index].add(first, rows)) if responses else None,
@@ -248,9 +250,9 @@ def _by_mujoco(
 
     def compute(variant: _Variant) -> BatchResult | BatchFailure:
         recorder = Recorder(variant.system, variant.motion, grid, None) if responses else None
-        own, sink = replace(grid, motion=variant.motion), recorder.add if recorder is not None else None
+        own_grid, sink = replace(grid, motion=variant.motion), recorder.add if recorder is not None else None
         try:
-            done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=sink)
+            done = run(variant.system, variant.motion, own_grid, variant.start, callback=kind, sink=sink)
         except WireRopeError as error:
             return BatchFailure(error=error)
         return _result(variant, grid, replace(done, why=why[variant.number]), recorder)
@@ -292,4 +294,4 @@ def peaks_on_decks(
     results = simulate_batch(
         systems, motion, duration=duration, timestep=step, initial=initial, sample_rate=sample_rate, threads=1, judged=False
     )
-    return [one.peaks if isinstance(one, BatchResult) else one.message for one in results]
+    return [result.peaks if isinstance(result, BatchResult) else result.message for result in results]

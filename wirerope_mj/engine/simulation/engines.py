@@ -132,17 +132,17 @@ def _accelerations(system: System, states: Array, base: Array, loads: Array) -> 
 
     Forces and moments at the sites for them are the same in all, (6 n_forces,).
     """
-    own, model, found = equations(system), system.model, []
+    kernel_equations, model, accelerations = equations(system), system.model, []
     driven = model.nq + np.array(system.assembly.driven_dofs, dtype=int)
     rates = np.ascontiguousarray(states[:, np.newaxis, driven])  # another layout would compile all of it again
     table = np.concatenate([base, np.tile(loads, (len(base), 1))], axis=1)[:, np.newaxis]
     for first in range(0, len(states), WIDTH):
         some = slice(first, first + WIDTH)
-        group = group_of([own] * WIDTH, states[some], range(WIDTH))
+        group = group_of([kernel_equations] * WIDTH, states[some], range(WIDTH))
         group.finish(0.0, np.zeros_like(rates[some]), rates[some], table[some], NOTHING)
-        parts = (int(own.lay[at.RHS]), model.nv), (int(own.lay[at.RATES]), model.na)
-        found.append(np.concatenate([group.memory[begin : begin + size] for begin, size in parts]))
-    return np.concatenate(found, axis=1).T
+        parts = (int(kernel_equations.lay[at.RHS]), model.nv), (int(kernel_equations.lay[at.RATES]), model.na)
+        accelerations.append(np.concatenate([group.memory[begin : begin + size] for begin, size in parts]))
+    return np.concatenate(accelerations, axis=1).T
 
 
 def _apart(expected: Array, got: Array) -> float:
@@ -177,13 +177,19 @@ def _run_apart(system: System, qvel: Array, step: float) -> float:
     go_in_lanes(
         [equations(system)], drive_of(system), [motion], state[np.newaxis], grid, sink=lambda _, i, rows: sink(1, i, rows)
     )
-    expected, got = (one.reshape(-1, channels.size // 3, 3) for one in samples)
+    expected, got = (sample.reshape(-1, channels.size // 3, 3) for sample in samples)
     n_mounts = len(system.mounts)
     kinds = np.array(["motion"] * (channels.shape[0] - 2 * n_mounts) + ["deflection", "force"] * n_mounts)
     worst = 0.0
     for kind in dict.fromkeys(kinds.tolist()):
-        one, other = (samples[:, kinds == kind] for samples in (expected, got))
-        worst = max(worst, float(np.abs(one - other).max(initial=0.0) / max(np.abs(one).max(initial=0.0), 1e-300)))
+        expected_channels, computed_channels = (samples[:, kinds == kind] for samples in (expected, got))
+        worst = max(
+            worst,
+            float(
+                np.abs(expected_channels - computed_channels).max(initial=0.0)
+                / max(np.abs(expected_channels).max(initial=0.0), 1e-300)
+            ),
+        )
     return worst
 
 

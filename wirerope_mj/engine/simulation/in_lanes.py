@@ -40,9 +40,9 @@ class InLanes:
 def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> Integers:
     """Return where a part of MuJoCo's state stands among the values of a `State`."""
     numbers = np.arange(mujoco.mj_stateSize(model, STATE), dtype=np.float64)
-    found = np.empty(mujoco.mj_stateSize(model, part))
-    mujoco.mj_extractState(model, numbers, STATE, found, part)
-    return found.astype(np.int64)
+    extracted = np.empty(mujoco.mj_stateSize(model, part))
+    mujoco.mj_extractState(model, numbers, STATE, extracted, part)
+    return extracted.astype(np.int64)
 
 
 @once_per_system
@@ -72,14 +72,18 @@ def go_in_lanes(
     with ThreadPoolExecutor(threads) as pool:
         run = pool.map if threads > 1 and len(groups) > 1 else map
         for block in grid.blocks():
-            own = [block.with_events_of(motion) if motion is not grid.motion else block for motion in distinct]
-            for stages in zip(*(table.blocks(one) for table, one in zip(tables, own, strict=True)), strict=True):
+            blocks = [block.with_events_of(motion) if motion is not grid.motion else block for motion in distinct]
+            for stages in zip(
+                *(table.blocks(grid_of_motion) for table, grid_of_motion in zip(tables, blocks, strict=True)), strict=True
+            ):
                 cut = slice(stages[0].first, stages[0].first + stages[0].ends.size)
-                grids = [np.array([getattr(grid, row)[cut] for row in _ROWS]) for grid in own]
-                moved = [np.array([getattr(one, part) for one in stages]) for part in _MOVED]
+                grids = [np.array([getattr(grid, row)[cut] for row in _ROWS]) for grid in blocks]
+                moved = [np.array([getattr(stage, part) for stage in stages]) for part in _MOVED]
                 if sites or stages[0].turns.size:
-                    moved[2] = np.array([_side_by_side(one.accelerations, one.turns, one.forces, len(sites)) for one in stages])
-                samples = int(own[0].sampled[cut].sum())
+                    moved[2] = np.array(
+                        [_side_by_side(stage.accelerations, stage.turns, stage.forces, len(sites)) for stage in stages]
+                    )
+                samples = int(blocks[0].sampled[cut].sum())
                 list(run(partial(_advance, grids, moved, stages[0].ends, samples, done, sink), groups))
                 done += samples
                 if progress is not None:
@@ -102,9 +106,9 @@ def _groups(
 ) -> list[tuple[Group, list[int]]]:
     """Return groups of variants that may share lanes, in the order of the first of each."""
     alike: dict[object, list[int]] = {}
-    keys = {id(one): one.key for one in equations}
-    for number, (one, event) in enumerate(zip(equations, events, strict=True)):
-        alike.setdefault((keys[id(one)], event), []).append(number)
+    keys = {id(equation): equation.key for equation in equations}
+    for number, (equation, event) in enumerate(zip(equations, events, strict=True)):
+        alike.setdefault((keys[id(equation)], event), []).append(number)
     groups = []
     for numbers in alike.values():
         for first in range(0, len(numbers), WIDTH):
@@ -119,9 +123,9 @@ def _advance(
     group: tuple[Group, list[int]],
 ) -> None:  # fmt: skip
     """Step a group through segments: of each motion the grid's rows, (5, n), and what its base does up to their ends."""
-    (own, numbers), (positions, rates, accelerations) = group, moved
-    out = np.empty((own.size, samples, own.equations.n_values)) if sink is not None else NOTHING
-    own.go(grids[int(own.which[0])], positions, rates, accelerations, ends, out)
+    (lanes, numbers), (positions, rates, accelerations) = group, moved
+    out = np.empty((lanes.size, samples, lanes.equations.n_values)) if sink is not None else NOTHING
+    lanes.go(grids[int(lanes.which[0])], positions, rates, accelerations, ends, out)
     if sink is not None:
         for number, rows in zip(numbers, out, strict=True):
             sink(number, done, rows)
@@ -133,16 +137,18 @@ def _finish(
 ) -> None:  # fmt: skip
     """Observe the last instant with the bases as they are just before it, and hand on its values if it is sampled."""
     before = [base_before(motion, drive, stop) for motion in motions]
-    positions, rates = (np.array([one[part] for one in before])[:, np.newaxis] for part in (0, 1))
+    positions, rates = (
+        np.array([positions_and_rates[part] for positions_and_rates in before])[:, np.newaxis] for part in (0, 1)
+    )
     table = np.array([acceleration_before(motion, stop) for motion in motions])[:, np.newaxis]
     turns = [turning_before(motion, drive, stop) for motion in motions]
     if sites or turns[0].size:
         loads = [loads_at(motion, sites, np.array([stop])) for motion in motions]
-        table = np.array([_side_by_side(*one, len(sites)) for one in zip(table, turns, loads, strict=True)])
-    for own, numbers in groups:
+        table = np.array([_side_by_side(*columns, len(sites)) for columns in zip(table, turns, loads, strict=True)])
+    for lanes, numbers in groups:
         wanted = sink is not None and sample >= 0
-        out = np.empty((own.size, 1, own.equations.n_values)) if wanted else NOTHING
-        own.finish(stop, positions, rates, table, out)
+        out = np.empty((lanes.size, 1, lanes.equations.n_values)) if wanted else NOTHING
+        lanes.finish(stop, positions, rates, table, out)
         if sink is not None and wanted:
             for number, rows in zip(numbers, out, strict=True):
                 sink(number, sample, rows)

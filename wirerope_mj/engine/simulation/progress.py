@@ -40,8 +40,8 @@ def share_bar(
             now = perf_counter()
             if now - last >= PATIENCE and fraction - shown >= PACE:
                 last, shown = now, fraction
-                left = time_left(fraction, now - began, begun=begun)
-                print(f"{word}: {text(fraction, value)} {left} left", file=sys.stderr, flush=True)
+                seconds = time_left(fraction, now - began, begun=begun)
+                print(f"{word}: {text(fraction, value)} {seconds} left", file=sys.stderr, flush=True)
 
         yield print_line
         return
@@ -54,8 +54,8 @@ def share_bar(
         progress.update(task, completed=begun)
 
         def update(fraction: float, value: float) -> None:
-            left = time_left(fraction, perf_counter() - began, begun=begun)
-            progress.update(task, completed=fraction, now=text(fraction, value), left=left)
+            seconds = time_left(fraction, perf_counter() - began, begun=begun)
+            progress.update(task, completed=fraction, now=text(fraction, value), left=seconds)
 
         yield update
 

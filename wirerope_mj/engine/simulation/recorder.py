@@ -209,16 +209,16 @@ class Gaps:
             places[geom] = values[:, first : first + 3] + turns[first] @ from_centre, turns[first] @ self._turns[geom]
         gaps = np.empty((len(values), len(self._pairs)))
         for number, pair in enumerate(self._pairs):
-            one, other = sorted(pair, key=lambda geom: int(model.geom_type[geom] == _SPHERE))
-            kind, size = int(model.geom_type[one]), model.geom_size[one]
-            if model.geom_type[other] == _SPHERE and kind in (_PLANE, _BOX):
-                apart = places[other][0] - places[one][0]
+            other_geom, sphere = sorted(pair, key=lambda geom: int(model.geom_type[geom] == _SPHERE))
+            kind, size = int(model.geom_type[other_geom]), model.geom_size[other_geom]
+            if model.geom_type[sphere] == _SPHERE and kind in (_PLANE, _BOX):
+                apart = places[sphere][0] - places[other_geom][0]
                 if kind == _PLANE:  # the height above it, in MuJoCo's order of sums
-                    x, y, z = (apart * places[one][1][:, :, 2]).T
+                    x, y, z = (apart * places[other_geom][1][:, :, 2]).T
                     nearest = x + y + z
                 else:
-                    nearest = _beside_box(places[one][1], size, apart)
-                gaps[:, number] = np.minimum(nearest - model.geom_size[other, 0], FARTHEST)
+                    nearest = _beside_box(places[other_geom][1], size, apart)
+                gaps[:, number] = np.minimum(nearest - model.geom_size[sphere, 0], FARTHEST)
             else:
                 gaps[:, number] = self._by_mujoco(places, pair, len(values))
         return gaps

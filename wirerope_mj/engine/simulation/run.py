@@ -62,8 +62,8 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
         if row[at.GEOMS] == at.SEVERAL:
             contacts[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
         else:
-            one, other = divmod(int(row[at.GEOMS]), at.MOST_GEOMS)
-            pair = payload_first(model, base, (one - 1, other - 1))
+            geom, other_geom = divmod(int(row[at.GEOMS]), at.MOST_GEOMS)
+            pair = payload_first(model, base, (geom - 1, other_geom - 1))
             contacts[contact_name(model, pair)] = _touched(untouched(model, pair), row)
     if OTHERS in contacts:
         contacts = {name: contact for name, contact in contacts.items() if contact.touches}
@@ -204,10 +204,10 @@ def missing_modes(system: System, motion: BaseMotion) -> tuple[str, ...]:
             parts.setdefault(mode.part, []).append(frequency)
     brought = highest_frequency(motion) if parts else 0.0
     return tuple(
-        f"the modes of the deck {name!r} end at {max(found):.4g} Hz, and the base brings up to {brought:.4g} Hz: what lies "
+        f"the modes of the deck {name!r} end at {max(highest):.4g} Hz, and the base brings up to {brought:.4g} Hz: what lies "
         f"between is missing from peaks and histories, by several per cent. Take modes up to twice that, "
         f"{2.0 * brought:.4g} Hz; residual vectors do not stand for them."
-        for name, found in parts.items() if max(found) < 2.0 * brought
+        for name, highest in parts.items() if max(highest) < 2.0 * brought
     )  # fmt: skip
 
 
@@ -216,10 +216,10 @@ def highest_frequency(motion: BaseMotion) -> float:
 
     Below that of a shock lies `WITHIN` of the energy of its acceleration. A jump of the velocity alone has none: 0.
     """
-    found = 0.0
+    highest = 0.0
     for part in motion.parts:
         if part.kind in _OF_FREQUENCIES and not part.loaded_sites:
-            found = max(found, 1.0 / part.shortest_time)
+            highest = max(highest, 1.0 / part.shortest_time)
         if part.kind in _OF_FREQUENCIES or not math.isfinite(part.end):
             continue
         begin = min((instant for instant, _ in part.events), default=0.0)
@@ -232,8 +232,8 @@ def highest_frequency(motion: BaseMotion) -> float:
         energy = np.cumsum((np.abs(np.fft.rfft(part.acceleration(times), n=padded, axis=0)) ** 2).sum(axis=1))
         if energy[-1] > 0.0:
             line = int(np.searchsorted(energy, WITHIN * energy[-1]))
-            found = max(found, line * number / (padded * (part.end - begin)))
-    return found
+            highest = max(highest, line * number / (padded * (part.end - begin)))
+    return highest
 
 
 def warn_of_missing_modes(system: System, motions: Iterable[BaseMotion]) -> None:
@@ -263,7 +263,7 @@ def warn_of_uncertainty(response: Response) -> None:
     A stop among the mounts' laws is as certain as they are: that it was struck is a verdict.
     """
     numerics, texts = response.numerics, []
-    contacts = {name: one for name, one in (response.peaks.contacts or {}).items() if not one.mount}
+    contacts = {name: contact for name, contact in (response.peaks.contacts or {}).items() if not contact.mount}
     if struck := [name for name in response.peaks.struck if name in contacts]:
         texts.append(
             f"{len(struck)} of {len(contacts)} contact pairs were struck, first {struck[0]} at "

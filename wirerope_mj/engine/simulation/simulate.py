@@ -101,8 +101,8 @@ def simulate(
             system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy, engine=engine
         )
     else:
-        given = checked_step(system, timestep, duration)
-        step = ChosenStep(timestep=given, error=math.nan, limited_by=limit_of_given(timestep, sample_rate))
+        stated_step = checked_step(system, timestep, duration)
+        step = ChosenStep(timestep=stated_step, error=math.nan, limited_by=limit_of_given(timestep, sample_rate))
     grid = time_grid(
         start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion, corners=instants
     )
@@ -151,12 +151,12 @@ def check_size(
     asked = f"{duration:.4g} s with {sample_rate:.4g} samples a second"
     less = "Use a lower `sample_rate` or a shorter `duration`"
     require_time(f"a run of {asked}", max(samples, duration / timestep if timestep else 0.0), f"{less}.")
-    what, size = f"the samples of this run, {asked} and {columns} columns,", NUMBER * columns
+    subject, size = f"the samples of this run, {asked} and {columns} columns,", NUMBER * columns
     if out is None:
-        held = samples if kept is None else kept * sample_rate
-        require_memory(what, held * size, f"{less}, or stream them to a folder (`out`).")
+        kept_samples = samples if kept is None else kept * sample_rate
+        require_memory(subject, kept_samples * size, f"{less}, or stream them to a folder (`out`).")
     else:
-        require_disk(what, samples * size, out, f"{less}, or write to another disk.")
+        require_disk(subject, samples * size, out, f"{less}, or write to another disk.")
     require_memory(f"the instants of this run, {asked},", samples * OF_AN_INSTANT, f"{less}.")
 
 

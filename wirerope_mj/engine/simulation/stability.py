@@ -27,9 +27,9 @@ def eigenvalues(system: System) -> ComplexArray:
 
 def _eigenvalues_of_system(system: System, *, closed: bool) -> ComplexArray:
     """Return the eigenvalues [1/s] of a system with its stops open or closed, (2 n,), n motions that equalities leave."""
-    found = linear_system(system, closed=closed)
-    parts = (found.motions.T @ part @ found.motions for part in (found.mass, found.stiffness, found.damping))
-    return _eigenvalues_of_matrices(*parts) if found.motions.size else np.zeros(0, dtype=np.complex128)
+    linear = linear_system(system, closed=closed)
+    parts = (linear.motions.T @ part @ linear.motions for part in (linear.mass, linear.stiffness, linear.damping))
+    return _eigenvalues_of_matrices(*parts) if linear.motions.size else np.zeros(0, dtype=np.complex128)
 
 
 def _eigenvalues_of_matrices(inertia: Array, stiffness: Array, damping: Array) -> ComplexArray:
@@ -103,7 +103,7 @@ class VariantRates:
 
     def __init__(self, system: System) -> None:
         """Look up how deflections and links move with the free coordinates, in the modelled geometry."""
-        model, own = system.model, equations(system)
+        model, kernel_equations = system.model, equations(system)
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
         laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
         self.own = np.array([rates_of(law) for law in laws]).reshape(-1, N_RATES).T  # of the system's laws, (5, 3 n_mounts)
@@ -116,7 +116,7 @@ class VariantRates:
             # what each shift of a mount along the world's axes adds to them, (n_mounts, 3, n_free, 3)
             swept = np.cross(rates[:, 1].swapaxes(1, 2)[:, :, np.newaxis], np.eye(3))
             self._by_shift = np.einsum("mac,mjkc->majk", axes, swept)
-            links = own.rows(at.LINKS, at.LINK_COLUMNS, own.lay[at.N_LINKS])
+            links = kernel_equations.rows(at.LINKS, at.LINK_COLUMNS, kernel_equations.lay[at.N_LINKS])
             self._links = []
             bodies = np.flatnonzero((model.body_weldid == np.arange(model.nbody)) & (model.body_dofnum > 0))
             for body, row in zip(bodies.tolist(), links.tolist(), strict=True):
@@ -125,7 +125,7 @@ class VariantRates:
                 parts = (axes.T @ moving)[:, self._free], (axes.T @ turn_rates)[:, self._free]
                 self._links.append((int(row[at.INERTIA]), *parts))
         self._armature = np.diag(model.dof_armature[self._free])
-        self._springs = own.rows(at.DOFS, at.DOF_COLUMNS, model.nv)[self._free, at.DOF_NUM]
+        self._springs = kernel_equations.rows(at.DOFS, at.DOF_COLUMNS, model.nv)[self._free, at.DOF_NUM]
         self._turns = any(mount.isolator.rotation is not None for mount in system.mounts.values())
 
     def inertia(self, numbers: Array) -> Array:
@@ -166,11 +166,11 @@ class VariantRates:
         moves = self._deflections + np.einsum("majk,nmk->nmaj", self._by_shift, shifts)
         moves = moves.reshape(len(numbers), -1, self._free.size)
         joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])
-        one, other = (
-            moves.swapaxes(1, 2) @ (values[:, :, np.newaxis] * moves) + own[:, :, np.newaxis] * np.eye(own.shape[1])
-            for values, own in zip((stiffness, damping), joints, strict=True)
+        stiffnesses, dampings = (
+            moves.swapaxes(1, 2) @ (values[:, :, np.newaxis] * moves) + of_joints[:, :, np.newaxis] * np.eye(of_joints.shape[1])
+            for values, of_joints in zip((stiffness, damping), joints, strict=True)
         )
-        return one, other
+        return stiffnesses, dampings
 
 
 def rates_of(law: Law | None) -> tuple[float, ...]:

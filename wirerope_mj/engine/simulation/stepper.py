@@ -154,8 +154,8 @@ class Stepper:
                             remedy = _GREW_BUCKLED if buckled else _GREW_FALLING if falling else _GREW
                         acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
                         body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
-                        found = beyond_laws(self.system, deflections, fraction=_NEAR)
-                        beyond = f" Mount {found[0]!r} stood {found[1]}." if found else ""
+                        message = beyond_laws(self.system, deflections, fraction=_NEAR)
+                        beyond = f" Mount {message[0]!r} stood {message[1]}." if message else ""
                         raise SimulationError(
                             f"at t = {self.data.time:.6g} s MuJoCo reported {name.removeprefix('mjWARN_')} for body {body!r}: "
                             f"{_REMEDIES.get(name, remedy)}.{falling or beyond}"

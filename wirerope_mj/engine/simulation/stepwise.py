@@ -51,7 +51,7 @@ class Stepwise:
         A SimulationError if a mount went to where its law does not hold, or the state is not valid any more.
         """
         length = positive("length", length)
-        held = np.asarray(acceleration, dtype=np.float64)
+        held_acceleration = np.asarray(acceleration, dtype=np.float64)
         wrench = np.array([np.asarray((loads or {}).get(site, np.zeros(6)), dtype=np.float64) for site in self._sites])
         wrench = wrench.reshape(len(self._sites), 6)
         steps = max(1, math.ceil(length / self.timestep - 1e-9))
@@ -59,18 +59,18 @@ class Stepwise:
             while steps:
                 some = min(steps, at.MAX_STEPS)
                 part = length * some / steps
-                self._begin(part, some, held, wrench)
+                self._begin(part, some, held_acceleration, wrench)
                 mujoco.mj_step(self._stepper.model, self._stepper.data, nstep=some)
                 self._stepper.check()
-                self._moved = self._moved + (self._rate + 0.5 * held * part) * part
-                self._rate = self._rate + held * part
+                self._moved = self._moved + (self._rate + 0.5 * held_acceleration * part) * part
+                self._rate = self._rate + held_acceleration * part
                 self.time += part
                 length, steps = length - part, steps - some
-        self._look(held, wrench)
+        self._look(held_acceleration, wrench)
         rows = self.system.assembly.tables.user.mount_rows(self._stepper.user)[:, 0]
-        if found := beyond_laws(self.system, rows):
+        if message := beyond_laws(self.system, rows):
             raise SimulationError(
-                f"mount {found[0]!r} was {found[1]}, at {self.time:.6g} s: shake it more gently, or take an isolator with "
+                f"mount {message[0]!r} was {message[1]}, at {self.time:.6g} s: shake it more gently, or take an isolator with "
                 "more travel."
             )
 
@@ -86,25 +86,25 @@ class Stepwise:
         self.time, self.values = float(saved["time"]), np.array(saved["values"])
         self._moved, self._rate = map(np.array, saved["base"])
 
-    def _begin(self, length: float, steps: int, held: Array, wrench: Array) -> None:
+    def _begin(self, length: float, steps: int, acceleration: Array, wrench: Array) -> None:
         """Prepare a segment of equal steps, the base's acceleration and the loads held in it."""
-        points, one = 2 * steps + 1, np.ones(1, dtype=bool)
+        points, sampled = 2 * steps + 1, np.ones(1, dtype=bool)
         grid = Grid(
-            start=np.array([self.time]), stop=np.array([self.time + length]), steps=np.array([steps]), sampled=one,
-            event=np.array([at.CORNER]), corner_after=one,
+            start=np.array([self.time]), stop=np.array([self.time + length]), steps=np.array([steps]), sampled=sampled,
+            event=np.array([at.CORNER]), corner_after=sampled,
         )  # fmt: skip
         self._stepper.enter(grid)
         base = Segment(
             number=0, positions=along_slides(self._drive, self._moved[np.newaxis])[0],
-            rates=along_slides(self._drive, self._rate[np.newaxis])[0], accelerations=np.tile(held, (points, 1)),
+            rates=along_slides(self._drive, self._rate[np.newaxis])[0], accelerations=np.tile(acceleration, (points, 1)),
             turns=np.empty(0), forces=np.tile(wrench, (points, 1, 1)) if self._sites else np.empty(0),
         )  # fmt: skip
         self._stepper.begin(base)
 
-    def _look(self, held: Array, wrench: Array) -> None:
+    def _look(self, acceleration: Array, wrench: Array) -> None:
         """Compute the values of the instant that was reached."""
         stepper = self._stepper
         with installed(stepper.model, stepper.data):
-            self._begin(self.timestep, 1, held, wrench)
+            self._begin(self.timestep, 1, acceleration, wrench)
             mujoco.mj_forward(stepper.model, stepper.data)
         self.values = stepper.data.sensordata[self.system.assembly.sensor :].copy()

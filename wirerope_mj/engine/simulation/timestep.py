@@ -112,7 +112,13 @@ def choose_timestep(
     hit: list[ChosenStep] = []  # of runs that hit a stop among the laws
     for halving in range(HALVINGS):
         fine = pilots.at(step / 2.0)
-        if coarse and fine and all(one.run.steps == other.run.steps for one, other in zip(coarse, fine, strict=True)):
+        if (
+            coarse
+            and fine
+            and all(
+                coarse_pilot.run.steps == fine_pilot.run.steps for coarse_pilot, fine_pilot in zip(coarse, fine, strict=True)
+            )
+        ):
             step, coarse = step / 2.0, fine  # between samples and corners no step was cut: nothing is learned
             continue
         difference = _difference(coarse, fine)
@@ -125,8 +131,8 @@ def choose_timestep(
             hit.append(ChosenStep(timestep=step, error=difference, limited_by=SENSITIVE))
         if error <= wanted:
             longer = _longer(pilots, fine, step, error, wanted, 0.5) if halving and not whole else None
-            found = ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
-            return longer or _done(found, coarse, whole)
+            choice = ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
+            return longer or _done(choice, coarse, whole)
         if touches and np.isfinite(difference):
             in_contact.append(_done(ChosenStep(timestep=step, error=error, limited_by=CONTACTS), coarse, whole))
             halvings = len(in_contact) - 1  # of steps at which the run does not fail
@@ -134,17 +140,17 @@ def choose_timestep(
             if halvings >= LUCK and in_reach > wanted and not in_reach <= ENOUGH_IN_CONTACT < error:
                 return _best(in_contact)
         elif difference <= FINER * wanted:
-            found = ChosenStep(timestep=step / 2.0, error=difference / FINER, limited_by=ACCURACY)
-            longer = None if whole else _longer(pilots, fine, step / 2.0, found.error, wanted)
-            return longer or _done(found, fine, whole)
+            choice = ChosenStep(timestep=step / 2.0, error=difference / FINER, limited_by=ACCURACY)
+            longer = None if whole else _longer(pilots, fine, step / 2.0, choice.error, wanted)
+            return longer or _done(choice, fine, whole)
         step, coarse = step / 2.0, fine
     if pilots.failures and not np.isfinite(error):
         every = "every step" if coarse is None else "steps"
         raise SimulationError(f"the run fails at {every} down to {step:.3g} s: {pilots.failures[-1]}")
     if hit and hit[-1].error <= 1.0:  # the longest step that is about as good as the best, and how much all finer ones scatter
-        least = min(one.error for one in hit)
-        first = next(i for i, one in enumerate(hit) if one.error <= 2.0 * least)
-        return replace(hit[first], error=max(one.error for one in hit[first:]))
+        least = min(pilot_step.error for pilot_step in hit)
+        first = next(i for i, pilot_step in enumerate(hit) if pilot_step.error <= 2.0 * least)
+        return replace(hit[first], error=max(pilot_step.error for pilot_step in hit[first:]))
     raise SimulationError(
         f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
         f"{error:.3g}. Ask for less (a larger `accuracy`), or give the `timestep`."
@@ -165,7 +171,7 @@ def _longer(
     if tried is None or fine is None:
         return None
     # Samples and corners cut steps: how much longer they are is known by how many there are.
-    taken = finer * min(one.run.steps / other.run.steps for one, other in zip(fine, tried, strict=True))
+    taken = finer * min(fine_pilot.run.steps / pilot.run.steps for fine_pilot, pilot in zip(fine, tried, strict=True))
     if taken <= 1.15:
         return None
     longer = _difference(tried, fine) * taken**2 / (taken**2 - finer**2)
@@ -269,7 +275,7 @@ class _Pilots:
         motions = [Later(self.motion, begin) for begin, _ in self.windows]
         grid = time_grid(
             start=0.0, duration=self.windows[0][1], sample_rate=self.sample_rate, timestep=step, motion=motions[0],
-            corners=np.concatenate([one.corners for one in motions]),
+            corners=np.concatenate([motion.corners for motion in motions]),
         )  # fmt: skip
         rows = [self._samples(grid) for _ in motions]
 
@@ -277,11 +283,15 @@ class _Pilots:
             rows[window][first : first + len(values)] = values
 
         done = run_in_lanes([self.system] * len(motions), motions, self.starts, grid, sink=sink)
-        if why := next((one for one in done if isinstance(one, str)), ""):
+        if why := next((outcome for outcome in done if isinstance(outcome, str)), ""):
             if why == WHY[WILD]:
                 raise SimulationError(why)
             return None
-        return [_pilot_of(self.system, one, kept) for one, kept in zip(done, rows, strict=True) if isinstance(one, RunResult)]
+        return [
+            _pilot_of(self.system, outcome, kept)
+            for outcome, kept in zip(done, rows, strict=True)
+            if isinstance(outcome, RunResult)
+        ]
 
     def _one(self, start: State, window: tuple[float, float], step: float) -> _Pilot:
         begin, length = window

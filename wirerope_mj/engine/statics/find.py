@@ -77,18 +77,18 @@ class EquilibriumSolver:
             lanes, some = first + np.minimum(np.arange(WIDTH), size - 1), slice(first, first + size)
             memory, places = np.zeros((int(lay[at.N_WORK]), WIDTH)), np.tile(self._start[:, np.newaxis], WIDTH)
             memory[lay[at.KIN] : lay[at.KIN] + e.rest.size] = e.rest[:, np.newaxis]
-            left, products = np.zeros(WIDTH), np.zeros((WIDTH, n_free, n_free))
+            remainder, products = np.zeros(WIDTH), np.zeros((WIDTH, n_free, n_free))
             settle(
                 lay, e.fix.copy(), np.ascontiguousarray(numbers[lanes].T), places, memory, self._free, self._loads, follows,
-                self._sizes, self._settings, left, products,
+                self._sizes, self._settings, remainder, products,
             )  # fmt: skip
-            states[some], residual[some], grams[some] = places.T[:size], left[:size], products[:size]
+            states[some], residual[some], grams[some] = places.T[:size], remainder[:size], products[:size]
             records[some] = memory[record : record + n_records].T[:size]
         mounts = records.reshape(n, -1, 4, 3)[:, :, :2].copy()
-        found = np.isfinite(residual) & (np.abs(mounts[:, :, 0]).max(axis=(1, 2), initial=0.0) < FARTHEST)
-        sizes = np.linalg.eigvalsh(np.where(found[:, np.newaxis, np.newaxis], grams, 0.0))
-        held = sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else found
-        return Equilibria(found=found, held=held, states=states, mounts=mounts, residual=residual)
+        converged = np.isfinite(residual) & (np.abs(mounts[:, :, 0]).max(axis=(1, 2), initial=0.0) < FARTHEST)
+        sizes = np.linalg.eigvalsh(np.where(converged[:, np.newaxis, np.newaxis], grams, 0.0))
+        constrained = sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else converged
+        return Equilibria(found=converged, held=constrained, states=states, mounts=mounts, residual=residual)
 
 
 @once_per_system
@@ -101,21 +101,21 @@ def settle_together(systems: Sequence[System], history: History) -> None:
 
     What is not found here is for `equilibrium` to find, or to say why there is none.
     """
-    systems = [one for one in systems if history not in _known.get(one, {}) and not not_held(one)]
-    systems = [one for one in systems if equations(one).key == equations(systems[0]).key]
+    systems = [system for system in systems if history not in _known.get(system, {}) and not not_held(system)]
+    systems = [system for system in systems if equations(system).key == equations(systems[0]).key]
     groups = [systems[first : first + WIDTH] for first in range(0, len(systems), WIDTH)]
     if not groups:
         return
     solver = equilibrium_solver(systems[0])
-    numbers = [np.array([equations(one).num for one in group]) for group in groups]
+    numbers = [np.array([equations(system).num for system in group]) for group in groups]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         run = pool.map if len(groups) > 1 else map
         solved = list(run(lambda some: solver.solve(some, history), numbers))
     for group, rests in zip(groups, solved, strict=True):
-        for number, one in enumerate(group):
-            with one.assembly.scratch.data(one.model) as data:
-                if found := _confirmed(one, history, data, rests, number):
-                    _known.setdefault(one, {})[history] = found
+        for number, system in enumerate(group):
+            with system.assembly.scratch.data(system.model) as data:
+                if confirmed := _confirmed(system, history, data, rests, number):
+                    _known.setdefault(system, {})[history] = confirmed
 
 
 def _confirmed(system: System, history: History, data: mujoco.MjData, rests: Equilibria, number: int) -> Equilibrium | None:

@@ -56,7 +56,7 @@ def linear_system(system: System, *, closed: bool) -> Linear:
             springs = np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)
             besides = np.diag(springs), np.diag(model.dof_damping)
         matrices = zip(_mount_matrices(system, data, closed), besides, strict=True)
-        stiffness, damping = ((mounts + own)[np.ix_(free, free)] for mounts, own in matrices)
+        stiffness, damping = ((mounts + of_joints)[np.ix_(free, free)] for mounts, of_joints in matrices)
         numbers = equality_rows(data) if model.neq else np.zeros(0, dtype=np.int64)
         rows = jacobian(model, data)[np.ix_(numbers, free)] if numbers.size else np.zeros((0, free.size))
         k, b, impedance, _ = data.efc_KBIP[numbers].T
@@ -122,18 +122,23 @@ def soft_equalities(system: System) -> tuple[str, ...]:
     """Return a sentence on equality constraints that give way in a simulation, with the natural frequency that this moves."""
     if not system.model.neq:
         return ()
-    found = linear_system(system, closed=False)
-    weight, _, stiffness = found.soft
-    rigid, shapes = _swinging(found.motions, found.stiffness, found.mass)
+    linear = linear_system(system, closed=False)
+    weight, _, stiffness = linear.soft
+    rigid, shapes = _swinging(linear.motions, linear.stiffness, linear.mass)
     sentences = []
-    for number in dict.fromkeys(found.equalities.tolist()):
-        own = found.equalities == number
-        motions, rows = left_by(found.rows[~own]), found.rows[own]  # this one soft, and rigid what else there is
-        added, held = ((rows.T * w) @ rows for w in (weight[own], (weight * stiffness)[own]))
-        soft, others = _swinging(motions, found.stiffness + held, found.mass + added)
+    for number in dict.fromkeys(linear.equalities.tolist()):
+        rows_of_equality = linear.equalities == number
+        motions, rows = (
+            left_by(linear.rows[~rows_of_equality]),
+            linear.rows[rows_of_equality],
+        )  # this one soft, and rigid what else there is
+        added, equality_stiffness = (
+            (rows.T * w) @ rows for w in (weight[rows_of_equality], (weight * stiffness)[rows_of_equality])
+        )
+        soft, others_frequencies = _swinging(motions, linear.stiffness + equality_stiffness, linear.mass + added)
         if not rigid.size or not soft.size:
             continue
-        moved = soft[np.argmax((shapes.T @ found.mass @ others) ** 2, axis=1)]  # each in the shape most like it
+        moved = soft[np.argmax((shapes.T @ linear.mass @ others_frequencies) ** 2, axis=1)]  # each in the shape most like it
         most = int(np.argmax(np.abs(np.log(moved / rigid))))
         if abs(moved[most] / rigid[most] - 1.0) > GIVES_WAY:
             sentences.append(

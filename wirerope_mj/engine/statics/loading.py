@@ -162,8 +162,10 @@ class Loading:
             self._accelerations(qpos)
             mujoco.mj_forward(model, self.data)  # sensors too
             rows = self._mounts().copy()
-            if found := beyond_laws(self.system, rows[:, 0]):
-                raise ConvergenceError(f"there is no equilibrium: mount {found[0]!r} would stand {found[1]}. {self._loads()}")
+            if message := beyond_laws(self.system, rows[:, 0]):
+                raise ConvergenceError(
+                    f"there is no equilibrium: mount {message[0]!r} would stand {message[1]}. {self._loads()}"
+                )
             state = state_of(model, self.data)
             return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 
@@ -230,8 +232,8 @@ class Loading:
 
     def _sunk(self, qpos: Array) -> Array:
         """Let a position fall, each coordinate at rest again where it turns back, until it hardly moves."""
-        found = linear_system(self.system, closed=True)
-        fastest = float(np.sqrt(max(np.linalg.eigvals(np.linalg.solve(found.mass, found.stiffness)).real.max(), 1.0)))
+        linear = linear_system(self.system, closed=True)
+        fastest = float(np.sqrt(max(np.linalg.eigvals(np.linalg.solve(linear.mass, linear.stiffness)).real.max(), 1.0)))
         step, velocity, tried = FALL / fastest, np.zeros(self.free.size), self.tried
         for _ in range(FALLING):
             acceleration = self._accelerations(qpos)

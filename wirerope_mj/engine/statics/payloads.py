@@ -81,9 +81,9 @@ def payloads_in(system: System, data: mujoco.MjData, *, of_contacts: bool = True
     `of_contacts`: also with what presses on them, or hangs on them by a tendon or its limit, and is not carried otherwise.
     """
     model, roots = system.model, _roots(system)
-    own = [_lowest(model, model.body(mount.payload_body).id, roots) for mount in system.mounts.values()]
+    carriers_of_mounts = [_lowest(model, model.body(mount.payload_body).id, roots) for mount in system.mounts.values()]
     frames = {_lowest(model, model.body(mount.base_body).id, roots) for mount in system.mounts.values()}
-    groups = {root: [root] for root in own}
+    groups = {root: [root] for root in carriers_of_mounts}
     taken, joined = (
         {*groups, *frames},
         [
@@ -206,9 +206,9 @@ def _masses(system: System) -> list[str]:
     apart = float(np.linalg.norm(np.ptp(places, axis=0)))
     said = []
     for payload in movers_of(system):
-        own = np.isin(model.geom_bodyid, payload.bodies) & (model.geom_rbound > 0.0)  # planes have no end, and a bound of 0
-        distances = np.linalg.norm(data.geom_xpos[own] - places.mean(axis=0), axis=1)
-        extent = float((distances + model.geom_rbound[own]).max(initial=0.0))
+        geoms = np.isin(model.geom_bodyid, payload.bodies) & (model.geom_rbound > 0.0)  # planes have no end, and a bound of 0
+        distances = np.linalg.norm(data.geom_xpos[geoms] - places.mean(axis=0), axis=1)
+        extent = float((distances + model.geom_rbound[geoms]).max(initial=0.0))
         reach = max(_REACH * max(apart, _LEAST), 2.0 * extent)
         for body in payload.bodies:
             mass, name = float(model.body_mass[body]), model.body(body).name
@@ -242,9 +242,9 @@ def _loads(system: System) -> list[str]:
         carried = [payload]
         for lower in carried:  # and what stands on it, on mounts of its own
             above = {body for _, body, base in mounts if base in lower.bodies}
-            carried += [one for one in payloads if one not in carried and not above.isdisjoint(one.bodies)]
+            carried += [payload for payload in payloads if payload not in carried and not above.isdisjoint(payload.bodies)]
         rated = [load for load, body, _ in mounts if body in payload.bodies]
-        mass, total = sum(one.mass for one in carried), sum(filter(None, rated))
+        mass, total = sum(payload.mass for payload in carried), sum(filter(None, rated))
         if None in rated or not rated or _RATED[0] <= (used := mass * STANDARD_GRAVITY / total) <= _RATED[1]:
             continue
         slips = [unit for unit, size in UNITS["mass"].items() if _RATED[0] <= used * size <= _RATED[1]]

@@ -81,8 +81,8 @@ class SlowPath:
         coupled = [(row, isolator.coupled) for row, isolator in enumerate(mounts)]
         pairs = [
             (row, scale, law)
-            for row, one in coupled if one is not None
-            for scale, law in ([(-1, one)] if one.brackets is not None else enumerate(one.scales))
+            for row, coupling in coupled if coupling is not None
+            for scale, law in ([(-1, coupling)] if coupling.brackets is not None else enumerate(coupling.scales))
         ]  # fmt: skip
         self.coupled = np.array([row for row, _, _ in pairs], dtype=np.int64)
         self.scales = np.array([scale for _, scale, _ in pairs], dtype=np.int64)

@@ -94,11 +94,11 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
                 f"site {plain.site(site).name!r}: a force acts on what the mounts carry, and this site is fixed to the base or "
                 "the world."
             )
-    slide, own = mujoco.mjtJoint.mjJNT_SLIDE, np.flatnonzero(plain.jnt_bodyid == base).tolist() if base else []
-    hinges = [joint for joint in own if plain.joint(joint).name.endswith(TURNS)]
+    slide, base_joints = mujoco.mjtJoint.mjJNT_SLIDE, np.flatnonzero(plain.jnt_bodyid == base).tolist() if base else []
+    hinges = [joint for joint in base_joints if plain.joint(joint).name.endswith(TURNS)]
     if hinges:
-        _check_hinges(plain, base, own)
-    driven = tuple(joint for joint in own if plain.jnt_type[joint] == slide or joint in hinges)
+        _check_hinges(plain, base, base_joints)
+    driven = tuple(joint for joint in base_joints if plain.jnt_type[joint] == slide or joint in hinges)
     for joint in spec.joints:
         if joint.id in driven:  # a drive: huge inertia, no friction and no limits of its own
             joint.armature, joint.frictionloss = ROTATING_ARMATURE if hinges else DRIVE_ARMATURE, 0.0

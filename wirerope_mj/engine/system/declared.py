@@ -76,9 +76,9 @@ def declared_mounts(
         elements = slice(model.tuple_adr[t], model.tuple_adr[t] + model.tuple_size[t])
         kinds = [mujoco.mjtObj(kind) for kind in model.tuple_objtype[elements]]
         if kinds != [mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TEXT]:
-            held = [kind.name.removeprefix("mjOBJ_").lower() for kind in kinds]
+            kind_names = [kind.name.removeprefix("mjOBJ_").lower() for kind in kinds]
             raise ModelError(
-                f"tuple {tuple_name!r} must hold a payload site, a base site and a text, in this order; it has {held}."
+                f"tuple {tuple_name!r} must hold a payload site, a base site and a text, in this order; it has {kind_names}."
             )
         payload_site, base_site, text = model.tuple_objid[elements].tolist()
         text_name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, text)
@@ -110,7 +110,7 @@ def declared_mounts(
 def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    seen: dict[tuple[int, int, str], str] = {}
+    mounts_by_sites: dict[tuple[int, int, str], str] = {}
     names: set[str] = set()
     for mount in mounts:
         sites = [model.site(site).name for site in (mount.payload_site, mount.base_site)]
@@ -127,12 +127,12 @@ def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
         if model.body_weldid[bodies[0]] == model.body_weldid[bodies[1]]:
             raise ModelError(f"mount {mount.name!r}: sites {sites[0]!r} and {sites[1]!r} belong to the same rigid body.")
         key = (mount.payload_site, mount.base_site, mount.isolator_name)
-        if key in seen:
+        if key in mounts_by_sites:
             raise ModelError(
-                f"mounts {seen[key]!r} and {mount.name!r} place the same isolator {mount.isolator_name!r} between the same "
-                f"sites {sites[0]!r} and {sites[1]!r}; remove one, or give it sites of its own."
+                f"mounts {mounts_by_sites[key]!r} and {mount.name!r} place the same isolator {mount.isolator_name!r} between "
+                f"the same sites {sites[0]!r} and {sites[1]!r}; remove one, or give it sites of its own."
             )
-        seen[key] = mount.name
+        mounts_by_sites[key] = mount.name
         if all(law is None for law in mount.isolator.axes.values()):
             raise ModelError(f"mount {mount.name!r}: isolator {mount.isolator.name!r} has no law on any axis.")
 
@@ -220,7 +220,7 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
             raise ModelError(f"numeric {name!r}: a limit is called limit/KIND/NAME, KIND one of {', '.join(KINDS)}.")
         known_there = known[kind]
         if prefix + subject not in known_there and BETWEEN in subject:
-            subject = BETWEEN.join(prefix + one if number else one for number, one in enumerate(subject.split(BETWEEN)))
+            subject = BETWEEN.join(prefix + part if number else part for number, part in enumerate(subject.split(BETWEEN)))
         subject = prefix + subject
         if not is_subject(subject, kind, known):
             raise ModelError(
@@ -231,7 +231,7 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
             limit = PayloadLimit(kind=kind, name=subject, values=tuple(model.numeric(i).data.tolist()))
         except ValueError as error:
             raise ModelError(f"numeric {name!r}: {error}") from None
-        if any((other.kind, other.name) == (kind, subject) for other in limits):
+        if any((earlier.kind, earlier.name) == (kind, subject) for earlier in limits):
             raise ModelError(f"numeric {name!r}: the {kind} of {subject!r} is limited twice.")
         limits.append(limit)
     return tuple(limits)

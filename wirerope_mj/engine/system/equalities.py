@@ -54,8 +54,8 @@ def equality_name(model: mujoco.MjModel, number: int) -> str:
     if kind.startswith("flex"):
         of = mujoco.mjtObj.mjOBJ_FLEX
     ends = (mujoco.mj_id2name(model, of, int(end[number])) for end in (model.eq_obj1id, model.eq_obj2id) if end[number] >= 0)
-    own = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_EQUALITY, number)
-    return f"equality{f' {own!r}' if own else ''} ({kind} of {' and '.join(repr(end) for end in ends)})"
+    name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_EQUALITY, number)
+    return f"equality{f' {name!r}' if name else ''} ({kind} of {' and '.join(repr(end) for end in ends)})"
 
 
 def check_base_is_free(model: mujoco.MjModel, base: str, driven: list[int]) -> None:
@@ -64,8 +64,8 @@ def check_base_is_free(model: mujoco.MjModel, base: str, driven: list[int]) -> N
     mujoco.mj_fwdPosition(model, data)
     rows = equality_rows(data)
     moves = np.abs(jacobian(model, data)[rows]) > _RANK
-    held = moves[:, driven].any(axis=1) & ~np.delete(moves, driven, axis=1).any(axis=1)
-    for number in data.efc_id[rows][held].tolist()[:1]:
+    constrained = moves[:, driven].any(axis=1) & ~np.delete(moves, driven, axis=1).any(axis=1)
+    for number in data.efc_id[rows][constrained].tolist()[:1]:
         raise ModelError(
             f"{equality_name(model, number)} holds the driven base {base!r}, which moves as the motion says. Remove it, or "
             "join what the base carries."

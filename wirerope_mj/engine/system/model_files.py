@@ -65,26 +65,26 @@ def write_whole(system: System, folder: Path) -> Path:
         return target
     (folder / CHANGES).unlink()
     spec, model = mujoco.MjSpec.from_file(str(target)), system.model
-    for name in {name for one in system.changes for name in (*one.masses, *one.centres)}:
-        body, own = spec.body(name), model.body(name)
-        body.explicitinertial, body.mass = True, float(own.mass[0])
-        body.ipos, body.iquat, body.inertia = own.ipos, own.iquat, own.inertia
-    for name in {name for one in system.changes for name in (*one.positions, *one.turns)}:
+    for name in {name for change in system.changes for name in (*change.masses, *change.centres)}:
+        body, compiled = spec.body(name), model.body(name)
+        body.explicitinertial, body.mass = True, float(compiled.mass[0])
+        body.ipos, body.iquat, body.inertia = compiled.ipos, compiled.iquat, compiled.inertia
+    for name in {name for change in system.changes for name in (*change.positions, *change.turns)}:
         for site in (system.mounts[name].payload_site, system.mounts[name].base_site):
             spec.site(site).alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
             spec.site(site).pos, spec.site(site).quat = model.site(site).pos, model.site(site).quat
-    for name in {name for one in system.changes for name in one.tunings}:
-        joint, own = spec.joint(name), model.joint(name)
-        joint.stiffness, joint.damping = own.stiffness, own.damping
+    for name in {name for change in system.changes for name in change.tunings}:
+        joint, compiled = spec.joint(name), model.joint(name)
+        joint.stiffness, joint.damping = compiled.stiffness, compiled.damping
     texts: dict[str, Isolator] = {}
-    for name in {name: None for one in system.changes for name in one.isolators}:
+    for name in {name: None for change in system.changes for name in change.isolators}:
         isolator = system.mounts[name].written
-        key = next((key for key, one in texts.items() if one == isolator), f"{system.mounts[name].isolator_name}-{name}")
+        key = next((key for key, text in texts.items() if text == isolator), f"{system.mounts[name].isolator_name}-{name}")
         if key not in texts:
             texts[key] = isolator
             isolator.save(folder / "isolators" / f"{key}.toml")
             spec.add_text(name=f"isolator/{key}", data=f"isolators/{key}.toml")
-        next(one for one in spec.tuples if one.name.replace("mount/", "", 1) == name).objname[2] = f"isolator/{key}"
+        next(element for element in spec.tuples if element.name.replace("mount/", "", 1) == name).objname[2] = f"isolator/{key}"
     spec.compile()
     target.write_text(spec.to_xml(), encoding="utf-8")
     return target
@@ -99,7 +99,7 @@ def model_table(system: System, model: Path) -> dict[str, str]:
 def read_changes(path: Path) -> tuple[Changes, ...]:
     """Return the changes that `write_model` wrote beside a model; RecordError if the file does not hold any."""
     try:
-        return tuple(Changes.from_dict(one) for one in toml_content(path)["changes"])
+        return tuple(Changes.from_dict(content) for content in toml_content(path)["changes"])
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, ModelError):
         raise RecordError(
             f"{path}: this file was written beside the model and says what the variant differs by; it cannot be read, or was "
@@ -143,8 +143,8 @@ def _isolator_files(system: System) -> dict[str, tuple[str, str]]:
 
 def _isolator_of(system: System, text_name: str) -> Isolator:
     key = text_name.split("isolator/", 1)[-1]
-    own = {mount for changes in system.changes for mount in changes.isolators}  # those stand with the changes
-    written = [mount for mount in system.mounts.values() if mount.isolator_name == key and mount.name not in own]
+    changed = {mount for changes in system.changes for mount in changes.isolators}  # those stand with the changes
+    written = [mount for mount in system.mounts.values() if mount.isolator_name == key and mount.name not in changed]
     if any(mount.written != system.isolators[key] for mount in written):
         raise ModelError(f"two different isolators are both called {key!r} in this model; a run must tell them apart.")
     return system.isolators[key]

@@ -57,12 +57,12 @@ def check_regular(model: Path) -> None:
 def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, ...]]]:
     """Yield the elements of a model file and of those that it includes or attaches, each with the folders it searches."""
     todo: list[tuple[Path, tuple[Path, ...]]] = [(model, ())]
-    seen = set()
+    visited = set()
     while todo:
         file, searched = todo.pop(0)
-        if file.resolve() in seen or not is_inside(file, model.parent):
+        if file.resolve() in visited or not is_inside(file, model.parent):
             continue  # a file may include itself, which MuJoCo refuses
-        seen.add(file.resolve())
+        visited.add(file.resolve())
         _is_there(file)
         try:
             tree = ElementTree.fromstring(file.read_text(encoding="utf-8", errors="replace"))
@@ -73,8 +73,8 @@ def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, 
                 "cannot be found. Write & as &amp; and < as &lt;, close every element, and give no attribute twice."
             ) from None
         stated = [compiler.get(key, "") for compiler in tree.iter("compiler") for key in _FOLDERS]
-        own = (file.parent, model.parent)
-        folders = (*own, *searched, *(base / name for name in stated for base in reversed(own)))
+        bases = (file.parent, model.parent)
+        folders = (*bases, *searched, *(base / name for name in stated for base in reversed(bases)))
         yield tree, folders
         todo += [(source, folders) for _, source, is_model in _sources(tree, folders) if is_model]
 

@@ -73,9 +73,9 @@ def with_gravity(system: System, *, up: Sequence[float] | Array) -> System:
             another gravity than the earth's.
     """
     gravity = 0.0 - STANDARD_GRAVITY * unit_vector(checked_direction(up, "up"))
-    own = float(np.linalg.norm(system.model.opt.gravity))
-    if abs(own - STANDARD_GRAVITY) > GRAVITY_ERROR:
-        raise ModelError(f"gravity of this model is {own:.4g} m/s^2: it is turned where it is {STANDARD_GRAVITY:g}.")
+    magnitude = float(np.linalg.norm(system.model.opt.gravity))
+    if abs(magnitude - STANDARD_GRAVITY) > GRAVITY_ERROR:
+        raise ModelError(f"gravity of this model is {magnitude:.4g} m/s^2: it is turned where it is {STANDARD_GRAVITY:g}.")
     if system.assembly.subjects.modes or has_deck(system):
         raise ModelError("gravity is not turned where a deck or a body bends: they are laid out for the gravity of the model.")
     root = model_root(system)
@@ -157,14 +157,14 @@ def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str
     subjects = system.assembly.subjects
     with system.assembly.scratch.data(model) as data:
         mujoco.mj_kinematics(model, data)
-        for one in dict.fromkeys([*system.assembly.tables.sites.ravel().tolist(), *subjects.points, *subjects.forces]):
-            if model.body_weldid[model.site_bodyid[one]] != number:
+        for site in dict.fromkeys([*system.assembly.tables.sites.ravel().tolist(), *subjects.points, *subjects.forces]):
+            if model.body_weldid[model.site_bodyid[site]] != number:
                 continue
-            place = (data.site_xpos[one] - data.body(body).xpos) @ data.body(body).xmat.reshape(3, 3)
+            place = (data.site_xpos[site] - data.body(body).xpos) @ data.body(body).xmat.reshape(3, 3)
             try:
-                sites[model.site(one).name] = part.nearest(place)
+                sites[model.site(site).name] = part.nearest(place)
             except ValueError as error:
-                raise ModelError(f"site {model.site(one).name!r} on {body!r}: {error}") from None
+                raise ModelError(f"site {model.site(site).name!r} on {body!r}: {error}") from None
     root = model_root(system)
     add_part(root, part, name=name, body=body, sites=sites, gravity=model.opt.gravity)
     return written(root)
@@ -219,7 +219,7 @@ def with_part(system: System, names: Mapping[str, str]) -> str:
         ET.SubElement(custom, "text", name=f"isolator/{name}", data=f"isolators/{name}.toml")
     for limit in system.limits:
         key = f"limit/{limit.kind}/{limit.name}"
-        for old in [one for one in custom.findall("numeric") if one.get("name") == key]:
+        for old in [element for element in custom.findall("numeric") if element.get("name") == key]:
             custom.remove(old)
         ET.SubElement(custom, "numeric", name=key, data=" ".join(f"{value:.12g}" for value in limit.values))
     return written(root)

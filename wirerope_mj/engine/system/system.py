@@ -65,7 +65,7 @@ class Mount(Brief):
 
         None where one of the two does not state its height.
         """
-        before, after = (one.geometry.height if one.geometry else None for one in (self.written, isolator))
+        before, after = (device.geometry.height if device.geometry else None for device in (self.written, isolator))
         return (0.5 * (before - after) * self.axes[:, 2]).tolist() if before and after else None
 
 
@@ -147,17 +147,17 @@ class System(Summarised):
     @property
     def bottoms(self) -> dict[str, str]:
         """The stops where mounts go solid, which stand at the sites of a mount, by that mount."""
-        at = {(one.payload_site, one.base_site): name for name, one in self.mounts.items() if not one.isolator.is_stop}
-        stops = {name: one for name, one in self.mounts.items() if BOTTOM in one.isolator_name and one.isolator.is_stop}
-        return {at[sites]: name for name, one in stops.items() if (sites := (one.payload_site, one.base_site)) in at}
+        at = {(mount.payload_site, mount.base_site): name for name, mount in self.mounts.items() if not mount.isolator.is_stop}
+        stops = {name: mount for name, mount in self.mounts.items() if BOTTOM in mount.isolator_name and mount.isolator.is_stop}
+        return {at[sites]: name for name, stop in stops.items() if (sites := (stop.payload_site, stop.base_site)) in at}
 
     @property
     def name(self) -> str:
         """Name of the model's file without its ending; of a text the name that it gives itself, else "model"."""
         if self.path:
             return self.path.stem
-        own = self.model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
-        return own if own and set(own) <= _LETTERS else "model"
+        stated = self.model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
+        return stated if stated and set(stated) <= _LETTERS else "model"
 
 
 def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:

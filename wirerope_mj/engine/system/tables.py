@@ -66,8 +66,7 @@ def untouched(model: mujoco.MjModel, pair: tuple[int, int]) -> ContactPeak:
 
 def contact_name(model: mujoco.MjModel, geoms: tuple[int, int]) -> str:
     """Name a pair of geoms, "stop_1 on pad_1"."""
-    one, other = (geom_name(model, geom) for geom in geoms)
-    return f"{one} on {other}"
+    return " on ".join(geom_name(model, geom) for geom in geoms)
 
 
 def geom_name(model: mujoco.MjModel, geom: int) -> str:
@@ -245,8 +244,8 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
                 n_parameters += parameters[-1].size
             n_states += size
         states[mount] = (slices[0], slices[1], slices[2])
-    made = replace(tables, layout=tables.layout.copy(), states=states)
-    for row, isolator in zip(made.rows(at.MOUNTS, at.MOUNT_COLUMNS, len(acting)), acting.values(), strict=True):
+    rewritten = replace(tables, layout=tables.layout.copy(), states=states)
+    for row, isolator in zip(rewritten.rows(at.MOUNTS, at.MOUNT_COLUMNS, len(acting)), acting.values(), strict=True):
         row[at.COUPLING] = -1
         if isolator.coupled is not None:
             row[at.COUPLING] = n_parameters
@@ -254,8 +253,8 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
             n_parameters += parameters[-1].size
         row[at.TURNING : at.MODELLED], row[at.PARTNER] = turning(isolator), max(isolator.coupled_axes, default=0)
         row[at.TRAVEL : at.SHAPES] = rated_travel(isolator)
-    made.rows(at.AXES, at.AXIS_COLUMNS, len(axes))[:] = axes
-    made.layout[at.N_SLIPPING] = sum(kernel in (MASING, PARALLEL) for kernel, *_ in axes)
+    rewritten.rows(at.AXES, at.AXIS_COLUMNS, len(axes))[:] = axes
+    rewritten.layout[at.N_SLIPPING] = sum(kernel in (MASING, PARALLEL) for kernel, *_ in axes)
     par = np.concatenate([*parameters, []])
     stops = []
     for number, (kernel, first, state, _) in enumerate(axes):
@@ -264,9 +263,9 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
             if kind == STOP:
                 p = first + int(p)
                 stops.append([*divmod(number, 3), p, state + z if par[p + LOSS] != 0.0 else -1])
-    made.layout[at.N_STOPS], room = len(stops), tables.user.n_stops  # `changed` refuses more of them
-    made.rows(at.STOPS, at.STOP_COLUMNS, room)[: len(stops)] = np.reshape(stops[:room], (-1, at.STOP_COLUMNS))
-    return replace(made, parameters=par)
+    rewritten.layout[at.N_STOPS], room = len(stops), tables.user.n_stops  # `changed` refuses more of them
+    rewritten.rows(at.STOPS, at.STOP_COLUMNS, room)[: len(stops)] = np.reshape(stops[:room], (-1, at.STOP_COLUMNS))
+    return replace(rewritten, parameters=par)
 
 
 def turning(isolator: Isolator) -> tuple[float, float, float]:
@@ -280,7 +279,7 @@ def rated_travel(isolator: Isolator) -> list[float]:
     stated = isolator.limits.travel.stated
     ratings = ("roll", "shear", "compression", "tension")
     # a number, for any length
-    return [(1.0 / max(stated[one], 1e-100)) ** 2 if one in stated else 0.0 for one in ratings]
+    return [(1.0 / max(stated[rating], 1e-100)) ** 2 if rating in stated else 0.0 for rating in ratings]
 
 
 def _channels(on: Subjects, declared: list[DeclaredMount]) -> list[int]:

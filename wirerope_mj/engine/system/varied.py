@@ -122,8 +122,8 @@ def changed(system: System, changes: Changes) -> System:
 
 def with_changes(system: System, changes: Sequence[Changes]) -> System:
     """Return the variant of `system` that changes make, one after the other."""
-    for one in changes:
-        system = changed(system, one)
+    for change in changes:
+        system = changed(system, change)
     return system
 
 
@@ -131,7 +131,8 @@ def with_other_laws(system: System, change: Callable[[Isolator], Isolator]) -> S
     """Return `system` with every isolator replaced by what `change` makes of it; compiled anew, so that all fit."""
     isolators = {name: change(isolator) for name, isolator in system.isolators.items()}
     changes = [
-        replace(one, isolators={mount: change(isolator) for mount, isolator in one.isolators.items()}) for one in system.changes
+        replace(earlier, isolators={mount: change(isolator) for mount, isolator in earlier.isolators.items()})
+        for earlier in system.changes
     ]
     return with_changes(load_system(system.path or system.mjcf, isolators=isolators), changes)
 
@@ -168,15 +169,15 @@ def change_masses(model: mujoco.MjModel, masses: Mapping[str, float]) -> None:
 
 def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
     """Return the slides and hinges with springs, and the natural frequency [Hz] that each gives what stands on it alone."""
-    found = {}
+    joints = {}
     for joint in np.flatnonzero(model.jnt_stiffness > 0.0).tolist():
         if model.jnt_type[joint] < int(mujoco.mjtJoint.mjJNT_SLIDE) or not model.joint(joint).name:
             continue
         inertia = float(model.body_subtreemass[model.jnt_bodyid[joint]])
         if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE:
             inertia = 1.0 / float(model.dof_invweight0[model.jnt_dofadr[joint]])
-        found[model.joint(joint).name] = float(np.sqrt(model.jnt_stiffness[joint] / inertia)) / (2.0 * np.pi)
-    return found
+        joints[model.joint(joint).name] = float(np.sqrt(model.jnt_stiffness[joint] / inertia)) / (2.0 * np.pi)
+    return joints
 
 
 def tune(model: mujoco.MjModel, tunings: Mapping[str, float], nominal: mujoco.MjModel) -> None:
@@ -214,10 +215,10 @@ def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, chan
     for name, mount in system.mounts.items():
         move = changes.positions.get(name, _NONE), changes.turns.get(name, _NONE)
         for site in (model.site(mount.payload_site).id, model.site(mount.base_site).id):
-            other, already = moves.setdefault(site, (name, move))
+            earlier, already = moves.setdefault(site, (name, move))
             if already != move:
                 raise ModelError(
-                    f"mounts {other!r} and {name!r} share the site {model.site(site).name!r} and can only be moved together; "
+                    f"mounts {earlier!r} and {name!r} share the site {model.site(site).name!r} and can only be moved together; "
                     "give both the same shift and turn, or sites of their own."
                 )
     on_tendons = set(model.wrap_objid[model.wrap_type == mujoco.mjtWrap.mjWRAP_SITE].tolist())
@@ -246,8 +247,11 @@ def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
 def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, room: int) -> str:
     def size(isolator: Isolator) -> int:
         acting = isolator.conditioned
-        coupled, own = acting.coupled, sum(law.kernel_parameters().size for law in acting.axes.values() if law is not None)
-        return own + (0 if coupled is None else coupled.mount_parameters().size)
+        coupled, parameters = (
+            acting.coupled,
+            sum(law.kernel_parameters().size for law in acting.axes.values() if law is not None),
+        )
+        return parameters + (0 if coupled is None else coupled.mount_parameters().size)
 
     old = max(system.mounts.values(), key=lambda mount: size(isolators[mount.name]) - size(mount.isolator))
     new = isolators[old.name]

@@ -106,7 +106,7 @@ def estimate_loop(
 
 def error_bands(left_out: LeftOut) -> dict[str, Band]:
     """Find the errors of the estimates of known parts, by the name of the value."""
-    others = other_vendor_errors()
+    errors_of_others = other_vendor_errors()
 
     def covering(errors: Array) -> float:
         return float(np.expm1(np.quantile(np.abs(errors), COVERED)))
@@ -115,7 +115,7 @@ def error_bands(left_out: LeftOut) -> dict[str, Band]:
         name: Band(
             within=covering(errors),
             worst=float(np.expm1(np.abs(errors).max())),
-            other=covering(others[name]) if name in others else None,
+            other=covering(errors_of_others[name]) if name in errors_of_others else None,
         )
         for name, errors in left_out_errors(left_out).items()
     }
@@ -153,10 +153,10 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     )  # fmt: skip
     fitted = fit_part(part, scales=1)
     band = estimate.bands["compression shock"]
-    other = f", of VMC's within {1.0 + band.other:.2f}" if band.other is not None else ""
+    text_of_others = f", of VMC's within {1.0 + band.other:.2f}" if band.other is not None else ""
     assumed = [
         f"every value is estimated: such estimates of the shock stiffness in compression are within a factor of "
-        f"{1.0 + band.within:.2f} for 80 % of the catalogue's parts, {1.0 + band.worst:.2f} for all{other}",
+        f"{1.0 + band.within:.2f} for 80 % of the catalogue's parts, {1.0 + band.worst:.2f} for all{text_of_others}",
         "damping ratio: that of the catalogue's series",
         "[spread]: scatter of these estimates for the catalogue's own parts, as one factor on all forces of an axis; another "
         "vendor's parts scatter more",

@@ -334,8 +334,8 @@ class MeasuredRange(Part):
         """Return the range of both; a pace that one of them does not know is that of the other."""
         if other is None:
             return self
-        mine, others = self.stated, other.stated
-        known = {name: [one[name] for one in (mine, others) if name in one] for name in mine | others}
+        spans, other_spans = self.stated, other.stated
+        known = {name: [both[name] for both in (spans, other_spans) if name in both] for name in spans | other_spans}
         ends = {name: (min(pair[0] for pair in both), max(pair[1] for pair in both)) for name, both in known.items()}
         return MeasuredRange(**ends)
 
@@ -375,10 +375,10 @@ class Validity(Part):
         ends = dict(zip((item.name for item in fields(self)), pairs, strict=True))
         far = MOVING * max(high - low for low, high in ends.values())
         moving = {axis: high - low > far for axis, (low, high) in ends.items()}
-        texts = {axis: one.outside(*ends[axis], small=small and moving[axis]) for axis, one in self.stated.items()}
+        texts = {axis: span.outside(*ends[axis], small=small and moving[axis]) for axis, span in self.stated.items()}
         return {axis: text for axis, text in texts.items() if text}
 
 
 def _span(pair: Pair, factor: float) -> str:
-    low, high = (f"{factor * one:.3g}" for one in pair)
+    low, high = (f"{factor * value:.3g}" for value in pair)
     return low if low == high else f"{low} to {high}"

@@ -150,7 +150,7 @@ def export_structural(
         raise ValueError("COMBIN39 has no damping, and COMBIN14 beside it is a damper: leave `--damping structural` out.")
     acting = isolator.conditioned
     tables: list[AxisTable] = []
-    found = frequency
+    natural_frequency = frequency
     axes = [(axis, law) for axis in reversed(AXES) if (law := acting.axes[axis]) is not None]
     for axis, law in axes:
         below, above = _range(acting, axis, law)
@@ -159,19 +159,27 @@ def export_structural(
                 f"`amplitude` must be > 0 and within the range of each axis, {1e3 * min(below, above):.4g} mm along {axis}; "
                 f"got {1e3 * amplitude:.6g} mm."
             )
-        if found is None:
+        if natural_frequency is None:
             load = isolator.limits.static_load
             if load is None:
                 raise ValueError(
                     "`frequency` must be given: no static load is rated, of which it could be the natural frequency."
                 )
             stiffness = cyclic_test(law, amplitude)[0].secant_stiffness
-            found = math.sqrt(stiffness * STANDARD_GRAVITY / load) / (2.0 * math.pi)
-        tables.append(_table(axis, law, (below, above), amplitude, found, _ANSYS_POINTS if code == "Ansys" else None))
-    assert found is not None  # an isolator has a law
+            natural_frequency = math.sqrt(stiffness * STANDARD_GRAVITY / load) / (2.0 * math.pi)
+        tables.append(
+            _table(axis, law, (below, above), amplitude, natural_frequency, _ANSYS_POINTS if code == "Ansys" else None)
+        )
+    assert natural_frequency is not None  # an isolator has a law
     how: Damping = damping or ("viscous" if code == "Ansys" else "structural")
     return StructuralExport(
-        isolator=isolator, code=code, amplitude=amplitude, frequency=found, damping=how, units=units, tables=tables[::-1]
+        isolator=isolator,
+        code=code,
+        amplitude=amplitude,
+        frequency=natural_frequency,
+        damping=how,
+        units=units,
+        tables=tables[::-1],
     )
 
 
@@ -198,7 +206,7 @@ def _table(axis: str, law: Law, ends: tuple[float, float], amplitude: float, fre
     way, force = (np.concatenate([low[::-1], high]) for low, high in zip(*sides, strict=True))
     static = np.interp(loop.deflection, way, force)
     loops = cyclic_test(law, [part * min(ends) for part in _FRACTIONS], frequency=frequency)
-    small, whole = (one.secant_stiffness for one in loops)
+    small, whole = (loop.secant_stiffness for loop in loops)
     return AxisTable(
         axis=axis, points=points, missed=max(missed_below, missed_above), loop=loop,
         width=float(np.abs(loop.force - static).max() / np.abs(loop.force).max()), secants=(small, whole),
@@ -245,7 +253,7 @@ def _nastran(export: StructuralExport) -> Iterator[str]:
     by_axis, rotation = {table.axis: table for table in export.tables}, export.isolator.conditioned.rotation
     present = [by_axis.get(axis) for axis in AXES]
     turning = [0.0 if rotation is None else export.scaled(getattr(rotation, axis), "N m") for axis in AXES]
-    stiff = [0.0 if one is None else export.scaled(one.loop.secant_stiffness, "N/m") for one in present] + turning
+    stiff = [0.0 if axis is None else export.scaled(axis.loop.secant_stiffness, "N/m") for axis in present] + turning
     yield "$ K, GE and B: linear runs; KN: nonlinear ones, U = U(GB) - U(GA)"
     yield "$ GRID 2 lies on GRID 1, CORD2R 1 is the frame: place them, number all anew"
     yield "CORD2R,1,,0.,0.,0.,0.,0.,1."
@@ -255,17 +263,17 @@ def _nastran(export: StructuralExport) -> Iterator[str]:
     yield "CBUSH,1,1,1,2,,,,1"
     yield from _large("PBUSH", ["1", "K", *map(_real, stiff)])
     if export.damping == "structural":
-        losses = [0.0 if one is None else one.loss_factor for one in present]
+        losses = [0.0 if axis is None else axis.loss_factor for axis in present]
         yield from _large("", ["", "GE", *map(_real, [*losses, 0.0, 0.0, 0.0])])
     else:
-        dampers = [0.0 if one is None else export.scaled(one.viscous(export.frequency), "N s/m") for one in present]
+        dampers = [0.0 if axis is None else export.scaled(axis.viscous(export.frequency), "N s/m") for axis in present]
         yield from _large("", ["", "B", *map(_real, [*dampers, 0.0, 0.0, 0.0])])
-    numbers = ["" if one is None else str(number) for number, one in enumerate(present, start=1)]
+    numbers = ["" if axis is None else str(number) for number, axis in enumerate(present, start=1)]
     yield f"PBUSHT,1,KN,{','.join(numbers)}"
-    for number, one in enumerate(present, start=1):
-        if one is not None:
+    for number, axis in enumerate(present, start=1):
+        if axis is not None:
             cells = [
-                _real(export.scaled(value, unit)) for row in one.points for value, unit in zip(row, ("m", "N"), strict=True)
+                _real(export.scaled(value, unit)) for row in axis.points for value, unit in zip(row, ("m", "N"), strict=True)
             ]
             yield from _large("TABLED1", [str(number), *[""] * 7, *cells, "ENDT"])
 

@@ -54,7 +54,7 @@ def _read_one_of_several(table: Entries, place: Place) -> Law:
 
 def law_schema() -> Entries:
     """Return the JSON Schema of the table of an axis, which is `$defs/law` of the file's."""
-    found: list[Entries] = []
+    schemas: list[Entries] = []
     for name, kind in sorted(LAWS.items()):
         content = schema(kind)
         content["properties"] = {"law": {"const": name}} | content["properties"]
@@ -62,10 +62,10 @@ def law_schema() -> Entries:
         if kind is Tabulated:
             content["properties"]["points"] = {"description": "name of a CSV file of the curves", "type": "string"}
             del content["allOf"]
-        found.append(content)
+        schemas.append(content)
     laws = {"type": "array", "items": {"$ref": "#/$defs/law"}, "minItems": 1}
     several = {"type": "object", "properties": {"laws": laws}, "required": ["laws"], "additionalProperties": False}
-    return {"anyOf": [*found, several]}
+    return {"anyOf": [*schemas, several]}
 
 
 def read_curve(path: Path) -> dict[str, list[float]]:

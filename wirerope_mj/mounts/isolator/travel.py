@@ -104,15 +104,15 @@ def falling_from(law: Law, lowest: float, highest: float) -> dict[float, float]:
     Each side is run through from the unloaded device to the end of the stroke [m], as a shock does. A law that depends on the
     rate, and one that cannot go there, are left out, as are sides on which the force grows all the way.
     """
-    found: dict[float, float] = {}
+    velocities: dict[float, float] = {}
     if not law.rate_independent:
-        return found
+        return velocities
     for side, end, most in zip((-1.0, 1.0), (-lowest, highest), law.travel_ends, strict=True):
         reach = min(end, 0.999 * most)
         if 0.0 < reach < math.inf and (coarse := _fall(law, side, 0.0, reach)):
             # A chord falls from up to a step before the top of the force on.
-            found[side] = side * (_fall(law, side, max(coarse - 2.0 * reach / STEPS, 0.0), coarse) or coarse)
-    return found
+            velocities[side] = side * (_fall(law, side, max(coarse - 2.0 * reach / STEPS, 0.0), coarse) or coarse)
+    return velocities
 
 
 def _fall(law: Law, side: float, begin: float, end: float) -> float:

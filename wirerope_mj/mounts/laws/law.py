@@ -206,7 +206,7 @@ class Law(ABC):
         has a tuple of columns.
         """
         for column in columns.values():
-            if not all(np.isfinite(one).all() for one in (column if isinstance(column, tuple) else (column,))):
+            if not all(np.isfinite(values).all() for values in (column if isinstance(column, tuple) else (column,))):
                 return False
         many = object.__new__(type(self))
         for field in fields(self):
@@ -238,7 +238,7 @@ class Law(ABC):
         values: Entries = {}
         for key, power in self.powers_of(name).items():
             value, ratio = getattr(self, key), factor**power
-            values[key] = tuple(ratio * one for one in value) if isinstance(value, tuple) else ratio * value
+            values[key] = tuple(ratio * number for number in value) if isinstance(value, tuple) else ratio * value
         return replace(self, **values)
 
     def scaled(self, factor: float) -> Self:

@@ -129,7 +129,7 @@ class Parallel(Law):
                 for key, power in law.powers_of(name).items() if name in columns else ():
                     value = whole.get(key, getattr(law, key))
                     many = isinstance(value, tuple)
-                    whole[key] = tuple(one * factor**power for one in value) if many else value * factor**power
+                    whole[key] = tuple(number * factor**power for number in value) if many else value * factor**power
             if not law.certainly_valid(whole):
                 return False
         return True
@@ -141,7 +141,9 @@ class Parallel(Law):
             return FACTORS
         values = [{field.name: getattr(law, field.name) for field in fields(law)} for law in self.laws]
         numbers = [{name: value for name, value in of_law.items() if isinstance(value, float)} for of_law in values]
-        shared = [key for key in numbers[0] if all(key in one for one in numbers) and any(one[key] for one in numbers)]
+        shared = [
+            key for key in numbers[0] if all(key in number for number in numbers) and any(number[key] for number in numbers)
+        ]
         return (*FACTORS, *shared)
 
     def parameter(self, name: str) -> Any:

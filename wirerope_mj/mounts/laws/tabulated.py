@@ -166,12 +166,12 @@ class Tabulated(AsCall, Law):
         for number, (amplitude, area) in enumerate(zip(self.amplitudes, self.areas, strict=True)):
             # What the next amplitude's knot changes lies beyond this cycle: the areas are met one after the other.
             parts = np.eye(number + 1)
-            one = [cycle_area(self.amplitudes[: number + 1], part, amplitude, self.yield_deflection) for part in parts]
-            width = (area - float(np.dot(one[:-1], widths))) / one[-1]
+            areas = [cycle_area(self.amplitudes[: number + 1], part, amplitude, self.yield_deflection) for part in parts]
+            width = (area - float(np.dot(areas[:-1], widths))) / areas[-1]
             if width < 0.0:
                 raise ValueError(
-                    f"`areas`: the smaller cycles make {area - width * one[-1]:.6g} J of a cycle of {amplitude:.6g} m already, "
-                    f"more than its {area:.6g} J."
+                    f"`areas`: the smaller cycles make {area - width * areas[-1]:.6g} J of a cycle of {amplitude:.6g} m "
+                    f"already, more than its {area:.6g} J."
                 )
             widths.append(width)
         return widths

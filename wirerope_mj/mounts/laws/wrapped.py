@@ -94,7 +94,7 @@ def smoothable(law: Law) -> bool:
 def with_width(law: Law, width: float) -> Law:
     """Return a law smoothed over a velocity [m/s], of several in parallel each that can be; the law itself if none can."""
     if isinstance(law, Parallel):
-        laws = tuple(with_width(one, width) for one in law.laws)
+        laws = tuple(with_width(component, width) for component in law.laws)
         return replace(law, laws=laws) if laws != law.laws else law
     return Smoothed(law=law, width=width) if smoothable(law) else law
 
@@ -138,8 +138,8 @@ class OnBracket(_Wrapped):
 
     @property
     def initial_stiffness(self) -> float:
-        own = self.law.initial_stiffness
-        return own * self.stiffness / (own + self.stiffness)
+        tangent = self.law.initial_stiffness
+        return tangent * self.stiffness / (tangent + self.stiffness)
 
     def multiplied(self, name: str, factor: float) -> Self:
         stiffness = factor * self.stiffness if name == "stiffness" else self.stiffness

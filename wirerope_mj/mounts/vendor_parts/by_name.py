@@ -26,15 +26,15 @@ def load_isolator(path: str | Path | VendorPart, *, beside: str | Path | None = 
             vendor states too little of the part.
         ConvergenceError: no law has all the values that the vendor states.
     """
-    found = path
+    file = path
     if not isinstance(path, VendorPart) and (beside is not None or not (Path(path).suffix or exists(path))):
-        found = find_isolator(path, beside)
-    if isinstance(found, VendorPart):
-        shipped = shipped_file(found)
+        file = find_isolator(path, beside)
+    if isinstance(file, VendorPart):
+        shipped = shipped_file(file)
         if shipped is None:
-            return _fitted(found.name) if found in vendor_parts() else _fit(found)
-        found = catalogue_folder() / f"{shipped}.toml"
-    return _read(Path(found))
+            return _fitted(file.name) if file in vendor_parts() else _fit(file)
+        file = catalogue_folder() / f"{shipped}.toml"
+    return _read(Path(file))
 
 
 def _read(path: Path) -> Isolator:
@@ -74,17 +74,17 @@ def catalogue(pattern: str = "*") -> dict[str, Isolator | str]:
 
     ValueError if no name matches.
     """
-    found: dict[str, Isolator | str] = {}
+    isolators: dict[str, Isolator | str] = {}
     for part in vendor_parts():
         if fnmatchcase(part.name.lower(), pattern.lower()):
             try:
-                found[part.name] = load_isolator(part)
+                isolators[part.name] = load_isolator(part)
             except WireRopeError as error:
-                found[part.name] = str(error).removeprefix(f"{part.name}: ")
-    if not found:
+                isolators[part.name] = str(error).removeprefix(f"{part.name}: ")
+    if not isolators:
         text = f"no part of the vendors' tables is called {pattern!r}; `wirerope isolators --all` lists them."
         raise ValueError(text)
-    return found
+    return isolators
 
 
 def shipped_file(part: VendorPart) -> str | None:

@@ -86,7 +86,9 @@ class Band:
 def left_out(name: str, isolator: Isolator) -> Band:
     """Predict each value of a part from the rest, by the name of its file in the catalogue or in a vendor's table."""
     path = catalogue_folder() / "datasheets" / f"{name}.toml"
-    part = next((one for one in vendor_parts() if name.lower() in (one.name.lower(), shipped_file(one))), None)
+    part = next(
+        (candidate for candidate in vendor_parts() if name.lower() in (candidate.name.lower(), shipped_file(candidate))), None
+    )
     values: list[ComparedValue] = []
     if path.is_file():
         sheet = read_datasheet(path)
@@ -96,8 +98,8 @@ def left_out(name: str, isolator: Isolator) -> Band:
         known = {row.axis for row in values}
         values += [row for axis in AXES if axis not in known for row in _of_table(part, axis)]
         values += [] if DIAGONAL in known else diagonal_values(axis_of(part, "45"), isolator)
-    others = {} if part is None else {axis: _nine_in_ten(part.series.file, axis) for axis in AXES}
-    return Band(values=tuple(values), others=others)
+    other_errors = {} if part is None else {axis: _nine_in_ten(part.series.file, axis) for axis in AXES}
+    return Band(values=tuple(values), others=other_errors)
 
 
 def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
@@ -125,8 +127,8 @@ def _of_table(part: VendorPart, axis: str) -> list[ComparedValue]:
         return []
     ratio = median(_ratios(part.series.file, axis, part.name))
     return [
-        ComparedValue(axis=axis, name=name, unit="N/mm", vendor=1e-3 * vendor, fitted=1e-3 * found)
-        for name, vendor, found in (
+        ComparedValue(axis=axis, name=name, unit="N/mm", vendor=1e-3 * vendor, fitted=1e-3 * computed)
+        for name, vendor, computed in (
             ("vibration stiffness", stated.vibration, stated.shock / ratio),
             ("shock stiffness", stated.shock, stated.vibration * ratio),
         )
@@ -136,7 +138,7 @@ def _of_table(part: VendorPart, axis: str) -> list[ComparedValue]:
 def _ratios(file: str, axis: str, without: str = "") -> list[float]:
     """Return shock over vibration stiffness of a table's parts that state both, but for one part."""
     modes = [part.modes[axis] for part in vendor_parts() if part.series.file == file and part.name != without]
-    both = [(one.shock, one.vibration) for one in modes if one.shock is not None and one.vibration is not None]
+    both = [(mode.shock, mode.vibration) for mode in modes if mode.shock is not None and mode.vibration is not None]
     return [shock / vibration for shock, vibration in both if shock != vibration]
 
 

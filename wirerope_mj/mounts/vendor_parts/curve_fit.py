@@ -149,9 +149,9 @@ def fit_curves(content: Entries, path: Path) -> Isolator:
         )  # fmt: skip
     except ValueError as error:
         raise ModelError(f"{path}: {error}") from None
-    other = next(kind for kind in KINDS if kind != sheet.curve)
-    others = [row for row in curve_values(sheet, isolator) if row.name.startswith(other)]
-    rows = [f"{row.axis} {row.name} {row.vendor:.5g} N, here {row.fitted:.5g} N" for row in others]
+    other_kind = next(kind for kind in KINDS if kind != sheet.curve)
+    other_values = [row for row in curve_values(sheet, isolator) if row.name.startswith(other_kind)]
+    rows = [f"{row.axis} {row.name} {row.vendor:.5g} N, here {row.fitted:.5g} N" for row in other_values]
     fitted_to = provenance.fitted_to + (f". Not fitted: {'; '.join(rows)}" if rows else "")
     return replace(isolator, provenance=replace(provenance, fitted_to=fitted_to))
 

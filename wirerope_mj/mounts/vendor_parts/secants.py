@@ -186,8 +186,8 @@ def fit_damped(
 
     def surplus(yielding: float) -> float:
         friction, spring = _sizes(secants, curve, yielding, rule)
-        held = friction * rule.friction(amplitude, yielding, steady=True)
-        tips = math.cosh(exponent * amplitude) * (held + amplitude * spring * (1.0 + curve.cubic * amplitude**2))
+        friction_force = friction * rule.friction(amplitude, yielding, steady=True)
+        tips = math.cosh(exponent * amplitude) * (friction_force + amplitude * spring * (1.0 + curve.cubic * amplitude**2))
         return friction * rule.lost(amplitude, yielding, exponent) / (2.0 * math.pi * tips * amplitude) - damping
 
     tried = amplitude * np.geomspace(*_REACH, 25)

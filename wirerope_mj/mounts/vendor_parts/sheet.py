@@ -213,8 +213,8 @@ class DataSheet:
 
     @property
     def across(self) -> dict[str, AxisValues]:
-        one = {"shear" if self.stated_roll else "shear and roll": self.shear, "roll": self.roll}
-        return {name: values for name, values in one.items() if values is not None}
+        single_values = {"shear" if self.stated_roll else "shear and roll": self.shear, "roll": self.roll}
+        return {name: values for name, values in single_values.items() if values is not None}
 
 
 def read_datasheet(path: str | Path) -> DataSheet:

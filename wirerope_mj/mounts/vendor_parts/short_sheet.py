@@ -112,9 +112,9 @@ def ratios() -> Mapping[str, Array]:
     along, across = ([part.modes[mode] for part in parts] for mode in ("compression", "shear"))
     both = list(zip(along, across, strict=True))
     return {
-        "shock": all_of([over(one.shock, one.vibration) for one in along]),
-        "shear": all_of([over(two.vibration, one.vibration) for one, two in both]),
-        "height": all_of([over(part.height, one.travel) for part, one in zip(parts, along, strict=True)]),
+        "shock": all_of([over(axial.shock, axial.vibration) for axial in along]),
+        "shear": all_of([over(shear.vibration, axial.vibration) for axial, shear in both]),
+        "height": all_of([over(part.height, axial.travel) for part, axial in zip(parts, along, strict=True)]),
         "width": all_of([over(part.width, part.height) for part in parts]),
         "rope": all_of([over(part.rope, part.height) for part in parts]),
         "bar": all_of([over(part.bar, part.height) for part in parts]),
@@ -124,19 +124,19 @@ def ratios() -> Mapping[str, Array]:
 def assumptions(sheet: ShortSheet) -> dict[str, Assumption]:
     """Return the figures that a sheet leaves open and that matter, by name; with the values that are tried first."""
     tables, ends = ratios(), ((1.0 - INSIDE) / 2.0, (1.0 + INSIDE) / 2.0)
-    found: dict[str, Assumption] = {}
+    assumed: dict[str, Assumption] = {}
     for key, name in _NAMES.items():
         if getattr(sheet, f"{key}_stiffness") is None:
             (low, high), middle = np.quantile(tables[key], ends).tolist(), float(np.median(tables[key]))
             source = f"the median and nine in ten of {tables[key].size} parts in the vendors' tables"
-            found[key] = Assumption(name=name, factors=_FACTORS[key], value=middle, low=low, high=high, source=source)
+            assumed[key] = Assumption(name=name, factors=_FACTORS[key], value=middle, low=low, high=high, source=source)
     if sheet.damping is None:
-        low, high = (end(one.damping_range[k] for one in SERIES) for k, end in enumerate((min, max)))
+        low, high = (end(series.damping_range[k] for series in SERIES) for k, end in enumerate((min, max)))
         source = "the band is what Enidine and VMC state for their series"
         name = "damping ratio of small vibration"
         factors = _FACTORS["damping"]
-        found["damping"] = Assumption(name=name, factors=factors, value=_DAMPING, low=low, high=high, source=source)
-    return found
+        assumed["damping"] = Assumption(name=name, factors=factors, value=_DAMPING, low=low, high=high, source=source)
+    return assumed
 
 
 def read_short_sheet(path: Path) -> ShortSheet | None:
@@ -148,19 +148,19 @@ def read_short_sheet(path: Path) -> ShortSheet | None:
 
 def completed(sheet: ShortSheet, **assumed: float) -> DataSheet:
     """Return the sheet with all that it leaves open; `assumed` are other values than the tables' medians."""
-    found = {name: one.value for name, one in assumptions(sheet).items()} | assumed
+    values = {name: assumption.value for name, assumption in assumptions(sheet).items()} | assumed
     median = {name: float(np.median(values)) for name, values in ratios().items()}
     height = sheet.height or median["height"] * sheet.travel
     sizes: Entries = {name: getattr(sheet, name) or median[name] * height for name in ("width", "rope", "bar")}
     if sheet.stiffness_of == "shock":
-        vibration, shock = sheet.stiffness / found["shock"], sheet.stiffness
+        vibration, shock = sheet.stiffness / values["shock"], sheet.stiffness
     else:
-        vibration, shock = sheet.stiffness, sheet.shock_stiffness or found["shock"] * sheet.stiffness
+        vibration, shock = sheet.stiffness, sheet.shock_stiffness or values["shock"] * sheet.stiffness
     # one stiffness in shear, as Enidine's table has it, is a shock stiffness; the loop hardens that of small vibration
-    shear = sheet.shear_stiffness or found["shear"] * vibration
+    shear = sheet.shear_stiffness or values["shear"] * vibration
     return DataSheet(
         name=sheet.name, source=sheet.source, height=height, **sizes, bar_assumed=sheet.bar is None, scales=2,
-        static_load=sheet.static_load, damping_target=sheet.damping or found["damping"],
+        static_load=sheet.static_load, damping_target=sheet.damping or values["damping"],
         compression=AxisValues(travel=sheet.travel, vibration_stiffness=vibration, shock_stiffness=shock),
         shear=AxisValues(travel=sheet.shear_travel or sheet.travel, vibration_stiffness=shear, shock_stiffness=shear),
     )  # fmt: skip
@@ -186,11 +186,13 @@ class ShortFit:
     def bands(self) -> list[tuple[ComparedValue, float, float]]:
         """Return what the isolator does, and the ends of each figure's band: deviations of all assumptions, added squared."""
         nominal = _figures(self.sheet, self.isolator)
-        others = [[(end.part, _figures(self.sheet, end.isolator, end=True)) for end in pair] for pair in self.ends.values()]
+        end_figures = [
+            [(end.part, _figures(self.sheet, end.isolator, end=True)) for end in pair] for pair in self.ends.values()
+        ]
         rows = []
         for number, figure in enumerate(nominal):
             down = up = 0.0
-            for pair in others:
+            for pair in end_figures:
                 changes = [(figures[number].fitted - figure.fitted) / part for part, figures in pair]
                 down, up = down + min(0.0, *changes) ** 2, up + max(0.0, *changes) ** 2
             rows.append((figure, max(0.0, figure.fitted - down**0.5), figure.fitted + up**0.5))
@@ -236,14 +238,14 @@ def fit_short(sheet: ShortSheet) -> ShortFit:
         ValueError: no rope loop has the envelope of the sheet.
         ConvergenceError: no law has all its values.
     """
-    isolator, found = _first(sheet)
-    values = {name: one.value for name, one in found.items()}
+    isolator, assumed = _first(sheet)
+    values = {name: assumption.value for name, assumption in assumed.items()}
     ends = {
-        name: (_end(sheet, isolator, values, name, one.low), _end(sheet, isolator, values, name, one.high))
-        for name, one in found.items()
+        name: (_end(sheet, isolator, values, name, assumption.low), _end(sheet, isolator, values, name, assumption.high))
+        for name, assumption in assumed.items()
     }
     stated = isolator.provenance
-    ours = [one.text for one in found.values()]
+    ours = [assumption.text for assumption in assumed.values()]
     if sheet.stiffness_of == "vibration":
         ours.append(
             '`stiffness` is that of small vibration; where it is the mean over the travel, write stiffness_of = "shock"'
@@ -255,16 +257,17 @@ def fit_short(sheet: ShortSheet) -> ShortFit:
     provenance = replace(stated, kind="catalogue", assumed=(*ours, *sheet.assumed, *stated.assumed))
     geometry = Geometry(height=sheet.height, width=sheet.width, bar=sheet.bar) if sheet.height else None
     whole = replace(isolator, provenance=provenance, geometry=geometry)
-    return ShortFit(sheet=sheet, isolator=whole, assumed=found, ends=ends)
+    return ShortFit(sheet=sheet, isolator=whole, assumed=assumed, ends=ends)
 
 
 def _first(sheet: ShortSheet) -> tuple[Isolator, dict[str, Assumption]]:
     """Return the isolator with the values nearest to those that are tried first, and what is assumed."""
-    found, failed = assumptions(sheet), list[ConvergenceError]()
-    free: list[str] = [name for name in ("shock", "damping") if name in found]
+    assumed, failed = assumptions(sheet), list[ConvergenceError]()
+    free: list[str] = [name for name in ("shock", "damping") if name in assumed]
     for parts in product(_TRIED, repeat=len(free)):
         moved: dict[str, float] = {
-            name: found[name].value + abs(part) * ((found[name].high if part > 0.0 else found[name].low) - found[name].value)
+            name: assumed[name].value
+            + abs(part) * ((assumed[name].high if part > 0.0 else assumed[name].low) - assumed[name].value)
             for name, part in zip(free, parts, strict=True)
         }
         try:
@@ -272,7 +275,9 @@ def _first(sheet: ShortSheet) -> tuple[Isolator, dict[str, Assumption]]:
         except ConvergenceError as error:
             failed.append(error)
             continue
-        return isolator, {name: replace(one, value=moved.get(name, one.value)) for name, one in found.items()}
+        return isolator, {
+            name: replace(assumption, value=moved.get(name, assumption.value)) for name, assumption in assumed.items()
+        }
     raise failed[0]
 
 

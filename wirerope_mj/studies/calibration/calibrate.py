@@ -140,9 +140,9 @@ class Calibrated(Summarised):
     def not_identified(self) -> tuple[str, ...]:
         """A message for each unknown that the tests hardly narrow, and for each pair that is known together only."""
         texts = [
-            f"the tests say little of {name}: its standard deviation is {100.0 * left:.0f} % of that stated before"
-            for name, left in zip(self.names, self.learned, strict=True)
-            if left > LITTLE
+            f"the tests say little of {name}: its standard deviation is {100.0 * ratio:.0f} % of that stated before"
+            for name, ratio in zip(self.names, self.learned, strict=True)
+            if ratio > LITTLE
         ]
         for i, later in enumerate(self.names):
             for k, earlier in enumerate(self.names[:i]):
@@ -221,9 +221,9 @@ class Calibration(Calibrated):
         wider = SystemForward(laws.system, forward.tests, laws.vary, forward.domain)
         problem, first = Problem(wider, wider.series, wider.prior), len(forward.columns)
         start = np.insert(self.fit.normals, first, np.zeros(len(laws.added)))
-        found = fit(problem, begin=(start, self.fit.noises))
-        draws = sample(problem, found, draws=len(self.posterior.normals))
-        return Calibration(problem=problem, fit=found, posterior=draws, forward=wider)
+        refit = fit(problem, begin=(start, self.fit.noises))
+        draws = sample(problem, refit, draws=len(self.posterior.normals))
+        return Calibration(problem=problem, fit=refit, posterior=draws, forward=wider)
 
     def lag(self, number: int) -> float:
         """Return the delay of a measured history behind the model [s]; 0 unless it halves the rms residual.
@@ -281,5 +281,5 @@ def calibrate_model(
 ) -> Calibrated:
     """Calibrate the unknowns of any forward model to measured series; arguments as those of `calibrate`."""
     problem = Problem(forward, series, prior)
-    found = fit(problem, seed=seed)
-    return Calibrated(problem=problem, fit=found, posterior=sample(problem, found, draws=draws, seed=seed))
+    most_likely = fit(problem, seed=seed)
+    return Calibrated(problem=problem, fit=most_likely, posterior=sample(problem, most_likely, draws=draws, seed=seed))

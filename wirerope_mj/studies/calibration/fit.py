@@ -140,24 +140,24 @@ def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]]
         starts = normals[good][np.argsort(costs)[:STARTS]]
     else:
         starts, noises = begin[0][np.newaxis], begin[1]
-    found = min((_search(problem, noises, start, ROUGH) for start in starts), key=lambda ended: float(ended.cost))
+    best = min((_search(problem, noises, start, ROUGH) for start in starts), key=lambda ended: float(ended.cost))
     rounds, tolerance = (ROUNDS, FINE) if begin is None else (SHORT, ROUGH)
     for _ in range(rounds):
-        jacobian = problem.jacobian(found.x)
-        model = problem.model(found.x[np.newaxis])[0]
-        linear = problem.measured - model + jacobian @ found.x
+        jacobian = problem.jacobian(best.x)
+        model = problem.model(best.x[np.newaxis])[0]
+        linear = problem.measured - model + jacobian @ best.x
         noises = estimate_noise(problem.series, noises, np.split(jacobian, problem.ends[:-1]), problem.split(linear))
-        before = found.x
-        found = _search(problem, noises, before, tolerance)
-        if np.abs(found.x - before).max() < 1e-3:
+        before = best.x
+        best = _search(problem, noises, before, tolerance)
+        if np.abs(best.x - before).max() < 1e-3:
             break
-    model, roots = problem.model(found.x[np.newaxis])[0], problem.roots(noises)
-    jacobian = problem.jacobian(found.x)
+    model, roots = problem.model(best.x[np.newaxis])[0], problem.roots(noises)
+    jacobian = problem.jacobian(best.x)
     white = problem.whitened(jacobian, roots)
     return Fit(
-        normals=found.x, covariance=np.asarray(np.linalg.inv(white.T @ white + np.eye(found.x.size)), dtype=np.float64),
+        normals=best.x, covariance=np.asarray(np.linalg.inv(white.T @ white + np.eye(best.x.size)), dtype=np.float64),
         jacobian=jacobian, noises=tuple(noises), model=model, residual=problem.whitened(model - problem.measured, roots),
-        converged=found.status > 0, runs=problem.runs,
+        converged=best.status > 0, runs=problem.runs,
     )  # fmt: skip
 
 
@@ -234,7 +234,7 @@ class Coordinates:
         return np.where(self._positive, np.log(np.where(self._positive, values, 1.0)), values)
 
 
-def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) -> Posterior:
+def sample(problem: Problem, fitted: Fit, *, draws: int = 1000, seed: int = 1) -> Posterior:
     """Draw from the posterior by emcee, on a quadratic emulator of the residual.
 
     The whitened residual is a quadratic of `Coordinates`, made from runs about the fit, and its sum of squares a form of the
@@ -242,8 +242,8 @@ def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) ->
     emulator misses there, these runs join it.
     """
     generator = np.random.default_rng(seed)
-    coordinates, roots = Coordinates(problem.prior, found), problem.roots(found.noises)
-    size = found.normals.size
+    coordinates, roots = Coordinates(problem.prior, fitted), problem.roots(fitted.noises)
+    size = fitted.normals.size
     count = _terms(np.zeros((1, size))).shape[1]
     points = REACH * generator.standard_normal((max(2 * count, 24), size))
     normals = coordinates.normals(np.concatenate([np.zeros((1, size)), points]))

@@ -110,23 +110,23 @@ class SystemForward:
         done = np.array(table["status"]) == DONE
         if not done.any():
             raise ConvergenceError(f"no draw of the posterior can be simulated: {table['message'][0]}")
-        found = np.stack([table[name].to_numpy() for name in measure_names(self.system)], axis=1)
-        return np.where(done[:, np.newaxis], found, np.nan)
+        results = np.stack([table[name].to_numpy() for name in measure_names(self.system)], axis=1)
+        return np.where(done[:, np.newaxis], results, np.nan)
 
     def tested_travel(self, values: Array) -> dict[tuple[str, str], float]:
         """Return the largest deflections of mounts in the tests, at values (d,), by mount and axis [m]."""
         names = measure_names(self.system)
-        found = dict.fromkeys(((mount, axis) for mount in self.system.mounts for axis in AXES), 0.0)
+        largest = dict.fromkeys(((mount, axis) for mount in self.system.mounts for axis in AXES), 0.0)
         for runs in self._runs:
             if isinstance(runs, LoopRuns):
                 key = runs.test.mount, runs.test.axis
-                found[key] = max(found[key], *(float(np.abs(loop.deflection).max()) for loop in runs.test.loops))
+                largest[key] = max(largest[key], *(float(np.abs(loop.deflection).max()) for loop in runs.test.loops))
                 continue
             for work in runs.works:
                 (row,) = self.measures(work, values[np.newaxis])
                 for key, reached in travel_of(names, row).items():
-                    found[key] = max(found[key], reached)
-        return found
+                    largest[key] = max(largest[key], reached)
+        return largest
 
     def system_at(self, values: Array) -> System:
         return self._maker.system(self._row(values))
@@ -145,13 +145,13 @@ class SystemForward:
 
 def travel_of(names: Sequence[str], measures: Array) -> dict[tuple[str, str], float]:
     """Return the largest deflections among measures (n_measures,), by mount and axis [m]; 0 where they are not known."""
-    found: dict[tuple[str, str], float] = {}
+    travels: dict[tuple[str, str], float] = {}
     for name, value in zip(names, measures.tolist(), strict=True):
         if name.startswith("deflection/"):
             mount, _, side = name.removeprefix("deflection/").rpartition("/")
             key = mount, side if side in AXES else "axial"
-            found[key] = max(found.get(key, 0.0), value)  # NaN is not larger
-    return found
+            travels[key] = max(travels.get(key, 0.0), value)  # NaN is not larger
+    return travels
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +171,7 @@ def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list
         ModelError: a name matches no channel.
         ValueError: a distribution is not Normal or Uniform, or relative.
     """
-    found = []
+    nuisance_list = []
     for name, distribution in vary.items():
         if not name.startswith("channel/"):
             continue
@@ -187,20 +187,20 @@ def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list
         if not isinstance(distribution, Normal | Uniform) or distribution.relative:
             raise ValueError(f"`vary`: {name!r} must be a Normal or a Uniform, not relative, got {distribution!r}.")
         groups = [(k,) for k in matched] if distribution.each else [tuple(matched)]
-        found += [
+        nuisance_list += [
             Nuisance(
                 name=f"channel/{channels[group[0]]}/{kind}" if distribution.each else name, kind=kind, channels=group,
                 distribution=distribution,
             )
             for group in groups
         ]  # fmt: skip
-    return found
+    return nuisance_list
 
 
-def chains(found: Sequence[Nuisance], values: Array, channels: int) -> dict[str, Array]:
+def chains(nuisance_list: Sequence[Nuisance], values: Array, channels: int) -> dict[str, Array]:
     """Return gain [-], delay [s] and offset [SI] of every channel, (n, n_channels) each, from values (n, n_nuisances)."""
     chain = {kind: np.full((len(values), channels), neutral) for kind, neutral in NEUTRAL.items()}
-    for nuisance, column in zip(found, values.T, strict=True):
+    for nuisance, column in zip(nuisance_list, values.T, strict=True):
         for k in nuisance.channels:
             if nuisance.kind == "gain":
                 chain[nuisance.kind][:, k] *= column

@@ -25,7 +25,7 @@ def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict
     middle = forward.isolators_at(calibration.values)
     draws = [forward.isolators_at(row) for row in calibration.samples[:_DRAWS]]
     varied = [name for name in calibration.names if name.startswith("mount/")]
-    found: dict[str, Isolator] = {}
+    calibrated: dict[str, Isolator] = {}
     same: dict[tuple[int, ...], Isolator] = {}
     for mount, isolator in middle.items():
         key = tuple(id(draw[mount]) for draw in draws)  # mounts that vary together share their isolators
@@ -42,12 +42,12 @@ def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict
             moved = np.std(values, axis=0) > _MOVED * np.abs(values).max(axis=0)
             spread = None
             if moved.any():
-                names = tuple(name for (name, _), one in zip(_parameters(isolator), moved, strict=True) if one)
+                names = tuple(name for (name, _), varies in zip(_parameters(isolator), moved, strict=True) if varies)
                 covariance = np.atleast_2d(np.cov(values[:, moved].T)).tolist()
                 spread = Spread(parameters=names, covariance=tuple(map(tuple, covariance)), calibrated=True)
             same[key] = replace(isolator, provenance=provenance, spread=spread)
-        found[mount] = same[key]
-    return found
+        calibrated[mount] = same[key]
+    return calibrated
 
 
 def calibrated_system(calibration: Calibration, isolators: dict[str, Isolator]) -> System:
@@ -62,8 +62,8 @@ def calibrated_system(calibration: Calibration, isolators: dict[str, Isolator]) 
     for name in files:
         mounts = [mount for mount, item in system.mounts.items() if item.isolator_name == name]
         changed = {id(isolators.get(mount)): isolators.get(mount) for mount in mounts}
-        (first, *others) = changed.values() or [None]
-        if first is not None and not others:
+        (first, *differing) = changed.values() or [None]
+        if first is not None and not differing:
             files[name] = first
         else:
             of_mounts |= {mount: isolators[mount] for mount in mounts if mount in isolators}

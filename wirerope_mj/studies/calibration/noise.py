@@ -127,18 +127,20 @@ def estimate_noise(
     Arguments as those of `information`, of each series.
     """
     known = [information(*arguments)[0] for arguments in zip(series, noises, jacobians, linear, strict=True)]
-    found = list(noises)
-    for k, one in enumerate(series):
-        others = [info for i, info in enumerate(known) if i != k]
+    noises_found = list(noises)
+    for k, of_series in enumerate(series):
+        other_series = [info for i, info in enumerate(known) if i != k]
         size = jacobians[k].shape[1]
-        precision = np.eye(size) + sum((info.precision for info in others), np.zeros((size, size)))
-        projection = sum((info.projection for info in others), np.zeros(size))
-        found[k] = _most_likely(one, found[k], jacobians[k], linear[k], Information(precision=precision, projection=projection))
-        known[k] = information(one, found[k], jacobians[k], linear[k])[0]
-    return found
+        precision = np.eye(size) + sum((info.precision for info in other_series), np.zeros((size, size)))
+        projection = sum((info.projection for info in other_series), np.zeros(size))
+        noises_found[k] = _most_likely(
+            of_series, noises_found[k], jacobians[k], linear[k], Information(precision=precision, projection=projection)
+        )
+        known[k] = information(of_series, noises_found[k], jacobians[k], linear[k])[0]
+    return noises_found
 
 
-def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, others: Information) -> Noise:
+def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, from_others: Information) -> Noise:
     """Return the most likely noise of one series, given the information of the others."""
     low, high = series.lengths
     ends = np.log([(LEAST * series.rms, 10.0 * series.rms), (LEAST, MOST), (low, high)])
@@ -150,7 +152,7 @@ def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, o
 
     def negative_log_likelihood(x: Array) -> float:
         known, determinant, square = information(series, noise_of(x), jacobian, linear)
-        precision, projection = others.precision + known.precision, others.projection + known.projection
+        precision, projection = from_others.precision + known.precision, from_others.projection + known.projection
         root = scipy.linalg.cho_factor(precision, lower=True)
         explained = float(projection @ scipy.linalg.cho_solve(root, projection))
         return determinant + float(np.log(np.diag(root[0])).sum()) + 0.5 * (square - explained)

@@ -58,9 +58,11 @@ def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[
             stiffness, place = secant_stiffness(law, reached), f"mount/{','.join(mounts)}/{axis}"
             sizes = {"k2": stiffness / reached, "k3": stiffness / reached**2}
             if AXES.index(axis) in isolator.coupled_axes:  # stands beside no other law; some have such terms of their own
-                given = {key: getattr(law, key, None) for key in sizes if f"{place}/{key}" not in vary}
+                stated = {key: getattr(law, key, None) for key in sizes if f"{place}/{key}" not in vary}
                 terms |= {
-                    f"{place}/{key}": Normal(value, HARDENING * sizes[key]) for key, value in given.items() if value is not None
+                    f"{place}/{key}": Normal(value, HARDENING * sizes[key])
+                    for key, value in stated.items()
+                    if value is not None
                 }
                 continue
             faint = {"alpha": FAINT * stiffness, "beta": 1.0 / reached, "gamma": 0.0, "n": 1.0, "k2": 0.0, "k3": 0.0}
@@ -110,7 +112,7 @@ def _with_terms(isolator: Isolator, added: Mapping[str, tuple[Law, Law]]) -> Iso
         names = spread.parameters
         for axis in added:
             if (law := isolator.axes[axis]) is not None and not law.factors:
-                names = tuple(re.sub(rf"^{axis}\.", f"{axis}.laws[0].", one) for one in names)
+                names = tuple(re.sub(rf"^{axis}\.", f"{axis}.laws[0].", name) for name in names)
         spread = replace(spread, parameters=names)
     laws = {
         axis: Parallel(laws=(*law.components, *added[axis])) for axis, law in isolator.axes.items() if law and axis in added

@@ -150,7 +150,7 @@ def predict(
     # of those that are not small beside the largest
     large = [key for key, value in reached.items() if value >= LOOKED_AT * max(reached.values()) > 0.0]
     travels = [Travel(mount=key[0], axis=key[1], reached=reached[key], tested=tested[key]) for key in large]
-    farthest = max(travels, key=lambda one: one.ratio, default=Travel(mount="", axis="", reached=0.0, tested=0.0))
+    farthest = max(travels, key=lambda travel: travel.ratio, default=Travel(mount="", axis="", reached=0.0, tested=0.0))
     most, before = max(reached.values(), default=0.0), max(tested.values(), default=0.0)
     farther, (peak_error, peaks) = max(most / before, 1.0) if before > 0.0 else 1.0, used.peak_error
     channels = {
@@ -171,9 +171,9 @@ def predict(
         levels = [nominal if step == 0.0 else _at_level(forward, work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS]
         # straight between `STEPS`, and beyond
         errors = error.reshape(count, ERRORS)
-        left, rows = np.clip(np.searchsorted(STEPS, errors) - 1, 0, STEPS.size - 2), np.arange(count)[:, np.newaxis]
-        low, high = np.array(levels)[left, rows], np.array(levels)[left + 1, rows]
-        between = np.maximum(low + (high - low) * (errors - STEPS[left])[..., np.newaxis], 0.0).reshape(-1, len(measures))
+        lower, rows = np.clip(np.searchsorted(STEPS, errors) - 1, 0, STEPS.size - 2), np.arange(count)[:, np.newaxis]
+        low, high = np.array(levels)[lower, rows], np.array(levels)[lower + 1, rows]
+        between = np.maximum(low + (high - low) * (errors - STEPS[lower])[..., np.newaxis], 0.0).reshape(-1, len(measures))
         followed = [k for k in scaled if not measures[k].startswith("force/")]
         failed = np.isnan(between[:, followed])  # those draws stay multiplied
         samples[:, followed] = np.where(failed, samples[:, followed], between[:, followed])
@@ -192,7 +192,9 @@ def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tup
     """Return whether the forces of isolators rise over their travel [m], except where the system's own isolator falls, too."""
     judged: set[tuple[int, str, float]] = set()  # mounts that vary together share their isolators
     for (mount, axis), reached in travel.items():
-        law, before = (made.axes[axis] if made else None for made in (isolators.get(mount), system.mounts[mount].written))
+        law, before = (
+            calibrated.axes[axis] if calibrated else None for calibrated in (isolators.get(mount), system.mounts[mount].written)
+        )
         if law is None or before is None or (id(law), axis, reached) in judged:
             continue
         judged.add((id(law), axis, reached))

@@ -195,7 +195,7 @@ def _grown(
         allowed = GROWTH * (1.0 if kind in _OF_LIMITS else reached)
         for number in np.flatnonzero(reached - until > allowed):
             kinds[number][kind] = None
-    return [list(own) for own in kinds]
+    return [list(values) for values in kinds]
 
 
 def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Together = NONE) -> pa.Table:

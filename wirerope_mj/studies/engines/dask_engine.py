@@ -223,10 +223,10 @@ def _handed_over(work: Work) -> Work:
 def _computed(work: Work, chunk: Chunk, asked: dict[str, str]) -> Part:
     """Return the part of a chunk, on a worker whose packages are those of who asks."""
     here = versions()
-    other = [f"{name} {here[name]} instead of {wanted}" for name, wanted in asked.items() if here[name] != wanted]
-    if other:
+    differences = [f"{name} {here[name]} instead of {wanted}" for name, wanted in asked.items() if here[name] != wanted]
+    if differences:
         raise SimulationError(
-            f"a worker has {', '.join(other)}, so that its rows would not be comparable: every worker needs the versions of "
-            "the process that asks, and the same code of wirerope-mj. What is done is kept."
+            f"a worker has {', '.join(differences)}, so that its rows would not be comparable: every worker needs the versions "
+            "of the process that asks, and the same code of wirerope-mj. What is done is kept."
         )
     return compute(work, chunk)

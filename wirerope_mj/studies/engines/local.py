@@ -92,13 +92,13 @@ class _Pool(Generic[Question, Answer]):
         for thread in threads:
             thread.start()
         try:
-            left = self._workers
-            while left:
+            running = self._workers
+            while running:
                 result = self._done.get()
                 if isinstance(result, BaseException):
                     raise result
                 if result is None:
-                    left -= 1
+                    running -= 1
                 else:
                     yield result
         finally:

@@ -72,7 +72,7 @@ def _measured(work: Work, ready: "_Ready") -> Together:
     _, extremes, good = _stepped(work, ready)
     columns = measures_together(work.system, extremes, ready.forces, ready.isolators)
     return Together(
-        indices=ready.indices[good], columns={name: one[good] for name, one in columns.items()}, late=extremes.late[good],
+        indices=ready.indices[good], columns={name: column[good] for name, column in columns.items()}, late=extremes.late[good],
         slowest=ready.slowest[good], ready=ready,
     )  # fmt: skip
 
@@ -83,16 +83,19 @@ def histories_together(
     """Return instants (n_t,) and columns, as `histories` does, of those variants that can be computed side by side."""
     plan = column_plan(work.system)
     wanted = [plan.names.index(name) - plan.first_sensor for name in columns]
-    found: dict[int, dict[int, Array]] = {}
+    parts_of_variants: dict[int, dict[int, Array]] = {}
 
     def sink(number: int, first: int, values: Array) -> None:
-        found.setdefault(number, {})[first] = values[:, wanted].copy()
+        parts_of_variants.setdefault(number, {})[first] = values[:, wanted].copy()
 
     ready = _ready(work, rows)
     if ready is None:
         return np.zeros(0), {}
     time, _, good = _stepped(work, ready, sink, threads)
-    parts = {number: np.concatenate([own[first] for first in sorted(own)]) for number, own in found.items()}
+    parts = {
+        number: np.concatenate([parts_by_start[first] for first in sorted(parts_by_start)])
+        for number, parts_by_start in parts_of_variants.items()
+    }
     return time, {int(ready.indices[k]): parts[k] for k in np.flatnonzero(good).tolist()}
 
 
@@ -148,16 +151,19 @@ def _stepped(work: Work, ready: _Ready, sink: Sink | None = None, threads: int =
     system, motions = work.system, ready.motions
     grid = time_grid(
         start=0.0, duration=work.duration, sample_rate=work.sample_rate, timestep=work.timestep, motion=motions[0],
-        corners=joined(checked_corners(work.corners), *{id(one): one.corners for one in motions}.values()),
+        corners=joined(checked_corners(work.corners), *{id(motion): motion.corners for motion in motions}.values()),
     )  # fmt: skip
-    own = equations(system)
+    shared = equations(system)
     done = go_in_lanes(
-        [Equations(lay=own.lay, fix=own.fix, num=numbers, rest=own.rest, counts=own.counts) for numbers in ready.numbers],
+        [
+            Equations(lay=shared.lay, fix=shared.fix, num=numbers, rest=shared.rest, counts=shared.counts)
+            for numbers in ready.numbers
+        ],
         drive_of(system), motions, ready.states, grid, threads=threads, sink=sink,
     )  # fmt: skip
     extremes = Extremes.of_lanes(system, done)
     deflections = len(system.assembly.subjects.bodies) + 2 * len(system.assembly.subjects.points)
-    low, high = (one[:, deflections::2] for one in (extremes.lowest, extremes.highest))
+    low, high = (extreme[:, deflections::2] for extreme in (extremes.lowest, extremes.highest))
     return grid.sample_times, extremes, ~extremes.failed & _lawful(system, low, high)
 
 
@@ -165,11 +171,11 @@ def _starts(work: Work, variants: Variants) -> tuple[Array, Array | None, Boolea
     """Return qpos, qvel and act at the start, forces of the mounts at rest if they start there, and whether these are found."""
     system, n = work.system, len(variants.indices)
     unloaded, where = _unloaded(system), moving(system)
-    forces, found = None, np.ones(n, dtype=bool)
+    forces, valid = None, np.ones(n, dtype=bool)
     if work.initial in HISTORIES:
         rests = equilibrium_solver(system).solve(variants.numbers, HISTORIES[work.initial])
-        states, forces, found = rests.states, rests.mounts[:, :, 1], rests.found & rests.held
-        found &= _lawful(system, rests.mounts[:, :, 0], rests.mounts[:, :, 0])
+        states, forces, valid = rests.states, rests.mounts[:, :, 1], rests.found & rests.held
+        valid &= _lawful(system, rests.mounts[:, :, 0], rests.mounts[:, :, 0])
     else:
         states = np.tile(unloaded.values[where], (n, 1))
     moves: dict[int, Array] = {}
@@ -183,7 +189,7 @@ def _starts(work: Work, variants: Variants) -> tuple[Array, Array | None, Boolea
             values = unloaded.values.copy()
             values[where] = states[number]
             states[number] = moving_with_base(system, motion, State(values=values, time=0.0)).values[where]
-    return states, forces, found
+    return states, forces, valid
 
 
 @once_per_system
@@ -212,13 +218,13 @@ def histories(work: Work, rows: Sequence[Entries], columns: Sequence[str]) -> tu
     Columns are those of a response, such as "bodies/rack/acceleration/z"; none of the base.
     """
     time, done = histories_together(work, rows, columns, threads=os.cpu_count() or 1)
-    found: list[Array | None] = [done.get(index) for index in range(len(rows))]
+    histories: list[Array | None] = [done.get(index) for index in range(len(rows))]
     make = Maker(work.system, work.motions, work.columns)
     systems: list[System] = []
     motions: list[BaseMotion] = []
     indices: list[int] = []
     for index, row in enumerate(rows):
-        if found[index] is not None:
+        if histories[index] is not None:
             continue
         try:
             system, motion = make.system(row), make.motion(row)
@@ -229,8 +235,8 @@ def histories(work: Work, rows: Sequence[Entries], columns: Sequence[str]) -> tu
         for index, result in zip(indices, go_alone(work, systems, motions, responses=True), strict=True):
             if not isinstance(result, BatchFailure) and result.response is not None:
                 time = result.response.time
-                found[index] = np.stack([result.response.column(name) for name in columns], axis=1)
-    return time, found
+                histories[index] = np.stack([result.response.column(name) for name in columns], axis=1)
+    return time, histories
 
 
 def go_alone(

@@ -44,9 +44,9 @@ def _read(questions: BinaryIO, asked: "queue.SimpleQueue[Any]") -> None:
         os._exit(1)
 
 
-def _answer(answers: BinaryIO, what: object) -> None:
+def _answer(answers: BinaryIO, content: object) -> None:
     try:
-        pickle.dump(what, answers, protocol=pickle.HIGHEST_PROTOCOL)
+        pickle.dump(content, answers, protocol=pickle.HIGHEST_PROTOCOL)
         answers.flush()
     except BrokenPipeError:
         os._exit(0)  # nobody waits for it

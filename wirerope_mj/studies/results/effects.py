@@ -50,8 +50,8 @@ def _arcs(angles: Array) -> tuple[Array, float]:
         return np.ones(angles.size), 0.0
     gaps = np.diff(np.append(angles, angles[0] + 360.0))  # behind each angle
     widest = int(np.argmax(gaps))
-    others = np.delete(gaps, widest)
-    fan = bool(gaps[widest] > _GAP * others.max())
+    other_gaps = np.delete(gaps, widest)
+    fan = bool(gaps[widest] > _GAP * other_gaps.max())
     if fan:
         gaps[widest] = 0.0
     width = float(gaps.sum())
@@ -63,7 +63,7 @@ def whole_sphere(table: pa.Table) -> bool:
     azimuth, elevation = (np.asarray(table[name], dtype=np.float64) for name in (AZIMUTH, ELEVATION))
     if (elevation.min(), elevation.max()) != (-90.0, 90.0):
         return False
-    between = [np.unique(np.mod(azimuth[elevation == one], 360.0)) for one in np.unique(elevation) if abs(one) < 90.0]
+    between = [np.unique(np.mod(azimuth[elevation == level], 360.0)) for level in np.unique(elevation) if abs(level) < 90.0]
     return bool(between) and all(_arcs(ring)[1] > 360.0 - 1e-6 for ring in between)
 
 
@@ -122,14 +122,14 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
         return ()
     columns = {name: np.asarray(table[name])[kept] for name in inputs}
     classes = {name: _classes(column) for name, column in columns.items()}
-    left = {name: own for name, own in classes.items() if 2 <= own.max() + 1 <= values.size / 2}
+    remaining = {name: numbers for name, numbers in classes.items() if 2 <= numbers.max() + 1 <= values.size / 2}
     whole, rest = float(np.sum((values - values.mean()) ** 2)), values - values.mean()
     results, certain = [], True
     sizes: dict[str, tuple[float, float]] = {}
-    while left:
+    while remaining:
         if certain:  # the measure has changed
-            sizes = {name: _effect(own, rest) for name, own in left.items()}
-        name = max(left, key=lambda one: sizes[one][0])
+            sizes = {name: _effect(numbers, rest) for name, numbers in remaining.items()}
+        name = max(remaining, key=lambda candidate: sizes[candidate][0])
         explained, probability = sizes[name]
         certain = probability < SIGNIFICANCE / len(classes) and explained >= SMALLEST * whole
         rank = math.nan  # Spearman's correlation, Pearson's of the ranks; of what has no order there is none
@@ -139,9 +139,9 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
             size = math.sqrt(float(a @ a) * float(b @ b))
             rank = float(a @ b) / size if size > 0.0 else math.nan
         results.append(Effect(name=name, index=explained / whole, rank=rank, certain=certain))
-        own = left.pop(name)
+        numbers = remaining.pop(name)
         if certain:
-            rest = rest - _class_means(own, rest)[own]
+            rest = rest - _class_means(numbers, rest)[numbers]
     return tuple(results)
 
 
@@ -213,8 +213,8 @@ class SobolIndices:
     @property
     def too_few(self) -> bool:
         """True if the rows are too few to say anything: intervals of total indices are wide, or indices are none."""
-        return any(one.reach > _WIDE for one in self.factors) or any(
-            not -_BEYOND <= index <= 1.0 + _BEYOND for one in self.factors for index in (one.first, one.total)
+        return any(factor.reach > _WIDE for factor in self.factors) or any(
+            not -_BEYOND <= index <= 1.0 + _BEYOND for factor in self.factors for index in (factor.first, factor.total)
         )
 
 
@@ -267,7 +267,7 @@ def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndi
         )
         for k, name in enumerate(names)
     ]  # fmt: skip
-    indices.sort(key=lambda one: -one.total)
+    indices.sort(key=lambda index: -index.total)
     return SobolIndices(measure=measure, factors=tuple(indices), rows=len(kept), dropped=dropped)
 
 

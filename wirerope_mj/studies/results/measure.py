@@ -62,7 +62,7 @@ class Measure:
     def heading(self) -> str:
         """Words for its name: "combined travel", "deflection, m1, axial"."""
         quantity, *rest = self.name.split("/")
-        return ", ".join([quantity.replace("_", " "), *("all" if one == "*" else one for one in rest)])
+        return ", ".join([quantity.replace("_", " "), *("all" if part == "*" else part for part in rest)])
 
     @property
     def column(self) -> Column:
@@ -72,10 +72,10 @@ class Measure:
 def measure_of(name: str, limits: Mapping[str, float] = MappingProxyType({})) -> Measure:
     """Return the measure of a column; one that has no limit of its own takes it from `limits`, SI by name."""
     quantity, _, rest = name.partition("/")
-    text, unit, factor, own = _QUANTITIES[quantity]
+    text, unit, factor, limit_of_quantity = _QUANTITIES[quantity]
     text += {ALL: " of bodies and points", "acceleration": " of a body"}.get(name, "")
     rest = "" if name == ALL else rest
-    limit = limits.get(name) if own is None else own
+    limit = limits.get(name) if limit_of_quantity is None else limit_of_quantity
     return Measure(name=name, text=f"{text}, {rest}" if rest else text, unit=unit, factor=factor, limit=limit)
 
 
@@ -124,7 +124,11 @@ def most_critical(table: pa.Table, limits: Mapping[str, float] = MappingProxyTyp
     Limits are those of the quantities, and `limits` by name, SI.
     """
     measures = [measure_of(name, limits) for name in [*headlines(table), *known_measures(table, [*limits])]]
-    used = [(one.name, float(np.nanmax(values_of(table, one.name)) / one.limit)) for one in measures if one.limit]
+    used = [
+        (measure.name, float(np.nanmax(values_of(table, measure.name)) / measure.limit))
+        for measure in measures
+        if measure.limit
+    ]
     return max(used, key=itemgetter(1), default=None)
 
 
@@ -132,22 +136,22 @@ def known_measures(table: pa.Table, names: Sequence[str]) -> list[str]:
     """Return those of some measures that have values: older tables know less; `ALL` only where a point is beyond all bodies."""
     points_matter = ALL in names and any(name.startswith(ALL[:-1]) for name in table.column_names)
     points_matter = points_matter and bool((values_of(table, ALL) > values_of(table, ALL[:-2])).any())
-    there = [name for name in names if name in table.column_names or (name == ALL and points_matter)]
-    return [name for name in there if np.isfinite(values_of(table, name)).any()]
+    present = [name for name in names if name in table.column_names or (name == ALL and points_matter)]
+    return [name for name in present if np.isfinite(values_of(table, name)).any()]
 
 
 def values_of(table: pa.Table, name: str) -> Array:
     """Return a column of measures, NaN where the variant failed or nothing is judged, (n,)."""
-    names = [one for one in table.column_names if one.startswith(name[:-1])] if name == ALL else [name]
-    values = np.fmax.reduce([np.asarray(table[one], dtype=np.float64) for one in names])
+    names = [column for column in table.column_names if column.startswith(name[:-1])] if name == ALL else [name]
+    values = np.fmax.reduce([np.asarray(table[column], dtype=np.float64) for column in names])
     return np.where(np.asarray(table["status"]) == DONE, values, np.nan)
 
 
 def unknown_measure(name: str, known: Sequence[str]) -> str:
     """Return what is wrong with a name or pattern that is of no measure, and what there is, as a sentence without a capital."""
     first = name.partition("/")[0].rstrip("*?")
-    alike = [one for one in known if first and one.startswith(first)]
-    alike.sort(key=lambda one: -SequenceMatcher(None, one, name).ratio())
+    alike = [measure for measure in known if first and measure.startswith(first)]
+    alike.sort(key=lambda candidate: -SequenceMatcher(None, candidate, name).ratio())
     rest = ", ..." if len(alike) > _ALIKE else ""
     begin = f"; alike are {', '.join(alike[:_ALIKE])}{rest}" if alike else ""
     return f"there is no measure {name!r}{begin}; there are {kinds_of(known)}."

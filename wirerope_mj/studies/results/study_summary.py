@@ -81,7 +81,7 @@ class StudySummary:
     @cached_property
     def labels(self) -> dict[str, str]:
         """Names of the inputs with the units of their numbers, by name: "body floor mass [kg]", "motion level [factor]"."""
-        return {column.name: column.label for one in self.result.study.quantities for column in one.columns}
+        return {column.name: column.label for quantity in self.result.study.quantities for column in quantity.columns}
 
     @cached_property
     def measures(self) -> tuple[Measure, ...]:
@@ -92,17 +92,23 @@ class StudySummary:
     @cached_property
     def limits(self) -> dict[str, float]:
         """Limits that were stated on one measure alone, and on the one that is looked at most, SI, by its name."""
-        alone = {one.measures[0]: one.limit for one in reversed(self.stated) if len(one.measures) == 1}
+        alone = {limit.measures[0]: limit.limit for limit in reversed(self.stated) if len(limit.measures) == 1}
         return {name: limit for name, limit in limits_of(self.stated).items() if name == self.by} | alone
 
     @cached_property
     def beyond(self) -> dict[str, Booleans]:
         """Variants beyond each limit, (n,), by what the limit is on: those of parts, of the model, and stated ones."""
         table = self.result.independent
-        own = {one.measure.name: one.measure for one in self.statistics if one.measure.limit is not None}
-        own.setdefault(_LOAD, measure_of(_LOAD))
-        limited = [(one.text, values_of(table, name), one.limit) for name, one in own.items() if one.limit is not None]
-        limited += [(one.text, one.largest(table), one.limit) for one in self.stated]
+        limited_measures = {
+            statistic.measure.name: statistic.measure for statistic in self.statistics if statistic.measure.limit is not None
+        }
+        limited_measures.setdefault(_LOAD, measure_of(_LOAD))
+        limited = [
+            (measure.text, values_of(table, name), measure.limit)
+            for name, measure in limited_measures.items()
+            if measure.limit is not None
+        ]
+        limited += [(limit.text, limit.largest(table), limit.limit) for limit in self.stated]
         return {text: values > limit for text, values, limit in limited if np.isfinite(values).any()}
 
     @property
@@ -113,10 +119,10 @@ class StudySummary:
 
     @cached_property
     def statistics(self) -> tuple[Statistics, ...]:
-        table, found = self.result.independent, []
+        table, statistics = self.result.independent, []
         for measure in self.measures:
             values, limit = values_of(table, measure.name), measure.limit
-            found.append(
+            statistics.append(
                 Statistics(
                     measure=measure, nominal=self.result.nominal.get(measure.name, np.nan),
                     quantiles=tuple(quantiles(values, QUANTILES)), smallest=float(np.nanmin(values)),
@@ -126,7 +132,7 @@ class StudySummary:
                     ratio=None if limit is None else self._ratio(values, limit),
                 )
             )  # fmt: skip
-        return tuple(found)
+        return tuple(statistics)
 
     @property
     def of_directions(self) -> str:
@@ -143,23 +149,26 @@ class StudySummary:
         """
         names = input_names(self.result.table)
         if self.result.study.sampling == OF_INDICES:
-            strong = [names[column] for own in self._factors.values() if len(own) <= _PAIR for column in own]
+            strong = [names[column] for columns in self._factors.values() if len(columns) <= _PAIR for column in columns]
             return tuple(strong) or tuple(names)
-        certain = [one.name for one in self.effects if one.certain]
-        others = sorted((one.name for one in self.effects if not one.certain), key=_of_one_mount)
-        return tuple(dict.fromkeys([*certain, *others, *sorted(names, key=_of_one_mount)]))
+        certain = [effect.name for effect in self.effects if effect.certain]
+        uncertain = sorted((effect.name for effect in self.effects if not effect.certain), key=_of_one_mount)
+        return tuple(dict.fromkeys([*certain, *uncertain, *sorted(names, key=_of_one_mount)]))
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
         """Factors of Sobol's indices that are many numbers, of which none is displayed: "stiffness (16 numbers)"."""
         if self.result.study.sampling != OF_INDICES:
             return ()
-        return tuple(f"{name} ({len(own)} numbers)" for name, own in self._factors.items() if len(own) > _PAIR)
+        return tuple(f"{name} ({len(columns)} numbers)" for name, columns in self._factors.items() if len(columns) > _PAIR)
 
     def worst(self, count: int) -> list[Entries]:
         """Return the rows of the variants with the largest values of `by`; for Sobol's indices, of independent ones."""
         table = self.result.independent
-        every = {name: values_of(table, name).tolist() for name in {one.name for one in self.measures} - {*table.column_names}}
+        every = {
+            name: values_of(table, name).tolist()
+            for name in {measure.name for measure in self.measures} - {*table.column_names}
+        }
         rows = table["variant"].to_pylist()
         return [
             row_of(table, number) | {name: values[rows.index(number)] for name, values in every.items()}
@@ -170,7 +179,7 @@ class StudySummary:
     def _factors(self) -> dict[str, list[int]]:
         """Indices of the columns of each factor, the one with the largest total index first."""
         columns = factors(self.result.study.quantities)
-        order = [one.name for one in sobol_indices(self.result, self.by).factors]
+        order = [factor.name for factor in sobol_indices(self.result, self.by).factors]
         return {name: columns[name] for name in dict.fromkeys([*order, *columns])}
 
     def _ratio(self, values: Array, limit: float) -> float | None:

@@ -73,22 +73,22 @@ class Varied:
 
 def varied_of(study: StudyDefinition) -> list[Varied]:
     """Return what varies in a study, in the order of `vary`."""
-    found = []
+    varied = []
     for quantity in study.quantities:
         column = quantity.columns[0]
         many = isinstance(quantity.distribution, Specimens)  # of which many parameters vary, each about its own value
-        every = [] if many else [one for own in quantity.columns for one in own.nominal(study.base, study.motions)]
-        numbers = np.concatenate([np.ravel(one) for one in every]) if every else np.empty(0)
+        every = [] if many else [number for column in quantity.columns for number in column.nominal(study.base, study.motions)]
+        numbers = np.concatenate([np.ravel(numbers_of_column) for numbers_of_column in every]) if every else np.empty(0)
         ends = () if numbers.size == 0 or numbers.dtype == np.bool_ else (float(numbers.min()), float(numbers.max()))
         kind, text = column.nature, nominal_text(every, column.model_unit)
         model = "the isolator's" if many else f"shifted from {text}" if kind == "shift" else text
-        found.append(
+        varied.append(
             Varied(
                 name=quantity.name, kind=kind, unit=column.unit, model=model, nominal=ends, nominal_unit=column.model_unit,
                 distribution=quantity.distribution,
             )
         )  # fmt: skip
-    return found
+    return varied
 
 
 def distribution_text(distribution: Distribution) -> str:
@@ -138,11 +138,11 @@ def summary(result: StudyResult) -> Entries:
         if method == OF_INDICES:
             sobol = sobol_indices(result, name)
             indices = {
-                one.name: {
-                    "first": one.first, "first_interval": list(one.first_interval),
-                    "total": one.total, "total_interval": list(one.total_interval),
+                factor.name: {
+                    "first": factor.first, "first_interval": list(factor.first_interval),
+                    "total": factor.total, "total_interval": list(factor.total_interval),
                 }
-                for one in sobol.factors
+                for factor in sobol.factors
             }  # fmt: skip
             counts = {"base_rows": sobol.rows, "dropped_rows": sobol.dropped}
             measures[name] |= counts | {"indices": indices} if indices else {}
@@ -155,7 +155,8 @@ def head(result: StudyResult) -> Entries:
     return {
         "format": result.inputs["format"], "name": result.inputs["name"], "id": result.inputs["id"],
         "variants": result.table.num_rows, "failed": len(result.failed),
-        "timestep_s": result.inputs["simulate"]["timestep"], "varied": [one.to_dict() for one in varied_of(result.study)],
+        "timestep_s": result.inputs["simulate"]["timestep"],
+        "varied": [quantity.to_dict() for quantity in varied_of(result.study)],
     }  # fmt: skip
 
 
@@ -225,7 +226,7 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
 
 def limits_of(stated: Sequence[StatedLimit]) -> dict[str, float]:
     """Return the smallest limit that was stated on each measure, SI by its name."""
-    every = sorted(((one.limit, name) for one in stated for name in one.measures), reverse=True)
+    every = sorted(((limit.limit, name) for limit in stated for name in limit.measures), reverse=True)
     return {name: limit for limit, name in every}
 
 
@@ -235,10 +236,10 @@ def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
     RecordError if the summary is damaged.
     """
     entries = []
-    for one in limits:
-        beyond = one.exceedance(result.independent)
+    for limit in limits:
+        beyond = limit.exceedance(result.independent)
         content: Entries = {
-            "text": one.text, "measures": list(one.measures), "limit": one.limit,
+            "text": limit.text, "measures": list(limit.measures), "limit": limit.limit,
             "beyond": beyond.count, "of": beyond.n, "failed": beyond.failed,
         }  # fmt: skip
         content |= {"ended_early": beyond.early} if beyond.early else {}
@@ -258,6 +259,6 @@ def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
         return ()
     stated = read_json(path, _KIND, _REMEDY).get(KEY, [])
     try:
-        return tuple(limit_of_text(one["text"], measures_of(result.table)) for one in stated)
+        return tuple(limit_of_text(limit["text"], measures_of(result.table)) for limit in stated)
     except (KeyError, TypeError, ValueError) as error:
         raise RecordError(f"{path}: `{KEY}` is not what was written: {error} {_REMEDY}") from None

@@ -145,18 +145,18 @@ class Search:
             "start": [dict(design) for design in self.start],
         }
 
-    def _design(self, index: int, given: Mapping[str, object]) -> Design:
+    def _design(self, index: int, stated: Mapping[str, object]) -> Design:
         """Check a given design and return it by column."""
         design: Design = {}
         known = {quantity.name for quantity in self.study.quantities} | set(self.variables)
-        unknown = [name for name in given if name not in known]
+        unknown = [name for name in stated if name not in known]
         if unknown:
             raise ValueError(f"`start[{index}]`: nothing called {unknown[0]!r} varies; {', '.join(self.study.vary)} do.")
         for quantity in self.study.quantities:
             for column in quantity.columns:
-                if column.name not in given and quantity.name not in given:
+                if column.name not in stated and quantity.name not in stated:
                     raise ValueError(f"`start[{index}]` must say {column.name!r}, too.")
-                value = given.get(column.name, given.get(quantity.name))
+                value = stated.get(column.name, stated.get(quantity.name))
                 variable, wanted = self.variables[column.name], f"`start[{index}]`: {column.name!r} must be"
                 if isinstance(variable, Choice):
                     if not any(type(choice) is type(value) and choice == value for choice in variable.choices):

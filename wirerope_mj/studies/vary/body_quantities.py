@@ -122,7 +122,7 @@ class Centre(BodyColumn):
 
 def check_centres(quantities: Sequence[Quantity], system: System) -> None:
     """Raise ValueError if centres of mass are said in two ways, or positions of them look like shifts."""
-    columns = [(part, one.distribution) for one in quantities for column in one.columns for part in column.parts]
+    columns = [(part, quantity.distribution) for quantity in quantities for column in quantity.columns for part in column.parts]
     absolute = {body: column.name for column, _ in columns if isinstance(column, Centre) for body in column.targets}
     for column, distribution in columns:
         if isinstance(column, Centre):

@@ -124,11 +124,13 @@ class Choice:
         _keep(self, choices=plain, relative=relative, each=each, group=group)
         booleans = [isinstance(choice, bool) for choice in plain]
         numbers = [isinstance(choice, int | float) for choice in plain]
-        if not (all(booleans) or (all(numbers) and not any(booleans)) or all(isinstance(one, str) for one in plain)):
+        if not (all(booleans) or (all(numbers) and not any(booleans)) or all(isinstance(choice, str) for choice in plain)):
             raise ValueError(f"the values of a `Choice` must all be numbers, booleans or strings, got {list(plain)}.")
-        for one in plain:
-            if isinstance(one, int) and finite("Choice", int(one)) != one:
-                raise ValueError(f"`Choice`: {one} is no number that a computer holds exactly; the next is {float(one):.17g}.")
+        for choice in plain:
+            if isinstance(choice, int) and finite("Choice", int(choice)) != choice:
+                raise ValueError(
+                    f"`Choice`: {choice} is no number that a computer holds exactly; the next is {float(choice):.17g}."
+                )
 
     def values(self, probabilities: Array) -> AnyArray:
         """Return the choices at probabilities, (n,)."""
@@ -198,9 +200,9 @@ def distribution_from_dict(content: Entries) -> Distribution:
     return kinds[content["kind"]](*content.get("choices", ()), **rest)
 
 
-def _keep(thing: object, **values: object) -> None:
+def _keep(distribution: object, **values: object) -> None:
     for name, value in values.items():
-        object.__setattr__(thing, name, value)
+        object.__setattr__(distribution, name, value)
 
 
 def _check_group(group: object) -> None:

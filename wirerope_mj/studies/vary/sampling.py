@@ -59,7 +59,7 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
             points = sequence.random_base2(max(variants - 1, 0).bit_length())[:variants]
         ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
         blocks = zip(quantities, np.split(points, ends, axis=1), strict=True)
-        values = [column for quantity, own in blocks for column in values_at(quantity, own)]
+        values = [column for quantity, points_of_quantity in blocks for column in values_at(quantity, points_of_quantity)]
     numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
     arrays = [pa.array(value, type=column.type) for value, column in zip(values, columns, strict=True)]
     return pa.table([numbers, *arrays], names=["variant", *(column.name for column in columns)])
@@ -82,8 +82,8 @@ def values_at(quantity: Quantity, points: Array) -> list[AnyArray]:
     values: list[AnyArray] = []
     for isolator in quantity.isolators:
         size = len(isolator.spread.parameters) if isolator.spread else 0
-        own = scipy.special.ndtri(np.clip(points[:, len(values) : len(values) + size], SMALLEST, LARGEST))
-        values += list(sampled(isolator, own).T)
+        normals = scipy.special.ndtri(np.clip(points[:, len(values) : len(values) + size], SMALLEST, LARGEST))
+        values += list(sampled(isolator, normals).T)
     return values
 
 
@@ -139,7 +139,7 @@ def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str)
     if sampling == "list":
         return lists
     indices = np.unravel_index(np.arange(size), sizes)
-    return [[values[k] for k in own] for values, own in zip(lists, indices, strict=True)]
+    return [[values[k] for k in row] for values, row in zip(lists, indices, strict=True)]
 
 
 def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
@@ -150,8 +150,8 @@ def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
     columns: dict[str, list[int]] = {}
     first = 0
     for quantity in quantities:
-        own = range(first, first + len(quantity.columns))
-        columns.setdefault(quantity.distribution.group or quantity.name, []).extend(own)
+        numbers = range(first, first + len(quantity.columns))
+        columns.setdefault(quantity.distribution.group or quantity.name, []).extend(numbers)
         first += len(quantity.columns)
     return columns
 
@@ -169,7 +169,7 @@ def base_rows(variants: int, n_factors: int) -> int:
     near = [2**power, 2 ** (power + 1)] if rows > FEWEST else [FEWEST]
     raise ValueError(
         f"`variants` must be {of_row} times a power of two for the indices of {n_factors} factors, at least "
-        f"{FEWEST * of_row}, such as {' or '.join(str(of_row * one) for one in near)} ({' or '.join(map(str, near))} rows); "
+        f"{FEWEST * of_row}, such as {' or '.join(str(of_row * base) for base in near)} ({' or '.join(map(str, near))} rows); "
         f"got {variants}."
     )
 
@@ -232,7 +232,10 @@ def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float
 def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
     """Return for every isolator whose specimens vary how well their scatter is known at all."""
     isolators = {
-        one.name: one for quantity in quantities if isinstance(quantity.distribution, Specimens) for one in quantity.isolators
+        isolator.name: isolator
+        for quantity in quantities
+        if isinstance(quantity.distribution, Specimens)
+        for isolator in quantity.isolators
     }
     texts = []
     for name, isolator in isolators.items():
@@ -287,6 +290,6 @@ def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> I
     covariance = np.atleast_2d(np.cov(values, rowvar=False))
     return replace(
         isolator,
-        spread=replace(isolator.spread, covariance=tuple(tuple(float(one) for one in row) for row in covariance)),
+        spread=replace(isolator.spread, covariance=tuple(tuple(float(number) for number in row) for row in covariance)),
         **{axis: replace(law, **law.completed(laws[axis])) for axis, law in isolator.axes.items() if law and axis in laws},  # type: ignore[arg-type]
     )

@@ -58,23 +58,25 @@ def variants_of(work: Work, rows: Sequence[Entries]) -> Variants:
                     continue
                 check_direction(system, motion)
                 checked.add(id(motion))
-            own = equations(system).num.copy(), own_rates.copy()
+            base_numbers = equations(system).num.copy(), own_rates.copy()
             if plain := valid and _plain(draft):
-                _write_laws(draft, *own, laws)
-            others = make.isolators(draft, draft.gone if plain else [*draft.isolators, *draft.parameters, *draft.gone])
-            if not all(_write_isolator(system, mount, one, *own, written) for mount, one in others.items()):
+                _write_laws(draft, *base_numbers, laws)
+            replaced = make.isolators(draft, draft.gone if plain else [*draft.isolators, *draft.parameters, *draft.gone])
+            if not all(
+                _write_isolator(system, mount, isolator, *base_numbers, written) for mount, isolator in replaced.items()
+            ):
                 continue
             changes = make.moves(draft, {})
-            _writer(system).write_springs(own[0], changes)
-            if not _writer(system).write_geometry(own[0], changes):
+            _writer(system).write_springs(base_numbers[0], changes)
+            if not _writer(system).write_geometry(base_numbers[0], changes):
                 continue
         except (ValueError, WireRopeError):
             continue  # says so where it is made alone
         indices.append(index)
         motions.append(motion)
-        isolators.append(others)
-        numbers.append(own[0])
-        rates.append(own[1])
+        isolators.append(replaced)
+        numbers.append(base_numbers[0])
+        rates.append(base_numbers[1])
         shifts.append([changes.positions.get(mount, (0.0, 0.0, 0.0)) for mount in system.mounts])
     return Variants(
         indices=indices, motions=motions, isolators=isolators, numbers=np.array(numbers), rates=np.array(rates),
@@ -104,9 +106,9 @@ def _write_isolator(system: System, mount: str, isolator: Isolator, numbers: Arr
     key = (mount, id(isolator))
     if key not in written:
         acting, first = isolator.conditioned, 3 * list(system.mounts).index(mount)
-        own = _writer(system).of_isolator(mount, acting) if acting.holds_everywhere else None
+        written_numbers = _writer(system).of_isolator(mount, acting) if acting.holds_everywhere else None
         of_laws = np.array([rates_of(law) for law in acting.axes.values()]).T
-        written[key] = None if own is None else (*own, slice(first, first + 3), of_laws)
+        written[key] = None if written_numbers is None else (*written_numbers, slice(first, first + 3), of_laws)
     if (known := written[key]) is None:
         return False
     places, values, columns, of_laws = known
@@ -120,11 +122,11 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
     for number, (mount, written) in enumerate(system.mounts.items()):
         if mount not in draft.parameters or mount in gone:
             continue
-        own: dict[str, Entries] = {}
+        forms_of_mount: dict[str, Entries] = {}
         for (axis, name), value in draft.parameters[mount].items():
-            own.setdefault(axis, {})[name] = value
+            forms_of_mount.setdefault(axis, {})[name] = value
         isolator, forms = written.isolator, {}
-        for axis, values in own.items():
+        for axis, values in forms_of_mount.items():
             law, place = isolator.axes[axis], AXES.index(axis)
             assert law is not None  # the column has seen to it
             key = (id(law), tuple(sorted(values.items())))
@@ -134,8 +136,10 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
             parameters, rates[:, 3 * number + place], forms[place] = laws[key]
             writer.write_law(numbers, mount, place, parameters)
         if isolator.coupled_axes and any(place in isolator.coupled_axes for place in forms):
-            one, other = (forms.get(place) or _forms(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes)
-            scales = map(rates_in_plane, one, other)
+            first_form, second_form = (
+                forms.get(place) or _forms(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes
+            )
+            scales = map(rates_in_plane, first_form, second_form)
             writer.write_coupling(numbers, mount, np.array([value for scale in scales for value in scale]))
 
 

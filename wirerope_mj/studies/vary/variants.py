@@ -93,8 +93,8 @@ class Maker:
         Where another isolator is higher or lower, the foundation follows it.
         """
         positions = dict(draft.position_shifts)
-        for mount, other in draft.isolators.items():
-            if any(rise := self._system.mounts[mount].shift_for(other) or ()):
+        for mount, isolator in draft.isolators.items():
+            if any(rise := self._system.mounts[mount].shift_for(isolator) or ()):
                 positions[mount] = np.add(rise, positions.get(mount, 0.0)).tolist()
         moved = dict(draft.centre_shifts)
         for body, centre in draft.centres.items():
@@ -138,10 +138,10 @@ def _edited(isolator: Isolator, parameters: Mapping[tuple[str, ...], Any]) -> Is
         if part != WHOLE:
             values.setdefault(part, {})[name] = value
     edited: Entries = {}
-    for part, own in values.items():
+    for part, by_law in values.items():
         law = isolator.axes.get(part)
         try:
-            edited[part] = replace(law, **law.completed(own)) if law else replace(getattr(isolator, part), **own)
+            edited[part] = replace(law, **law.completed(by_law)) if law else replace(getattr(isolator, part), **by_law)
         except ValueError as error:
             raise ValueError(f"[{part}] {error}") from None
     isolator = replace(isolator, **edited)
@@ -180,8 +180,8 @@ def check_variants(
                 for check in checks:
                     check(row)
             except (ValueError, WireRopeError) as error:
-                numbers = [one.name for one in columns if one.type == pa.float64()]
-                below = [one for one in numbers if row[one] <= 0.0 < np.mean(inputs[one])]
+                numbers = [field.name for field in columns if field.type == pa.float64()]
+                below = [number for number in numbers if row[number] <= 0.0 < np.mean(inputs[number])]
                 cut = f" `low=` cuts the distribution of {below[0]} off." if below else ""
                 raise ModelError(f"variant {row['variant']} of study {name!r} cannot be: {error}{cut}") from None
         maker.forget()

@@ -36,10 +36,12 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines.append(f"mounts {', '.join(mounts)}:")
         for axis, law in laws.items():
             if law.factors:
-                lines.append(f"  {', '.join(f'mount/NAME/{axis}/{one}' for one in FACTORS)}  factor on all its laws")
+                lines.append(f"  {', '.join(f'mount/NAME/{axis}/{factor}' for factor in FACTORS)}  factor on all its laws")
                 if shared := law.factors[len(FACTORS) :]:
                     lines.append(f"  mount/NAME/{axis}/PARAMETER  factor in all its laws: {', '.join(shared)}")
-                lines += [_law_line(f"{axis}/laws[{number}].PARAMETER", one) for number, one in enumerate(law.components)]
+                lines += [
+                    _law_line(f"{axis}/laws[{number}].PARAMETER", component) for number, component in enumerate(law.components)
+                ]
             else:
                 lines.append(_law_line(f"{axis}/PARAMETER", law))
         devices = [system.mounts[mount].written for mount in mounts]
@@ -49,7 +51,7 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines += ["  mount/NAME/spread  specimens"] if spread else []
     if system.mounts:
         lines.append("all mounts: mount/NAME/fitted, mount/NAME/failed, mount/NAME/isolator (choices)")
-        on = [f"mount/NAME/{name}  factor on {what}" for name, (_, what) in MOUNT_FACTORS.items()]
+        on = [f"mount/NAME/{name}  factor on {description}" for name, (_, description) in MOUNT_FACTORS.items()]
         lines.append(f"  {'; '.join(on)}")
         lines.append(f"  mount/NAME/position_shift/AXIS  shift [m] along the world's {_AXES}")
         lines.append(f"  mount/NAME/turn/AXIS  angle [°] by which it leans about the world's {_AXES}")
@@ -115,28 +117,28 @@ def signatures() -> list[str]:
 
 
 def _distribution(name: str, text: str) -> Distribution:
-    given, name = quoted(text), short(name)
+    shown_text, name = quoted(text), short(name)
     try:
         call = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):  # the last two of brackets in brackets
-        raise ValueError(f"{name!r}: {given} cannot be read; write it like {EXAMPLE.partition('= ')[2]}.") from None
+        raise ValueError(f"{name!r}: {shown_text} cannot be read; write it like {EXAMPLE.partition('= ')[2]}.") from None
     function = call.func if isinstance(call, ast.Call) else call
     kind = function.id if isinstance(function, ast.Name) else ""
     if kind not in _KINDS:
-        raise ValueError(f"{name!r}: {given} is no distribution; there are {', '.join(signatures())}.")
+        raise ValueError(f"{name!r}: {shown_text} is no distribution; there are {', '.join(signatures())}.")
     positional: list[object] = []
     named: Entries = {}
     if isinstance(call, ast.Call):
-        for one in call.args:
-            if any(isinstance(part, ast.Name) and part.id in ("nan", "inf") for part in ast.walk(one)):
-                raise ValueError(f"{name!r}: numbers must be finite, got {short(ast.unparse(one))}.")
-            if isinstance(one, ast.Name):
-                if one.id not in (flags := _flags(kind)):
-                    there = f"{kind} has no flag {quoted(one.id)}; it has {' and '.join(flags) or 'none'}"
-                    raise ValueError(f"{name!r}: {there}. A string as a value stands in quotes.")
-                named[one.id] = True
+        for arg in call.args:
+            if any(isinstance(part, ast.Name) and part.id in ("nan", "inf") for part in ast.walk(arg)):
+                raise ValueError(f"{name!r}: numbers must be finite, got {short(ast.unparse(arg))}.")
+            if isinstance(arg, ast.Name):
+                if arg.id not in (flags := _flags(kind)):
+                    message = f"{kind} has no flag {quoted(arg.id)}; it has {' and '.join(flags) or 'none'}"
+                    raise ValueError(f"{name!r}: {message}. A string as a value stands in quotes.")
+                named[arg.id] = True
             else:
-                positional.append(_value(name, one))
+                positional.append(_value(name, arg))
         for keyword in call.keywords:  # a group may stand without quotes, since it is always a string
             bare = keyword.arg == _GROUP and isinstance(keyword.value, ast.Name)
             named[keyword.arg or "**"] = ast.unparse(keyword.value) if bare else _value(name, keyword.value)
