@@ -11,7 +11,7 @@ from wirerope_mj.foundation.plain_text import quoted
 
 
 def finite(name: str, value: object, *, unit: str = "") -> float:
-    """Return a finite number as a float; text and booleans are none. `unit` stands in the message: "m"."""
+    """Return a finite number as a float; text and booleans are refused. `unit` appears in the message: "m"."""
     try:
         number = math.nan if isinstance(value, str | bool | np.bool_) else float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
@@ -54,7 +54,7 @@ def nonzero(name: str, value: object) -> float:
 
 
 def integer(name: str, value: object, *, least: int) -> int:
-    """Return an integer >= `least` as an int; 2.0 and booleans are none."""
+    """Return an integer >= `least` as an int; 2.0 and booleans are refused."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise ValueError(f"`{name}` must be an integer >= {least}, got {quoted(_plain(value))}.")
     return int(value)

@@ -34,7 +34,7 @@ _SEISMIC = re.compile(rb"\d{6}[DRQM][ \0]|MS\x03|WID2 |TIMESERIES |Origin Time\s
 
 
 def columns_of_array_file(path: Path, wanted: Collection[str] = ()) -> Header | None:
-    """Read a file of arrays as columns, its header without a line; None of others.
+    """Read a file of arrays as columns; None for other files.
 
     A matrix is so many columns, the fields of a struct or of a group are called test.acc, and beside a vector without time a
     scalar fs, or dt, is its rate, or interval: its own, else that of the struct or group which holds it. A WAV file has
@@ -98,7 +98,7 @@ def _parquet(path: Path, wanted: Collection[str]) -> Header:
 def _of_columns(
     path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float], wanted: Collection[str], left_out: Sequence[str]
 ) -> Header:
-    """Return the wanted columns, or those of the most common length; without time among them, with that of their rate.
+    """Select the wanted columns, or those of the most common length; where time is missing it is made from their rate.
 
     `left` are columns of the file that hold no numbers.
     """
@@ -147,7 +147,9 @@ def _of_columns(
                 )
             names, units = ("time", *names), ("s", *units)
             numbers = np.column_stack([step * np.arange(usual), numbers])
-    other_names = tuple(split_unit(name)[0] for name in lengths if lengths[name] != usual or (name in rated and name not in kept))
+    other_names = tuple(
+        split_unit(name)[0] for name in lengths if lengths[name] != usual or (name in rated and name not in kept)
+    )
     return Header(path, 0, names, units, content=numbers, left_out=(*other_names, *left_out))
 
 
@@ -171,7 +173,7 @@ def _own_steps(column: str, scalars: Mapping[str, float]) -> set[float]:
 
 
 def _nearest(column: str, scalars: Mapping[str, float], called: Collection[str]) -> set[float]:
-    """Return the scalars of some names that are a column's own, else those of the struct or group that holds it, and so on."""
+    """Return the scalars of some names in a column's own place, else in the struct or group around it, and so on."""
     place = column
     while True:
         values = {value for name, value in scalars.items() if name.rpartition(".")[0] == place and _bare(name) in called}
@@ -236,7 +238,7 @@ def _text(value: Any) -> str:
 
 
 def _intervals(path: Path, attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return rates [Hz], intervals and starts [s] among attributes; a unit may stand beside each, as dt_unit."""
+    """Read rates [Hz], intervals and starts [s] from attributes; a unit may stand beside each, as dt_unit."""
     intervals: dict[str, float] = {}
     for key, value in attributes.items():
         known = FREQUENCY_UNITS if _bare(key) in _RATES else TIME_UNITS if _bare(key) in _STEPS | _STARTS else None
@@ -307,7 +309,7 @@ def _seismic(path: Path) -> Mapping[str, Any]:
 
 
 def _of_variables(path: Path, content: Mapping[str, Any], wanted: Collection[str]) -> Header:
-    """Return the columns among variables and what they hold: vectors, lines of matrices, scalars, lists of names."""
+    """Make columns of variables: vectors, lines of matrices, scalars, lists of names."""
     columns: dict[str, Array] = {}
     scalars: dict[str, float] = {}
     texts: dict[str, list[str]] = {}
@@ -362,7 +364,7 @@ def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
-    """Return the columns of a matrix, called as the one list of names beside it says, with the units of another.
+    """Name the columns of a matrix by the one list of names beside it, with units from another list.
 
     So are vectors, where their own names are what the list says, as far as MATLAB's letters go.
     """

@@ -57,7 +57,7 @@ def write_json(path: Path, content: object) -> None:
 
 
 def check_writable(path: Path, *, force: bool = True) -> None:
-    """Raise RecordError if no file can be written at `path`, or one is there and must not be replaced: before what takes time.
+    """Raise RecordError if no file can be written at `path`, or one exists and must not be replaced: before long work.
 
     Folders are not made: one that is not there is a slip of the pen more often than a wish.
     """
@@ -125,7 +125,7 @@ def atomic_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str])
 
 @contextmanager
 def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
-    """Hold `folder` for the block, or raise RecordError if another process does; without effect where there are no locks."""
+    """Lock `folder` for the block, or raise RecordError if another process holds it; without effect where locks lack."""
     with locked(folder) as lock:
         if lock == TAKEN:
             raise RecordError(
@@ -137,7 +137,7 @@ def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
 
 @contextmanager
 def place_named(path: Path) -> Iterator[None]:
-    """Raise errors about the place where the block writes as those about `path`, which people know, at whatever file it is.
+    """Raise errors about hidden files that the block writes as errors about `path`, which people know.
 
     DiskFullError if there is no space left, RecordError if nothing can be written there.
     """

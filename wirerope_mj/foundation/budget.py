@@ -28,7 +28,7 @@ _UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
 
 
 def require_memory(subject: str, size: float, remedy: str) -> None:
-    """Raise BudgetError if numbers of a size [B] at the least take more memory than there is for them.
+    """Raise BudgetError if numbers of at least `size` [B] need more memory than is available.
 
     The message begins with `what` takes it, as "the samples of this run", and ends with the `remedy`, a sentence.
     """
@@ -43,7 +43,7 @@ def require_memory(subject: str, size: float, remedy: str) -> None:
 
 
 def require_disk(subject: str, size: float, folder: Path, remedy: str) -> None:
-    """Raise BudgetError if a file may take more of a folder's disk than is free; `size` is what it takes at the most [B]."""
+    """Raise BudgetError if a file of at most `size` [B] may need more disk than is free where its folder is."""
     existing = next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), Path())
     free = shutil.disk_usage(existing).free
     if size > DISK_SHARE * free:
@@ -54,7 +54,7 @@ def require_disk(subject: str, size: float, folder: Path, remedy: str) -> None:
 
 
 def require_time(subject: str, steps: float, remedy: str, *, step: float = STEP) -> None:
-    """Raise BudgetError if so many steps, of one system unless `step` [s] says otherwise, take longer than `LONGEST`.
+    """Raise BudgetError if so many steps, of `step` [s] of computing each, take longer than `LONGEST`.
 
     `what` and `remedy` are those of `require_memory`.
     """
@@ -67,7 +67,7 @@ def require_time(subject: str, steps: float, remedy: str, *, step: float = STEP)
 
 
 def bytes_text(size: float) -> str:
-    """Return a size with the unit that suits it: 7.2 TB."""
+    """Format a size in bytes with a suitable unit: 7.2 TB."""
     power = 0
     while size >= 999.5 and power < len(_UNITS) - 1:
         size, power = size / 1e3, power + 1
@@ -75,12 +75,12 @@ def bytes_text(size: float) -> str:
 
 
 def _free_memory() -> float:
-    """Estimate how much memory this process can still have [B]."""
+    """Estimate the memory that this process can still have [B]."""
     return min(_limits(), default=UNKNOWN_MEMORY)
 
 
 def _limits() -> Iterator[float]:
-    """Yield what is free by the system, by its groups and by the limits of this process [B]."""
+    """Yield the memory that the system, its control groups and the limits of this process leave free [B]."""
     try:
         lines = dict(line.split(":", 1) for line in _MEMINFO.read_text(encoding="ascii").splitlines() if ":" in line)
         yield 1024.0 * float(lines["MemAvailable"].split()[0])

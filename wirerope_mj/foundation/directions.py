@@ -31,7 +31,7 @@ def directions_in(text: str) -> tuple[Direction, ...]:
 
 
 def direction_in(text: str, name: str) -> Direction:
-    """Parse one direction; ValueError if the text says none, or several, names the argument."""
+    """Parse one direction; ValueError if the text holds none or several, names the argument."""
     directions = directions_in(text)
     if len(directions) != 1:
         raise ValueError(f"`{name}` must be {WORDING}, got {text!r}.")
@@ -39,7 +39,7 @@ def direction_in(text: str, name: str) -> Direction:
 
 
 def checked_direction(direction: str | Sequence[float] | Array, name: str = "direction") -> Direction:
-    """Return the direction as it was given, in plain Python values, so that it can be stored and read back exactly.
+    """Check a direction and return it as given, in plain Python values that are stored and read back exactly.
 
     `name` is the argument's, for messages.
     """
@@ -67,7 +67,7 @@ def unit_vector(direction: Direction) -> Array:
 
 
 def direction_text(direction: Direction) -> str:
-    """Return the direction for a human reader, `z` or `(1, 1, 0)`."""
+    """Format a direction for a human reader, `z` or `(1, 1, 0)`."""
     return direction if isinstance(direction, str) else "(" + ", ".join(f"{c:.4g}" for c in direction) + ")"
 
 

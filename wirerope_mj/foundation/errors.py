@@ -59,14 +59,14 @@ class ConvergenceError(WireRopeError):
 
 
 def error_text(error: Exception) -> str:
-    """Return the message of an error; of a file whose name is too long, not all of the name."""
+    """Return the message of an error; a file name that is too long is shortened."""
     if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
         return f"{short(str(error.filename))!r} is too long for the name of a file."
     return str(error)
 
 
 def why_unread(error: OSError) -> str:
-    """Return why the system reads no file and what to do, as the end of a message that has named the file."""
+    """Return the system's reason for not reading a file, and the remedy, as the end of a message about it."""
     if isinstance(error, FileNotFoundError) or error.errno == errno.ENAMETOOLONG:
         return "there is no such file. Check its name and folder."
     if isinstance(error, IsADirectoryError):

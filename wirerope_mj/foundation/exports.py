@@ -50,7 +50,7 @@ class Exported:
 
 
 def picked(table: Exported, patterns: Sequence[str]) -> Exported:
-    """Keep the columns of a table whose names a pattern with * and ? matches, and its first, by which they are in order.
+    """Keep the columns whose names a pattern with * and ? matches, and the first, which gives the order.
 
     Raises:
         ValueError: a pattern matches none.
@@ -127,7 +127,7 @@ def write_export(table: Exported, path: str | Path, *, force: bool = False, kind
 
 
 def _write_csv(table: Exported, path: Path) -> None:
-    """Write numbers with as many digits as they have, a header of names with units, texts that no spreadsheet computes."""
+    """Write numbers in full precision below a header of names with units; spreadsheets compute none of the texts."""
     import pyarrow as pa
     import pyarrow.csv as pc
 
@@ -177,7 +177,7 @@ def _write_mat(table: Exported, path: Path) -> None:
 
 
 def _matlab_names(names: Sequence[str]) -> list[str]:
-    """Return names that MATLAB takes, each another one."""
+    """Return names that MATLAB accepts, each different."""
     taken: dict[str, None] = dict.fromkeys(("variables", "names", "units", "about"))
     result = []
     for name in names:

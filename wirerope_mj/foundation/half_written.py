@@ -81,7 +81,7 @@ at_end(_clear_unfinished)
 
 @contextmanager
 def hidden_file(path: Path) -> Iterator[Path]:
-    """Yield a new hidden file in the folder of `path`, with its ending, locked; it is removed if it is still there.
+    """Yield a new locked hidden file in the folder of `path`, with its ending; removed afterwards if it still exists.
 
     Raises:
         RecordError: no file can be made there.
@@ -126,7 +126,15 @@ def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | Non
                 if lock != TAKEN:
                     _written.append((folder.parent, handle))
         if lock == HELD:
-            _put_right(folder, hidden)
+            for path in hidden.iterdir():
+                _remove(path)
+            for path in folder.parent.iterdir():  # what an earlier process set aside for the folder
+                match = _ASIDE.fullmatch(path.name)
+                if match and match["name"] == folder.name:
+                    if folder.exists():
+                        _remove(path)
+                    else:
+                        os.rename(path, folder)
         yield None if lock == TAKEN else hidden
     finally:
         with interrupts_held():
@@ -137,7 +145,7 @@ def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | Non
 
 
 def _made(folder: Path) -> tuple[Path, str, int | None]:
-    """Make the hidden folder of `folder`, and return it, the outcome of locking it, and the handle that holds the lock."""
+    """Make the hidden folder of `folder` and lock it; returns it, the outcome of locking, and the lock's handle."""
     hidden = folder.parent / f".{folder.name}.{_MARK}.part"
     lock, handle = GONE, None
     while lock == GONE and not hidden.is_symlink():
@@ -156,7 +164,7 @@ def _made(folder: Path) -> tuple[Path, str, int | None]:
 
 
 def replaced_by_exchange(folder: Path, hidden: Path) -> bool:
-    """Exchange the names of `folder` and of its hidden folder in one step, and remove what was there; False where none can.
+    """Swap `folder` with its hidden folder in one step and remove the old content; False where systems cannot.
 
     Raises:
         OSError: the operating system and the file system can, and it failed: nothing has changed.
@@ -177,14 +185,14 @@ def replaced_by_exchange(folder: Path, hidden: Path) -> bool:
 
 
 def set_aside(path: Path, folder: Path) -> Path:
-    """Give `path`, which is what `folder` was, a hidden name that says so, and return that."""
+    """Rename `path`, the former `folder`, to a hidden name that says so, and return it."""
     aside = folder.parent / f".{folder.name}.{secrets.token_hex(4)}.{_MARK}.old"
     os.rename(path, aside)
     return aside
 
 
 def refusal(path: Path, error: OSError) -> RecordError:
-    """Return the error that says why nothing can be written at `path`."""
+    """Return the error that explains why nothing can be written at `path`."""
     if not is_full(error):
         reason = os.strerror(error.errno) if error.errno else str(error)
         return RecordError(f"{path}: cannot write here ({reason}). Choose another place.")
@@ -196,7 +204,7 @@ def refusal(path: Path, error: OSError) -> RecordError:
 
 @contextmanager
 def _refused(path: Path) -> Iterator[None]:
-    """Raise the errors of the operating system that the block meets as refusals about `path`."""
+    """Raise errors of the operating system in the block as refusals about `path`."""
     try:
         yield
     except OSError as error:
@@ -204,7 +212,7 @@ def _refused(path: Path) -> Iterator[None]:
 
 
 def is_of_place(error: OSError) -> bool:
-    """Tell whether an error of the operating system is about where something is written, and not about another file."""
+    """Tell whether an error of the operating system concerns the place that is written to, and no other file."""
     named = error.filename, error.filename2
     return is_full(error) or any(map(is_hidden, named)) or (named == (None, None) and error.errno in _BROKEN)
 
@@ -220,7 +228,7 @@ def is_full(error: OSError) -> bool:
 
 
 def clear_half_written(folder: Path) -> None:
-    """Remove from `folder` what processes left half-written that are gone, and bring back what they had not yet replaced."""
+    """Remove what ended processes left half-written in `folder`, and restore what they had set aside."""
     try:
         hidden = [folder / name for name in os.listdir(folder) if name.startswith(".") and _MARK in name]
     except OSError:  # nothing is there, or nobody may look
@@ -234,19 +242,6 @@ def clear_half_written(folder: Path) -> None:
     for name in {match["name"] for match in matches if match}:
         with suppress(OSError), hidden_folder(folder / name):
             pass  # which puts right what was left of it
-
-
-def _put_right(folder: Path, hidden: Path) -> None:
-    """Empty the hidden folder in which `folder` is written, and bring back or remove what was set aside for it."""
-    for path in hidden.iterdir():
-        _remove(path)
-    for path in folder.parent.iterdir():
-        match = _ASIDE.fullmatch(path.name)
-        if match and match["name"] == folder.name:
-            if folder.exists():
-                _remove(path)
-            else:
-                os.rename(path, folder)
 
 
 def _remove(path: Path) -> None:
@@ -274,7 +269,7 @@ def _lock(path: Path) -> tuple[str, int | None]:
 
 
 def _lock_handle(handle: int, path: Path) -> str:
-    """Lock an open file or folder; `GONE` if `path` no longer names it, since who holds one may remove or rename it."""
+    """Lock an open file or folder; `GONE` if `path` no longer names it, having been removed or renamed."""
     if fcntl is None:
         return UNKNOWN
     try:

@@ -24,14 +24,14 @@ _arrived: list[int] = []
 
 
 def at_end(work: Callable[[], object], *, early: bool = False) -> None:
-    """Have something done at the end of this process, also where that comes in the middle of whatever it does."""
+    """Register work for the end of this process, even if it ends in the middle of a computation."""
     _last.insert(0 if early else len(_last), work)
     atexit.register(work)
 
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Put an interrupt off until the block has ended, which must not take long; a thread meets none."""
+    """Postpone interrupts until the block has ended, which must not take long; threads receive none."""
     handlers, arrived = {}, list[tuple[int, FrameType | None]]()
     try:
         if current_thread() is main_thread():
@@ -48,7 +48,7 @@ def interrupts_held() -> Iterator[None]:
 
 
 def end_soon_after_interrupts() -> None:
-    """Have an interrupt raise KeyboardInterrupt once, and end this process where that has not ended it in time.
+    """Raise KeyboardInterrupt on an interrupt, and end this process if that has not ended it in time.
 
     It may be lost in a library, or meet a thread that waits for what never comes, or a computation of many seconds.
     """
@@ -65,7 +65,7 @@ def end_soon_after_interrupts() -> None:
 
 
 def end_at_once_after_interrupts() -> None:
-    """Have the next interrupt end this process, which has nothing left to do, without another word."""
+    """End this process at the next interrupt without a message: it has nothing left to do."""
     for number in SIGNALS:
         if signal.getsignal(number) == _interrupt:
             signal.signal(number, lambda number, _: end(number))
@@ -77,7 +77,7 @@ def interrupted_by() -> int:
 
 
 def end(number: int) -> NoReturn:
-    """End this process as one that a signal of that number ended, after what must be done at its end."""
+    """End this process as if by a signal of that number, after the work registered for its end."""
     for work in (*_last, weakref.finalize._exitfunc):  # type: ignore[attr-defined]  # temporary folders
         with suppress(Exception):
             work()

@@ -21,7 +21,7 @@ _SHARED = ("jit.py", "lane_types.py", "lane_choices.py", "lanes.py")
 
 @cache
 def digest(function: Callable[..., Any]) -> str:
-    """Return the digest of `function`, which is not compiled for it.
+    """Return the digest of `function` and all it reaches, without compiling it.
 
     Its code object counts, not its text: comments and lines that move change nothing. Constants count by their value, among
     them the addresses of tables, and offsets in MuJoCo's structs.
@@ -41,7 +41,7 @@ def digest(function: Callable[..., Any]) -> str:
 
 @cache
 def _own(kernel: FunctionType) -> tuple[str, tuple[FunctionType, ...]]:
-    """Return the text that a kernel itself adds, and the functions that it calls."""
+    """Return the text of a kernel's own code, and the functions that it calls."""
     callees: list[FunctionType] = []
     parts = [f"{kernel.__module__}.{kernel.__qualname__}", repr(kernel.__defaults__), *code_texts(kernel.__code__)]
     for name, value in _used(kernel):
@@ -50,7 +50,7 @@ def _own(kernel: FunctionType) -> tuple[str, tuple[FunctionType, ...]]:
 
 
 def code_texts(code: CodeType) -> Iterator[str]:
-    """Yield what a function's code does, by its names and constants."""
+    """Yield a function's byte code, names and constants as text."""
     yield code.co_code.hex()
     yield repr((code.co_names, code.co_varnames, code.co_freevars, code.co_argcount))
     for constant in code.co_consts:
@@ -66,7 +66,7 @@ def _names(code: CodeType) -> set[str]:
 
 
 def _used(kernel: FunctionType) -> Iterator[tuple[str, object]]:
-    """Yield what a kernel reaches by a global name, by its closure, and as a member of a module; of libraries their numbers."""
+    """Yield the globals, closure cells and module members that a kernel uses; of libraries, only numbers."""
     names = sorted(_names(kernel.__code__))
     for name in names:
         value = kernel.__globals__.get(name)
@@ -81,7 +81,7 @@ def _used(kernel: FunctionType) -> Iterator[tuple[str, object]]:
 
 
 def _text(name: str, value: Any, callees: list[FunctionType]) -> str:
-    """Return what a value is known by; functions that are compiled along with the kernel are added to `others`."""
+    """Return the text that identifies a value; functions compiled with the kernel are added to `callees`."""
     if isinstance(value, Dispatcher):
         callees.append(value.py_func)
         return repr(sorted(value.targetoptions.items()))

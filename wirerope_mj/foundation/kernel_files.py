@@ -38,7 +38,7 @@ _CHECKSUM = hashlib.sha256().digest_size
 
 @cache
 def level() -> str | None:
-    """Return the highest level of `LEVELS` that this machine's processor and operating system have, or None."""
+    """Return the highest of the processor `LEVELS` that this machine supports, or None."""
     if not llvm.get_process_triple().startswith("x86_64"):
         return None
     present = {name for name, present_on_host in llvm.get_host_cpu_features().items() if present_on_host}
@@ -46,7 +46,7 @@ def level() -> str | None:
 
 
 def file_doubt(state: os.stat_result, name: str) -> str:
-    """Say who else may write what has this state; "" if it is the user's and nobody else may."""
+    """Return who else may write a file with this status, "" if only the user may."""
     if not _KNOWN:
         return ""
     if state.st_uid != os.geteuid():
@@ -86,13 +86,13 @@ def cache_folder() -> Path:
 
 
 def where_kept(folder: Path) -> str:
-    """Return the end of a sentence on compiled kernels: that they are kept in `folder`, or why they are not."""
+    """Return the clause that says where compiled kernels are kept, or why they are not."""
     doubt = why_not_kept(folder)
     return f"they are not kept: {doubt}" if doubt else f"they are kept in {folder}"
 
 
 def why_not_kept(folder: Path) -> str:
-    """Make a folder for compiled kernels, and say why they are not kept there; "" if they are."""
+    """Make a folder for compiled kernels; returns the reason why they are not kept there, "" if they are."""
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         return _doubt(folder)
@@ -102,7 +102,7 @@ def why_not_kept(folder: Path) -> str:
 
 @cache
 def _doubt(folder: Path) -> str:
-    """Say why a folder that is there is not used: who else may write it, or put another one in its place; "" if it is.
+    """Return the reason why an existing folder is not used: who else may write or replace it; "" if it is.
 
     The folders above it count, too, and those that links lead through; in one with the sticky bit, such as /tmp, nobody may
     rename what is somebody else's.
@@ -124,7 +124,7 @@ def _doubt(folder: Path) -> str:
 
 
 def keep(path: Path, content: bytes) -> None:
-    """Write a file with its checksum if that is possible; what is not kept is made again by a later process."""
+    """Write a file with its checksum if possible; a later process computes again what is not kept."""
     with suppress(OSError, RecordError):
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         if not _doubt(path.parent):
@@ -133,7 +133,7 @@ def keep(path: Path, content: bytes) -> None:
 
 
 def read(path: Path, *, own: bool) -> bytes | None:
-    """Read a file; None if it is not there, cannot be read or is not whole, or, with `own`, if others may write it."""
+    """Read a file; None if it is missing, unreadable or damaged, or, with `own`, if others may write it."""
     try:
         with open(path, "rb", opener=_opened if own else None) as file:
             state = os.fstat(file.fileno())

@@ -22,7 +22,7 @@ _HERE = Path(__file__).resolve().parent
 
 @cache
 def doubt() -> str:
-    """Say why kernels cannot be linked and kept as `linked_code` does it, and on standard error what then; "" if they can."""
+    """Return the reason why kernels cannot be linked and kept, also on standard error; "" if they can."""
     if numba.config.DISABLE_JIT:
         return "Numba's compiler is switched off"
     reason = _doubt()
@@ -57,7 +57,7 @@ def _doubt() -> str:
 
 
 def proof_name() -> str:
-    """Return the name of the note: it holds a digest of the versions, and of the code of Numba's and ours that is tried."""
+    """Return the name of the note on the proof: a digest of the versions and of the code that is tried."""
     from wirerope_mj.foundation import linked_code
     from wirerope_mj.foundation.kernel_digest import code_texts
 
@@ -81,7 +81,7 @@ def _root(x: float) -> float:
 
 
 def _try(linked: Any) -> None:
-    """Compile two kernels that are linked and a C function of one, read one again, and call them; raise what does not work."""
+    """Compile two linked kernels and a C function, read one back, and call them; raise what does not work."""
     options = {"error_model": "numpy", "nogil": True}
     inner = linked.kernel(_root, {**options, "no_cpython_wrapper": True, "no_cfunc_wrapper": True})
 

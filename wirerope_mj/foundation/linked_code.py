@@ -145,7 +145,7 @@ class KernelFiles(_Cache):
         return None
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
-        """Keep compiled code if that is possible; a later process compiles again otherwise."""
+        """Keep compiled code if possible; otherwise a later process compiles again."""
         keep(cache_folder() / self._name(sig, data.codegen.magic_tuple()), content_of(data))
 
     def enable(self) -> None:
@@ -170,7 +170,7 @@ def content_of(code: CompileResult) -> bytes:
 
 
 def _processors(codegen: Any) -> tuple[tuple[str, ...], ...]:
-    """Return what code may be compiled for: the level that ships, and this processor; or only what the user asks for."""
+    """Return the processors to compile for: the level that ships and this one, or only what the user asks for."""
     this_one, shipped = codegen.magic_tuple(), level()
     if numba.config.CPU_NAME is not None or shipped is None:
         return (this_one,)

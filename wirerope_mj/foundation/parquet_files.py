@@ -103,7 +103,7 @@ def read_table(path: Path, *, kind: str, remedy: str) -> "pa.Table":
 
 
 def read_content(path: Path, *, kind: str, remedy: str, version: int | None = None) -> tuple["pa.Schema", Any]:
-    """Read the `pyarrow.Schema` of a file's columns and its metadata, which state `version` as their `format` if one is given.
+    """Read the `pyarrow.Schema` and the metadata of a file; its `format` must be `version` if that is given.
 
     Raises:
         RecordError: it is not a whole Parquet file, has no readable metadata, or another format; as for `read_table`.

@@ -81,18 +81,18 @@ class PayloadLimit:
 
     @property
     def judged(self) -> dict[str, float]:
-        """Limits by what they hold for: "" (the norm), "x", "y", "z" or "-x", "+x", ..; those of zero are left out."""
+        """Limits by direction: "" (the norm), "x", "y", "z" or "-x", "+x", ..; zeros are left out."""
         return {axis: value for axis, value in zip(_LABELS[len(self.values)], self.values, strict=True) if value}
 
     @property
     def ways(self) -> dict[str, float]:
-        """Limits of a clearance along each of `SIDES`; those of zero are left out."""
+        """Limits of a clearance along each of `SIDES`; zeros are left out."""
         values = self.values if len(self.values) == len(SIDES) else tuple(v for v in self.values for _ in range(2))
         return {side: value for side, value in zip(SIDES, values, strict=True) if value}
 
 
 def limits_by_patterns(limits: Sequence[PayloadLimit], known: Mapping[str, Sequence[str]]) -> list[PayloadLimit]:
-    """Return limits with each name that holds * or ? replaced by all that it matches, but for those with a limit of their own.
+    """Expand names with * or ? in limits; a name with a limit of its own keeps it.
 
     Args:
         limits: of any kind; one whose name matches nothing stays as it is.
@@ -108,7 +108,7 @@ def limits_by_patterns(limits: Sequence[PayloadLimit], known: Mapping[str, Seque
 
 
 def limit_from_text(text: str) -> PayloadLimit:
-    """Return the limit of a text such as `acceleration/rack = 15 g` or `clearance/rack_top = 30 30 20 mm`.
+    """Parse a limit such as `acceleration/rack = 15 g` or `clearance/rack_top = 30 30 20 mm`.
 
     `stops = none`, or `stops/NAME = none`, is `gap/NAME = 100 %`: no stop of these mounts may be touched.
 

@@ -15,16 +15,18 @@ def plain(text: str) -> str:
     r"""Return text on one line, its invisible characters spelled out: `\x1b` for an escape, `\n` for a line break."""
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() or c == "\t" or category(c) == "Zs" else _spelled(c) for c in text)
+    return "".join(
+        c if c.isprintable() or c == "\t" or category(c) == "Zs" else c.encode("unicode_escape").decode("ascii") for c in text
+    )
 
 
 def short(text: str, most: int = 200) -> str:
-    """Return text as it is quoted in a message: what is longer than `most` characters is cut, and ends with three points."""
+    """Cut text longer than `most` characters for a message; it then ends with three points."""
     return text if len(text) <= most else f"{text[:most]}..."
 
 
 def quoted(value: object, most: int = 200) -> str:
-    """Return a value as it is quoted in a message, which may be of any kind and size: its own text may fail, or never end."""
+    """Quote a value of any kind and size in a message: its own text may fail, or never end."""
     try:
         return short(repr(value), most)
     except Exception:
@@ -41,7 +43,7 @@ def no_formula(text: str) -> str:
 
 
 def as_named(cell: str) -> str:
-    """Return the text of a cell without the apostrophe that `no_formula` puts before it."""
+    """Remove the apostrophe that `no_formula` put before the text of a cell."""
     return cell[1:] if cell.startswith("'") and cell[1:].startswith(_FORMULA) else cell
 
 
@@ -59,7 +61,3 @@ def markdown(text: str) -> str:
 def markdown_lines(text: str) -> str:
     """Return Markdown that shows `text` as it is, its lines and paragraphs kept."""
     return "\n".join(markdown(line) for line in text.split("\n"))
-
-
-def _spelled(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")

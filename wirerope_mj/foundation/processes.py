@@ -24,7 +24,7 @@ def processors() -> int:
 
 
 def environment_of_children() -> dict[str, str]:
-    """Return the environment of processes that compute: they find the modules that this one does, and no others.
+    """Return the environment of child processes, in which they find this process's modules and no others.
 
     Python would look in the current folder first for what it runs with -m, which may be anybody's.
     """
@@ -39,7 +39,7 @@ def allow_one_beside() -> None:
 
 
 def compile_beside() -> None:
-    """Start the process that compiles kernels in another order, once, if that is allowed and there is a processor for it.
+    """Start one process that compiles kernels in another order, if that is allowed and a processor is free.
 
     Each finds what the other has compiled. It is ended with this process.
     """
@@ -54,7 +54,7 @@ def compile_beside() -> None:
 
 @contextmanager
 def run_beside(work: Callable[[], object]) -> Iterator[None]:
-    """Run `work`, which writes files, in a copy of this process while the block runs; after it where there is no copy.
+    """Run `work`, which writes files, in a copy of this process during the block; after it where copies are impossible.
 
     Where the copy does not come to its end, `work` runs here again, and raises what is wrong.
     """
@@ -80,7 +80,7 @@ def run_beside(work: Callable[[], object]) -> Iterator[None]:
 
 @contextmanager
 def process_beside(command: list[str], **how: Any) -> Iterator["subprocess.Popen[str]"]:
-    """Start another process, and end it with the block, if it has not ended by then, and with this process."""
+    """Start another process, and end it with the block or with this process."""
     process = None
     try:
         with interrupts_held():
@@ -110,7 +110,7 @@ at_end(_end_children, early=True)
 
 
 def _end_after(work: Callable[[], object]) -> NoReturn:
-    """Run `work` in a copy of a process, and end it."""
+    """Run `work` in a copy of a process, and end that."""
     code = 1
     try:
         work()

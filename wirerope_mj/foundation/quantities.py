@@ -28,7 +28,7 @@ class Phrase:
 
     @property
     def start(self) -> float:
-        """Instant at which the motion begins [s]: what stands behind "at"."""
+        """Instant at which the motion begins [s]: the value behind "at"."""
         return self.named.get("at", 0.0)
 
     def one(self, quantity: str) -> float:
@@ -108,7 +108,7 @@ def _number(part: str) -> tuple[float, str]:
 
 
 def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
-    """Return quantity and factor into SI of a unit; ValueError if it is unknown, or of another quantity than expected."""
+    """Return the quantity of a unit and its factor into SI; ValueError if unknown, or of an unexpected quantity."""
     known = PHRASE_UNITS[expected] if expected else _OF_UNIT
     if unit not in known:
         bare = not unit or NUMBER.match(unit) or directions_in(unit)
@@ -118,7 +118,7 @@ def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
 
 
 def values_with_unit(text: str, quantity: str, units: Mapping[str, float]) -> tuple[float, ...]:
-    """Parse "30 30 20 mm": numbers and, last, their unit, one of some of a quantity; their values in SI.
+    """Parse "30 30 20 mm", numbers and their unit, into values in SI; the unit must be one of a quantity's.
 
     ValueError: there is no number, the unit is missing or another, or a number is none that a computer holds.
     """

@@ -14,7 +14,7 @@ from wirerope_mj.foundation.plain_text import quoted
 
 
 def regular(path: str | Path) -> Path:
-    """Return a path unless something else than a regular file or a folder is there, links followed.
+    """Return a path, links followed; OSError if it is neither a regular file nor a folder nor missing.
 
     Every reader asks this before it opens a file, and treats it as what the system says when it cannot be read.
 
@@ -115,7 +115,7 @@ def read_text(path: Path) -> str:
 
 
 def foreign_kind(path: Path) -> str:
-    """Say what a file is that no reader of tables reads, and what to do, as two sentences; "" of others.
+    """Describe a file that no reader of tables reads, and the remedy, in two sentences; "" for others.
 
     Raises:
         OSError: the file cannot be read.

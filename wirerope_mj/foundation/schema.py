@@ -17,7 +17,7 @@ from wirerope_mj.foundation.structure import DATE, keys_of, marks_of, needed_key
 
 
 def schema(kind: Any, schemas: Mapping[type, Entries] | None = None) -> Entries:
-    """Return the JSON Schema of the tables of a class; `schemas` are those of classes that have readers."""
+    """Return the JSON Schema of a class's tables; `schemas` hold those of classes with readers of their own."""
     explained = _comments(kind)
     properties: Entries = {}
     for key, field in keys_of(kind).items():
@@ -49,7 +49,7 @@ def _value_schema(hint: Any, schemas: Mapping[type, Entries]) -> Entries:
 
 
 def _comments(kind: type) -> dict[str, str]:
-    """Read what the source of a class says of its fields: the comment behind each, or those above it."""
+    """Read the comments on the fields of a class from its source: behind each field, or above it."""
     texts: dict[str, str] = {}
     for part in reversed(kind.__mro__):
         above: list[str] = []
@@ -65,12 +65,12 @@ def _comments(kind: type) -> dict[str, str]:
 
 
 def example(value: Any) -> msgspec.Meta:
-    """Mark what a blank form has for a field, in the unit of its first key."""
+    """Mark the example of a field for blank forms, in the unit of its first key."""
     return msgspec.Meta(examples=[value])
 
 
 def blank_form(kind: Any, *, filled: Collection[str] = (), title: str = "") -> str:
-    """Write a file of a class with all its keys, each with its meaning and an example; those that may be left out are comments.
+    """Write a template of a class's file: all keys with meaning and example, optional ones commented out.
 
     Examples stand in the marks of the fields, `bounds(examples=[..])`; of a field without one it is the default.
 
@@ -84,7 +84,7 @@ def blank_form(kind: Any, *, filled: Collection[str] = (), title: str = "") -> s
 
 
 def _form(kind: Any, path: str, filled: Collection[str], *, shown: bool) -> Iterator[str]:
-    """Yield the lines of a table: keys without #, those with, then tables; `shown` if the table has no # itself."""
+    """Yield the lines of a table: keys without #, keys with #, then tables; `shown` if the table itself has no #."""
     explained, defaults = _comments(kind), {item.name: item.default for item in fields(kind)}
     written, first, later, tables = set[str](), list[str](), list[str](), list[str]()
     for key, field in keys_of(kind).items():

@@ -34,7 +34,7 @@ DATE = "date"  # mark of a text that may stand in a file as a date of TOML
 
 
 def bounds(unit: str = "", **limits: Any) -> msgspec.Meta:
-    """Mark the unit of a field and its bounds, gt, ge, lt, le, or min_length, as `msgspec.Meta` has them."""
+    """Mark the unit of a field and its bounds gt, ge, lt, le, or min_length, as `msgspec.Meta` does."""
     return msgspec.Meta(**limits, extra_json_schema={"unit": unit} if unit else None)
 
 
@@ -82,7 +82,7 @@ class Place:
     remedy: str = ""  # with which every message ends
 
     def at(self, *keys: str | int) -> "Place":
-        """Return the place of a table, or of an entry, in this one."""
+        """Return the place of a table or an entry inside this one."""
         return replace(self, keys=(*self.keys, *keys))
 
     @property
@@ -92,7 +92,7 @@ class Place:
 
     @property
     def table(self) -> str:
-        """The table as TOML has it, "[limits.travel]" or "[[stage]] 2"; "" for the whole file."""
+        """Name of the table in TOML, "[limits.travel]" or "[[stage]] 2"; "" for the whole file."""
         dotted = ".".join(key for key in self.keys if isinstance(key, str))
         numbers = [key for key in self.keys if isinstance(key, int)]
         if len(numbers) == 1 and self.keys[-1] is numbers[0]:
@@ -100,7 +100,7 @@ class Place:
         return f"[{'.'.join(map(str, self.keys))}]" if dotted else ""
 
     def fault(self, text: str) -> Exception:
-        """Return the error of a fault in the table, with the line of the `key` or [table] that `text` names first."""
+        """Build the error of a fault in the table, at the line of the first `key` or [table] that `text` names."""
         named = [table or key for table, key in re.findall(r"\[(\w+)\]|`([^`]+)`", text)]
         line = line_of(self.file, self.keys, named) if isinstance(self.file, Path) else None
         where = f"{self.file}, line {line}" if line else str(self.file)
@@ -111,7 +111,7 @@ Readers = Mapping[type, Callable[[Any, Place], Any]]  # of classes that are not 
 
 
 def structure(kind: type[T], table: object, place: Place, readers: Readers | None = None) -> T:
-    """Make a dataclass of a table of a file.
+    """Build a dataclass from a table of a file.
 
     Args:
         kind: of which the fields are the keys of the table; a field that is a dataclass is a table in it.
@@ -151,14 +151,14 @@ def structure(kind: type[T], table: object, place: Place, readers: Readers | Non
 
 
 def check(value: Any) -> None:
-    """Bring the fields of a frozen dataclass into their types, as its `__post_init__`; ValueError names the one that is not."""
+    """Convert the fields of a frozen dataclass to their types, in its `__post_init__`; ValueError names a wrong one."""
     kind: Any = type(value)
     for name, hint in _hints(kind).items():
         object.__setattr__(value, name, checked(name, getattr(value, name), hint))
 
 
 def checked(name: str, value: object, hint: Any) -> Any:
-    """Return a value as its type has it, an integer as a float; ValueError says what must hold of it, and what it is."""
+    """Convert a value to its type, integers to floats; ValueError states what must hold and what was got."""
     if type(value) is float and math.isfinite(value) and _is_number_within(value, hint):
         return value
     marks = marks_of(hint)
@@ -206,7 +206,7 @@ def _array(name: str, value: object, shape: Shape) -> Array:
 
 
 def said_of(hint: Any, *, plural: bool = False) -> str:
-    """Say what a type holds: "a finite number > 0 [m]"."""
+    """Describe a type: "a finite number > 0 [m]"."""
     said = (_said_of(option, marks, plural) for option, marks in options_of(hint) if option is not NoneType)
     return " or ".join(said)
 
@@ -274,15 +274,14 @@ def options_of(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[
 
 
 def _is_number_within(value: float, hint: Any) -> bool:
+    def holds(meta: msgspec.Meta) -> bool:
+        above = (meta.gt is None or value > meta.gt) and (meta.ge is None or value >= meta.ge)
+        return above and (meta.lt is None or value < meta.lt) and (meta.le is None or value <= meta.le)
+
     return hint is float or any(
-        option is float and all(_holds(value, mark) for mark in marks if isinstance(mark, msgspec.Meta))
+        option is float and all(holds(mark) for mark in marks if isinstance(mark, msgspec.Meta))
         for option, marks in options_of(hint)
     )
-
-
-def _holds(value: float, meta: msgspec.Meta) -> bool:
-    above = (meta.gt is None or value > meta.gt) and (meta.ge is None or value >= meta.ge)
-    return above and (meta.lt is None or value < meta.lt) and (meta.le is None or value <= meta.le)
 
 
 @cache
@@ -314,7 +313,7 @@ class _Filled:
 
 @cache
 def keys_of(kind: Any) -> dict[str, _Filled]:
-    """Return the keys that a table of a class may have in a file, and how each fills a field."""
+    """Return the keys that a class's table may have in a file, and the field that each fills."""
     keys: dict[str, _Filled] = {}
     for name, hint in _hints(kind).items():
         marks = marks_of(hint)
@@ -332,7 +331,7 @@ def keys_of(kind: Any) -> dict[str, _Filled]:
 
 @cache
 def needed_keys(kind: Any) -> dict[str, list[str]]:
-    """Return the fields that a file must state, each with the keys that may state it."""
+    """Return the required fields, each with the keys that may state it."""
     items = {item.name: item for item in fields(kind)}
     keys: dict[str, list[str]] = {}
     for key, field in keys_of(kind).items():
@@ -343,7 +342,7 @@ def needed_keys(kind: Any) -> dict[str, list[str]]:
 
 
 def _structured(hint: Any, value: Any, place: Place, key: Any, readers: Readers) -> Any:
-    """Return the value of a key: tables and lists of tables as what they are made into, all else as its type has it."""
+    """Convert the value of a key: tables and lists of tables to their classes, all else to its type."""
     how, inner = tables_in(hint)
     if how is None and inner in readers:
         return readers[inner](value, place.at(key))
@@ -368,7 +367,7 @@ def _structured(hint: Any, value: Any, place: Place, key: Any, readers: Readers)
 
 @cache
 def _values_in(hint: Any) -> Any:
-    """Return the type without the classes in it, or in its lists and mappings, as msgspec takes it."""
+    """Return the type for msgspec: without the classes that stand in it, its lists or its mappings."""
     if tables_in(hint)[0] is float:
         return hint
     options = [
@@ -381,7 +380,7 @@ def _values_in(hint: Any) -> Any:
 
 @cache
 def tables_in(hint: Any) -> tuple[Any, Any]:
-    """Find how tables stand in a type, None if alone, `tuple` or a mapping, and their class; twice `float` if not at all."""
+    """Return how tables stand in a type, None if alone, `tuple` or a mapping, and their class; `float` twice if none do."""
     for option, _ in options_of(hint):
         origin, args = get_origin(option), get_args(option)
         if _is_class(option):

@@ -76,7 +76,7 @@ class ByName(dict[str, Item]):
 
 
 def in_brief(value: object) -> str:
-    """Return a value in a few words."""
+    """Format a value in a few words."""
     if isinstance(value, np.ndarray):
         return f"array of shape {value.shape}"
     if isinstance(value, Summarised):
@@ -96,19 +96,19 @@ def _listed(names: Iterable[object]) -> str:
 
 
 def quantity(value: float, unit: str) -> str:
-    """Return a value of an SI unit with the unit in which an engineer reads it: "31.2 mm"."""
+    """Format a value in SI with the unit in which an engineer reads it: "31.2 mm"."""
     shown, factor = shown_in(unit)
     return f"{value * factor:.4g} {shown}".strip() if math.isfinite(value) else "not known"
 
 
 def span(values: tuple[float, float], unit: str) -> str:
-    """Return the two ends of a range of an SI unit: "5 to 80 Hz"."""
+    """Format a range in SI with the unit in which an engineer reads it: "5 to 80 Hz"."""
     shown, factor = shown_in(unit)
     return f"{values[0] * factor:.4g} to {values[1] * factor:.4g} {shown}".strip()
 
 
 def json_values(value: Any) -> Any:
-    """Return a value, or those in dictionaries and lists, as JSON knows them: floats that are NaN or infinite become None."""
+    """Convert a value, or those in dictionaries and lists, to JSON's: floats that are NaN or infinite become None."""
     if isinstance(value, dict):
         return {name: json_values(item) for name, item in value.items()}
     if isinstance(value, list | tuple):

@@ -43,7 +43,7 @@ _OPENS_CELL = re.compile(r'(?:^|[,;\t|])\s*"')  # a quotation mark elsewhere may
 
 
 def read_header(path: Path, *, kind: str, example: str, sheet: str = "", columns: Collection[str] = ()) -> Header:
-    """Read the header of a table in any container.
+    """Read the header of a table in any file format.
 
     It is the first row with two units, or that above a row of units, or the last one above as many numbers, else the first that
     is no comment (#, %); what a rig or a logger says of itself may stand above it. Where numbers begin at once it may be the
@@ -125,7 +125,7 @@ def _of_text(path: Path, wanted: str) -> Header:
 
 
 def _first_lines(path: Path, file: TextIO) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
-    """Return the lines that a header may be among, and comments, each with its number; a cell may go on in the next line."""
+    """Return the first lines and the comments of a file, numbered; a quoted cell may continue on the next line."""
     lines: list[tuple[int, str]] = []
     comments: list[tuple[int, str]] = []
     whole = ""
@@ -152,7 +152,7 @@ def _first_lines(path: Path, file: TextIO) -> tuple[list[tuple[int, str]], list[
 
 
 def _in_comments(path: Path, comments: Sequence[tuple[int, str]], rows: Rows) -> Header | None:
-    """Find a header in the last comment that has as many cells as the numbers below, whatever separates them."""
+    """Find a header in the last comment with as many cells as the numbers below it, at any separator."""
     width = len(rows[0][1])
     for number, text in reversed([comment for comment in comments if comment[0] < rows[0][0]]):
         for delimiter in DELIMITERS:
@@ -182,7 +182,7 @@ def _checked(header: Header) -> Header:
 
 
 def find_column(header: Header, name: str, *, without: int | None = None) -> int:
-    """Return the index of the column that is called so, `without` one of them; RecordError that lists the columns if none is.
+    """Return the index of a column by its name, `without` one of them; RecordError lists the columns if there is none.
 
     A name may be that of the column, that with its unit as the file has it, "column 3", the field of a struct by its own name,
     or of several columns of one name the second as `name#2`.
@@ -209,7 +209,7 @@ def find_column(header: Header, name: str, *, without: int | None = None) -> int
 
 
 def _decimal_sign(header: Header, rows: Iterable[Sequence[str]]) -> str:
-    """Return the sign of the first number below a header that has decimals; RecordError where commas may be of thousands."""
+    """Find the decimal sign of the first decimal number below a header; RecordError where commas may separate thousands."""
     sign, commas, whole = "", [], 0
     for cells in rows:
         for cell in cells:
@@ -239,7 +239,7 @@ def open_rows(header: Header) -> TextIO:
 
 
 def rows_below(header: Header) -> Iterator[tuple[int, str, list[str]]]:
-    """Yield line number, file and line for messages, and the cells of every row; empty rows and comments are skipped."""
+    """Yield line number, location for messages, and cells of every row; empty rows and comments are skipped."""
     for line, cells in numbered_rows(header):
         location = header.at(line)
         require_cells(header, location, cells)
@@ -268,7 +268,7 @@ def numbered_rows(header: Header) -> Iterator[tuple[int, list[str]]]:
 
 
 def rows_in_si(header: Header, units: Mapping[int, Mapping[str, float]]) -> list[tuple[float, ...]]:
-    """Read the numbers of some columns below a header in SI; `units` are those that each of them may have."""
+    """Read some columns below a header in SI; `units` are those that each may have."""
     factors = {column: header.factor(column, known) for column, known in units.items()}
     return [
         tuple(in_si(number_in(place, header.names[column], cells[column]), factor) for column, factor in factors.items())
@@ -277,7 +277,7 @@ def rows_in_si(header: Header, units: Mapping[int, Mapping[str, float]]) -> list
 
 
 def with_point(header: Header, location: str, cell: str) -> str:
-    """Return a cell, its number with a decimal point; RecordError if the file's decimal sign is another."""
+    """Return a cell with a decimal point in its number; RecordError if its decimal sign is not the file's."""
     match = _DECIMAL.fullmatch(cell) if header.decimal == "," else None
     if match is None:
         return cell
@@ -304,7 +304,7 @@ def require_cells(header: Header, location: str, cells: Sequence[str]) -> None:
 
 
 def parse_number(cell: str) -> float:
-    """Return the number in a cell; ValueError also for 1_000 and digits of other scripts, which Python takes."""
+    """Parse the number in a cell; ValueError also for 1_000 and digits of other scripts, which Python accepts."""
     if "_" in cell or not cell.isascii():
         raise ValueError(cell)
     return float(cell)

@@ -59,7 +59,7 @@ class Header:
         return self.at(self.line)
 
     def at(self, row: int) -> str:
-        """Name a row of the file, as messages begin."""
+        """Name a row of the file as messages do: file, sheet and line."""
         if self.sheet:
             return f"{self.path}, sheet {short(plain(self.sheet))}, row {row}"
         return f"{self.path}, line {row}" if row else str(self.path)
@@ -74,7 +74,7 @@ class Header:
         return known[self.known_unit(column, known)]
 
     def known_unit(self, column: int, known: Mapping[str, float], *, option: str = "") -> str:
-        """Return the column's unit as `known` spells it, also that behind the last underscore of its name.
+        """Return the unit of a column as `known` spells it, also that behind the last underscore of its name.
 
         Messages name the `option` that says the unit in place of the file.
 
@@ -204,7 +204,7 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _match(names: Sequence[str], cells: Sequence[str]) -> bool:
-    """Tell whether names stand above cells, one above each but for empty ones at the end, and none is a number."""
+    """Tell whether names fit the cells below: one above each but for empty ones at the end, and none a number."""
     least = [max((i for i, cell in enumerate(row, 1) if cell), default=0) for row in (names, cells)]
     fit = least[0] <= len(cells) and least[1] <= len(names) and least[0] > (len(cells) > 1)
     return fit and not any(is_number(name) for name in names if name)

@@ -49,7 +49,7 @@ class Column:
         return self.title().replace("/\n", "/").replace("\n", " ")
 
     def text(self, value: float | None, absent: str = "-") -> str:
-        """Return an SI value in the column's unit and form, or `absent` if it is None, infinite or NaN."""
+        """Format an SI value in the column's unit and form; `absent` if it is None, infinite or NaN."""
         if value is None or not math.isfinite(value):
             return absent
         shown = in_unit(value, self.unit)
@@ -95,7 +95,7 @@ class Table:
         }
 
     def marks(self, *, absent: str = "-", minus: str = "-") -> list[list[tuple[str, str]]]:
-        """Return text and tone of every cell, with these signs for absent values and in negative ones."""
+        """Return text and tone of every cell, with the given signs for absent values and for minus."""
         return [[_mark(*pair, absent, minus) for pair in zip(self.columns, row, strict=True)] for row in self.rows]
 
 

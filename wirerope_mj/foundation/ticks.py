@@ -34,7 +34,7 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
 
 
 def log_lines(low: float, high: float) -> Array:
-    """Return the numbers of one significant digit from `low` to `high`, between which one reads a logarithmic axis."""
+    """Return the numbers of one significant digit from `low` to `high`, for grid lines of a logarithmic axis."""
     return _inside((_powers(low, high)[:, np.newaxis] * np.arange(1, 10)).ravel(), low, high)
 
 
@@ -47,7 +47,7 @@ def _inside(ticks: Array, low: float, high: float) -> Array:
 
 
 def _thinned(ticks: Array, whole: Array, room: float) -> Array:
-    """Return the powers of ten, and of other ticks those that stand apart from them and from each other."""
+    """Return the powers of ten, and those of other ticks that keep their distance from them and from each other."""
     kept = list(whole)
     for tick in ticks:
         if all(abs(math.log(tick / neighbour)) >= room for neighbour in kept):

@@ -12,7 +12,7 @@ from wirerope_mj.foundation.regular_files import regular
 
 
 def read_toml(path: str | Path, kind: str, error: type[WireRopeError] = ModelError, remedy: str = "") -> Entries:
-    """Read a TOML file, which messages call a `kind`, as "isolator file"; `remedy` of one that a program wrote.
+    """Read a TOML file, which messages call a `kind`, as "isolator file"; `remedy` for files that a program wrote.
 
     Raises:
         WireRopeError: `error`; the file cannot be read, is no text or is not TOML; names file, line and column, and what to do.
@@ -59,7 +59,7 @@ def read_json(path: Path, kind: str, remedy: str) -> Entries:
 
 
 def line_of(path: Path, keys: Sequence[str | int], named: Sequence[str] = ()) -> int | None:
-    """Find the line at which a table of a TOML file begins, or the entry in it that is `named`; None where there is none.
+    """Find the line at which a table of a TOML file begins, or its entry `named`; None where there is none.
 
     Of the names those count that follow each other inward from the table. The shortest beginning of the file that TOML takes
     and that holds the entry ends with it, so that the parser itself says where that is.
@@ -86,7 +86,7 @@ def line_of(path: Path, keys: Sequence[str | int], named: Sequence[str] = ()) ->
 
 
 def entry_at(content: object, keys: Sequence[str | int]) -> object:
-    """Return the entry of nested tables and lists under some keys; None where there is none."""
+    """Return the entry at a path of keys in nested tables and lists; None where there is none."""
     for key in keys:
         try:
             content = content[key]  # type: ignore[index]
@@ -98,7 +98,7 @@ def entry_at(content: object, keys: Sequence[str | int]) -> object:
 def flat_entries(
     content: object, path: str = "", label: Callable[[object, int], str] = lambda item, number: str(number)
 ) -> Entries:
-    """Return the values of nested tables and lists by their paths, "simulate.duration"; of what is empty its size, 0.
+    """Return the values of nested tables and lists by path, "simulate.duration"; of empty ones the size, 0.
 
     `label` says what an entry of a list is called.
     """

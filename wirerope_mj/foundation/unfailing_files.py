@@ -12,7 +12,7 @@ class UnfailingFile(FileIO):
     failure: OSError | None = None
 
     def write(self, content: Any) -> int:
-        """Write all of `content`, or nothing more once a write has failed."""
+        """Write all of `content`, or nothing more after a write has failed."""
         rest = memoryview(content).cast("B")
         while len(rest) and self.failure is None:
             try:
@@ -23,7 +23,7 @@ class UnfailingFile(FileIO):
 
     @contextmanager
     def failures_raised(self) -> Iterator[None]:
-        """Raise the error of a write that failed during the block, whatever came of it there."""
+        """Raise the error of a write that failed in the block, even if it was caught there."""
         try:
             yield
         finally:

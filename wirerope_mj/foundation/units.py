@@ -105,7 +105,7 @@ _PER_SI = {
 
 
 def shown_in(unit: str) -> tuple[str, float]:
-    """Return the unit in which an engineer reads values of an SI unit, and the factor into it; else the unit itself and 1."""
+    """Return the unit in which an engineer reads values of an SI unit, and the factor into it; unknown units as they are."""
     return _SHOWN.get(unit, (unit, 1.0))
 
 
@@ -130,7 +130,7 @@ def find_unit(text: str, known: Mapping[str, float]) -> str | None:
 
 
 def range_of(unit: str | None) -> float | None:
-    """Return the range [m/s^2] of an accelerometer that stands before its unit, as in "100g"; None where none does.
+    """Return the range of an accelerometer [m/s^2] that precedes its unit, as in "100g"; None where none does.
 
     A number near that of a g, or below 1, is a factor of the numbers and no range.
     """
@@ -142,7 +142,7 @@ def range_of(unit: str | None) -> float | None:
 
 
 def is_unit(text: str) -> bool:
-    """Tell whether a text is a unit of any quantity, also of one that no file of this project needs."""
+    """Tell whether a text is a unit of any quantity, also of one that this project does not use."""
     return any(find_unit(text, units) is not None for units in (*UNITS.values(), dict.fromkeys(_ELSEWHERE, 1.0)))
 
 
@@ -200,14 +200,14 @@ def in_si(value: float, factor: float) -> float:
 
 
 def in_unit(value: Number, unit: str) -> Number:
-    """Return SI values in the unit that is displayed: one of `_PER_SI`, such as "mm" or "kN", or "g"; else as they are."""
+    """Convert SI values to a displayed unit: one of `_PER_SI`, such as "mm" or "kN", or "g"; others are left as they are."""
     if unit == "g":
         return value / STANDARD_GRAVITY
     return _PER_SI[unit] * value if unit in _PER_SI else value
 
 
 def force_unit(largest: float) -> str:
-    """Choose the unit in which forces are read, of which the largest is given [N]: kN, or N below one."""
+    """Choose the unit for forces from the largest one [N]: kN, or N below 1 kN."""
     return "N" if abs(largest) < 1e3 else "kN"
 
 
@@ -218,7 +218,7 @@ def force_text(force: float) -> str:
 
 
 def significant(value: float, digits: int = 3) -> str:
-    """Return a number to some significant digits without an exponent, whole digits never cut: 0.00123, 1.23, 123, 12345."""
+    """Format a number to some significant digits, without an exponent or cut integers: 0.00123, 1.23, 123, 12345."""
     if value == 0.0 or abs(value) < 1e-9:  # nothing that is shown in mm, kN or g is that small and not rounding
         return "0"
     rounded = abs(float(f"{value:.{digits - 1}e}"))  # 9.9999 is 10.0, not 10.00
@@ -227,12 +227,12 @@ def significant(value: float, digits: int = 3) -> str:
 
 
 def instant_text(time: float) -> str:
-    """Return an instant [s] as sentences say it: "61.2 ms", "1.2345 s"."""
+    """Format an instant [s] for a sentence: "61.2 ms", "1.2345 s"."""
     return f"{1e3 * time:.1f} ms" if time < 1.0 else f"{time:.4f} s"
 
 
 def duration_text(value: float, digits: int = 3) -> str:
-    """Return a duration [s] in ms, from 1 s on in s, to some significant digits without an exponent: 11 ms, 1.59 s, 3600 s."""
+    """Format a duration [s] in ms, from 1 s on in s, to some significant digits: 11 ms, 1.59 s, 3600 s."""
     text, unit = significant(1e3 * value, digits), "ms"
     if abs(float(text)) >= 1e3:
         text, unit = significant(value, digits), "s"

@@ -16,7 +16,7 @@ _UNPACKED = 20.0
 
 
 def xlsx_rows(path: Path, sheet: str = "") -> tuple[str, list[tuple[int, list[str]]]]:
-    """Read a sheet: its name, and number and texts of the rows that hold something and do not begin with #.
+    """Read a sheet: its name, and number and texts of its rows, without empty ones and those that begin with #.
 
     Args:
         path: of the XLSX file.

@@ -35,7 +35,7 @@ _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
 
 
 def write_modes(system: System, name: str, results: Sequence[Modes], folder: Path, *, force: bool = False) -> None:
-    """Write the modes of a system as `folder`, atomically: those of small cycles, which are recorded, and those of larger ones.
+    """Write the modes of a system as `folder`, atomically: small-amplitude modes, which are recorded, and larger ones.
 
     `name` is the model's. RecordError if the folder exists and is not one of modes that `force` replaces.
     """
@@ -54,7 +54,7 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
 def write_frequency_response(
     result: FrequencyResponse, findings: list[LevelSummary], content: Content, folder: Path, *, force: bool = False
 ) -> None:
-    """Write a frequency response, what is read off it level by level, and what it says as `folder`, atomically.
+    """Write a frequency response, its figures at each level, and its content as `folder`, atomically.
 
     RecordError if the folder exists and is not one of a frequency response that `force` replaces.
     """
@@ -86,7 +86,7 @@ def is_frequency_response(folder: Path) -> bool:
 
 
 def stored_response(folder: Path) -> tuple[Content, Exported]:
-    """Read the tables of a frequency response's folder, and its branches, or else its sweeps, as other programs take them.
+    """Read the tables of a frequency response's folder: its branches, or else its sweeps, as tables to export.
 
     RecordError if a file is damaged.
     """
@@ -122,7 +122,7 @@ def stored_response(folder: Path) -> tuple[Content, Exported]:
 
 
 def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, object], *packages: str) -> None:
-    """Write the model as it was used, every input with nothing left open, and the versions that computed it."""
+    """Write the model as used, every resolved input, and the versions that computed it."""
     settings = {
         "format": FORMAT, "name": name, "written": datetime.now(UTC).replace(microsecond=0),
         "model": model_table(system, write_model(system, folder / "model")), **tables,
@@ -132,7 +132,7 @@ def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str
 
 
 def _question(result: FrequencyResponse) -> Entries:
-    """Return what was asked: the tables of the options that count for the method."""
+    """Return the options that count for the method, as tables."""
     options = result.options
     start, stop = options.range
     assert options.response_direction is not None

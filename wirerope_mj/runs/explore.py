@@ -58,7 +58,7 @@ class Slider:
 
 
 def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
-    """Return the sliders that act on a system under a motion: none that could do nothing."""
+    """Return the sliders that have an effect on a system under a motion."""
     # A fall has the level of its height, and the direction of gravity.
     falls = motion.up is not None
     sliders = [] if falls else [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
@@ -95,7 +95,7 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
 
 
 def groups_of(system: System) -> dict[str, list[str]]:
-    """Return the mounts that share an isolator by what the model calls it; mere stops are no isolators."""
+    """Group the mounts by the name of their isolator in the model; stops are left out."""
     groups: dict[str, list[str]] = {}
     for name, mount in system.mounts.items():
         if not mount.written.is_stop:
@@ -104,7 +104,7 @@ def groups_of(system: System) -> dict[str, list[str]]:
 
 
 def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float]:
-    """Return a value for every slider: the one that is given, brought into its range, else the nominal one.
+    """Return a value for every slider: the given one limited to its range, else the nominal one.
 
     ValueError if `values` is no table of finite numbers, or names what is no slider.
     """
@@ -124,7 +124,7 @@ def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float
 
 
 def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System, BaseMotion]:
-    """Return system and motion with all sliders at some values; where all are nominal, those that are given.
+    """Return system and motion with the sliders at some values; the given ones where all are nominal.
 
     ValueError if a factor takes a parameter out of its law's range; ModelError if the compiled model has no room for the
     change.
@@ -151,7 +151,7 @@ def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System,
 
 
 def frequency_ratio(values: Values) -> float:
-    """Return by how much the fastest motion is at most faster than the scenario's: root of stiffness over mass, >= 1."""
+    """Return the largest ratio of a natural frequency to the scenario's: root of stiffness over mass, >= 1."""
     stiffest = max((value for key, value in values.items() if key.startswith(STIFFNESS)), default=1.0)
     # Damping multiplies the friction, which is a part of the stiffness at small amplitudes, and a damper's rate itself.
     mounts = max(1.0, stiffest * max(1.0, values.get(DAMPING, 1.0)) ** 2 / values.get(MASS, 1.0)) ** 0.5
@@ -166,7 +166,7 @@ _START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest
 
 
 def scenario_or_model(name_or_path: str | Path) -> ScenarioFile:
-    """Return the scenario of that name or path, or of a run; of a model, the half-sine that strikes its base.
+    """Return the scenario of a name, a path or a run; of a model, a half-sine shock of its base.
 
     ModelError if there is neither.
     """
@@ -226,7 +226,7 @@ class Exploration:
     """
 
     def __init__(self, scenario: Scenario, tests: Sequence[Measured] = ()) -> None:
-        """Simulate the scenario, whose channels stand beside those of `tests`; raises what `wirerope_mj.simulate` raises.
+        """Simulate the scenario, whose channels are compared with `tests`; raises what `wirerope_mj.simulate` raises.
 
         Raises:
             ModelError: an argument is none of it.
@@ -245,14 +245,13 @@ class Exploration:
         self._step = self._shown[0].response.numerics.timestep
 
     def start(self) -> Entries:
-        """Return title, question, sliders and the last answer."""
         return {
             "title": title_of(self._scenario.name), "question": self._scenario.question.strip().split("\n", 1)[0],
             "sliders": [vars(slider) for slider in self.sliders], "answer": self._answer(),
         }  # fmt: skip
 
     def run(self, values: object, *, passing: bool = False, exact: bool = False) -> Entries:
-        """Simulate with the sliders at some values, and return what came out beside the run before it.
+        """Simulate with the sliders at some values, and return the result beside the run before it.
 
         A run that was passing gives way to this one; every other one is what this one is compared with from now on. Values of
         sliders, by key, are brought into their ranges, nominal where they are not given; one on its way is `passing`; with
@@ -272,7 +271,7 @@ class Exploration:
         return self._answer()
 
     def recording(self, number: int) -> bytes:
-        """Return the recording of the last two runs over each other, or of the only one.
+        """Return the recording of the last two runs together, or of the only one.
 
         Raises:
             OvertakenError: run `number` is not the last any more.

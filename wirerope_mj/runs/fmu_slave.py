@@ -61,7 +61,7 @@ class WireRopeUnit(Fmi3Slave):
         return lambda: float(self._going.values[number])
 
     def exit_initialization_mode(self) -> None:
-        """Begin anew, at rest."""
+        """Start at rest."""
         about = self._about
         self._going = Stepwise(self._system, timestep=about["timestep"], initial=about["initial"])
         self._stepped = False
@@ -90,7 +90,7 @@ class WireRopeUnit(Fmi3Slave):
         return {**self._going.to_plain(), "inputs": inputs, "stepped": self._stepped}
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
-        """Return to what `_get_fmu_state` saved."""
+        """Restore what `_get_fmu_state` saved."""
         self._going.restore(state)
         self._stepped = bool(state["stepped"])
         for values, saved in zip([self._base, *self._loads.values()], state["inputs"], strict=True):

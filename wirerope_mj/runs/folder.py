@@ -49,7 +49,7 @@ def write_checksums(folder: Path) -> None:
 
 
 def update_checksums(folder: Path, files: Sequence[Path]) -> None:
-    """Set the checksums of files that a command wrote into a run's folder; others, and a folder without any, stay as they are.
+    """Set the checksums of files that a command wrote into a run's folder, if it has checksums.
 
     RecordError if the checksums cannot be read.
     """
@@ -60,7 +60,7 @@ def update_checksums(folder: Path, files: Sequence[Path]) -> None:
 
 
 def alterations(folder: Path) -> Alterations | None:
-    """Return what was altered in a run's folder since it was written; None without checksums, as in older runs.
+    """Return the files of a run's folder that were altered since it was written; None without checksums, as in older runs.
 
     RecordError if the checksums cannot be read.
     """

@@ -62,7 +62,7 @@ class JobRun(Summarised):
 
     @property
     def headline(self) -> str:
-        """The answer in one sentence."""
+        """Answer of the job in one sentence."""
         return job_headline(self.job.verdicts).text
 
     def _summary(self) -> tuple[str, dict[str, str]]:
@@ -74,7 +74,7 @@ def run_job(
     job: Job | str | Path, folder: str | Path, *, force: bool = False, workers: int | None = None, pdf: bool = False,
     docx: bool = False, done: Done = lambda *_: None,
 ) -> JobRun:  # fmt: skip
-    """Simulate the load cases of a job whose inputs changed, each into a run of its own, and write what they say together.
+    """Simulate the load cases of a job whose inputs changed, each as a run, and write their joint report.
 
     Args:
         job: what `load_job` returned, or the file of a job.
@@ -157,7 +157,7 @@ def judged_job(folder: Path) -> JudgedJob:
 
 
 def job_table(folder: Path) -> Entries:
-    """Return what `job.toml` of a job's folder says; RecordError unless it is as it was written."""
+    """Return the content of `job.toml` in a job's folder; RecordError unless it is as it was written."""
     path = folder / JOB
     content = read_toml(path, "job")
     kinds: dict[str, type] = {"name": str, "question": str, "report": list, "written": datetime, "case": list}
@@ -186,7 +186,7 @@ def _write_job(job: Job, folder: Path) -> None:
 
 
 def _with_digests(scenario: Scenario, model: str) -> Scenario:
-    """Return a scenario one of whose options says what its inputs are."""
+    """Return a scenario with an option that holds the digests of its inputs."""
     motion = scenario.motion.to_dict(files={file: digest_of(file) for file in scenario.motion.files})
     judged = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
     values = {"motion": motion, "limits": judged, "numerics": dict(scenario.simulate)}
@@ -200,7 +200,7 @@ def _digest(value: object) -> str:
 
 
 def _why(run: Path, scenario: Scenario, *, force: bool) -> str:
-    """Return why a case must be simulated; "" if its run stands there and is what its inputs make."""
+    """Return the reason why a case must be simulated, "" if its stored run has these inputs."""
     if not is_run(run):
         return "new"
     try:
@@ -231,7 +231,7 @@ _Question = tuple[Scenario, Path, bool]  # scenario and folder of a case, and wh
 
 
 def _simulated(question: _Question) -> _Outcome:
-    """Write the run of a case, in whatever process."""
+    """Write the run of a case; works in any process."""
     scenario, folder, again = question
     began, answers = perf_counter(), []
     with warnings.catch_warnings(record=True) as caught:
@@ -246,7 +246,7 @@ def _simulated(question: _Question) -> _Outcome:
 
 
 def _run_all(questions: list[_Question], workers: int | None, done: Done) -> Iterator[tuple[str, str]]:
-    """Simulate cases side by side; yield name and reason of those that failed."""
+    """Simulate cases side by side; yields name and error of those that fail."""
     from wirerope_mj.studies.engines.local import in_processes  # late: with it comes all that studies need
 
     if len(questions) == 1:
@@ -265,7 +265,7 @@ def _run_all(questions: list[_Question], workers: int | None, done: Done) -> Ite
 
 
 def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> None:
-    """Write what the cases say together: summary, page, documents and recording."""
+    """Write the joint views of all cases: summary, page, documents and recording."""
     from wirerope_mj.views.recording.record import record_cases  # late: rerun takes long to import
     from wirerope_mj.views.recording.viewer import JOINED
 

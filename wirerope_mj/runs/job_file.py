@@ -73,7 +73,7 @@ class Case(Played):
 
     @property
     def stated(self) -> Entries:
-        """What the case states of its motion, in the order in which a run's folder holds it."""
+        """Settings of the motion that the case states, in the order of a run's folder."""
         phrases = {kind: self.phrases[kind] for kind in SPOKEN_MOTIONS if kind in self.phrases}
         rest = {name: getattr(self, name) for name in ("levels", "record", "channels", "direction", *PLAYED)}
         return phrases | {name: value for name, value in rest.items() if value not in (None, ())}
@@ -191,7 +191,7 @@ def load_job(path: str | Path) -> Job:
 
 
 def _cases(path: Path, content: JobFile) -> Iterator[tuple[Place, Path, Case]]:
-    """Yield place, folder of its files, and table of each case: of the file, of its sheet, of its directory of records."""
+    """Yield location, folder of files, and table of each case: from the file, its sheet, its directory of records."""
     for number, case in enumerate(content.cases):
         yield Place(path, ("case", number)), path.parent, case
     if content.sheet is not None:

@@ -31,7 +31,7 @@ from wirerope_mj.mounts.vendor_parts import load_isolator
 
 
 def use_all_kernels() -> None:
-    """Call every kernel that Python calls, by computations that are as brief as serves: what is not at hand is compiled."""
+    """Call every kernel that Python calls in computations as brief as possible, which compiles the missing ones."""
     law, plane = _law(), load_isolator("enidine_wr16_400").coupled
     assert plane is not None
     deflection = np.repeat([0.005, 0.01], 800) * np.sin(np.linspace(0.0, 8.0 * np.pi, 1600))
@@ -62,7 +62,7 @@ def use_all_kernels() -> None:
 
 
 def compile_beside_a_command() -> None:
-    """Call every kernel, first those that a command calls last: `wirerope_mj.foundation.processes` says what for."""
+    """Call every kernel, first those that a command calls last, see `wirerope_mj.foundation.processes`."""
     signal(SIGTERM, default_int_handler)  # no half-written file is left behind
     with suppress(KeyboardInterrupt):
         native_callbacks()
@@ -82,7 +82,7 @@ def _law() -> Law:
 
 
 def copy_kernels(folder: Path) -> None:
-    """Copy the files of all kernels that Python calls into `folder`: what these call among themselves is part of their code.
+    """Copy the files of all kernels that Python calls into `folder`; they contain the kernels that these call.
 
     RuntimeError if one was not at hand, so that this process compiled it with others that are not called from Python.
     """

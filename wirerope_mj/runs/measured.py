@@ -48,7 +48,7 @@ def _column_map(path: Path) -> ColumnMap:
 
 
 def read_map(items: Sequence[str]) -> Entries:
-    """Read what the columns of a measurement are, as `load_measured` takes it: `COLUMN=PHRASE`, or a TOML file.
+    """Read what the columns of a measurement mean, `COLUMN=PHRASE` or a TOML file, for `load_measured`.
 
     ValueError if an item is neither, or a column is given twice; RecordError if the file is no `ColumnMap`.
     """
@@ -111,7 +111,7 @@ def tests_of(folder: Path) -> tuple[Measured, ...]:
 def write_correlation(
     folder: Path, files: Mapping[str, Path], options: Entries, page: Path, *, force: bool
 ) -> tuple[Correlation, ...]:
-    """Compare a run with tests, keep their files in its folder, and write a page, and a recording beside it.
+    """Compare a run with tests, store their files in its folder, and write a page and a recording beside it.
 
     Args:
         folder: of the run.

@@ -115,7 +115,7 @@ def from_template(
     folder: Path, template: str, *, deck: Deck | None = None, bottoming: bool = True, formats: Sequence[str] = ("png",),
     force: bool = False,
 ) -> Layout | None:  # fmt: skip
-    """Write the folder of a model that one edits: tables and model of "genset", the commented model of the others.
+    """Write the folder of a model to be edited: tables and model of "genset", of others the commented model.
 
     Returns:
         The layout where the template is one of tables, else None.
@@ -139,7 +139,7 @@ def from_template(
 
 
 def _loaded(model: Path, deck: Deck | None) -> None:
-    """Load a model that was written, and put it on a deck that bends if there is one."""
+    """Load a written model, on a flexible deck if there is one."""
     system = load_system(model)
     if deck is not None:
         model.write_text(deck_text(system, deck), encoding="utf-8")
@@ -171,7 +171,7 @@ _OPEN = 1.0  # Gap of stops that have not been installed yet [m]: no mount trave
 
 
 def _stop_isolator(law: StopLaw) -> Isolator:
-    """Make the isolator of a stop of the table; open where its gaps count from a rest that is not known yet."""
+    """Make the isolator of a stop of the table; open while its gaps count from an unknown position at rest."""
     assumed = ["stiffness and damping are those of the table"]
     rest: tuple[float | None, ...] = (None,) * 3 if law.rest is None else law.rest
     unknown = law.rest is not None and math.isnan(law.rest[2])
@@ -199,7 +199,7 @@ def _stop_isolator(law: StopLaw) -> Isolator:
 
 
 def _installed(layout: Layout, model: Path) -> Layout:
-    """Return a layout with the deflections of its stops at rest, from the model in which those installed are open."""
+    """Set the deflections at rest of installed stops, from the equilibrium of the model in which they are open."""
     try:
         loads = equilibrium(load_system(model)).mounts
     except ConvergenceError as error:
@@ -214,7 +214,7 @@ def _installed(layout: Layout, model: Path) -> Layout:
 
 
 def gaps_text(layout: Layout) -> str:
-    """Say from where the gaps of stops count, and where mounts go solid; "" where there are no stops."""
+    """Describe from where the gaps of stops count, and where mounts go solid; "" where there are no stops."""
     laws = {stop.name: stop.law for stop in layout.stops if stop.law is not None}
     installed = {name: law.rest for name, law in laws.items() if law.rest is not None}
     parts = []

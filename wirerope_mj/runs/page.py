@@ -10,7 +10,7 @@ REPORT = "report.html"  # The report in a folder
 
 
 def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool, docx: bool = False) -> list[Path]:
-    """Return the files that a report will be, the page first, before anything is computed.
+    """Return the files that a report will consist of, the page first, before anything is computed.
 
     The page, .html, is `out`, or report.html in the folder of the run or the study, which is made anew; a PDF and a DOCX of
     it stand beside it. ValueError if the page does not end with .html; RecordError if a file is at `out` that `force` does
@@ -34,7 +34,7 @@ def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool, 
 
 
 def write_page(content: Content, files: list[Path]) -> None:
-    """Write a content as the page, a PDF or a DOCX, by the endings of the files, each whole or not at all.
+    """Write a content as page, PDF or DOCX, by the endings of the files, each whole or not at all.
 
     On paper nothing is folded away: long tables stand whole in appendices.
     """

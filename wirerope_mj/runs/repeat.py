@@ -63,7 +63,7 @@ class Replay(Summarised):
 
 
 def replay(folder: str | Path, *, progress: bool = False) -> Replay:
-    """Return the comparison of a run with itself computed again; nothing outside its folder is read.
+    """Compute a stored run again and compare it; nothing outside its folder is read.
 
     Raises:
         RecordError: the folder is not a complete run, or its files are damaged or not of one run; names those that were
@@ -156,7 +156,7 @@ _LABELS = ("criterion", "subject", "name")
 
 
 def _sample_differences(stored: Response, again: Response) -> Iterator[Difference]:
-    """Yield the differences of samples, relative to the largest of their vector: a component may be all but nothing."""
+    """Yield the differences of samples, relative to the largest of their vector: single components may be nearly zero."""
     names = stored.samples.names
     if not same_columns(names, again.samples.names) or not np.array_equal(stored.time, again.time):
         yield np.inf, "the columns or the sample instants themselves"

@@ -62,7 +62,7 @@ def write_report(
 
 
 def _content_of(folder: Path, *, decks: bool = False) -> Content:
-    """Compose what a run or a job says."""
+    """Compose the content of a run or a job."""
     if is_job(folder):
         return job_content(judged_job(folder))
     warn_of_alterations(_run_folder(folder))
@@ -77,7 +77,7 @@ RENDERERS = {".xlsx": write_workbook}
 
 
 def write_content_of(folder: Path, out: Path, *, channels: Sequence[str] = (), force: bool = False) -> Path:
-    """Write what a run, job, study or frequency response says as a file of `RENDERERS`, and columns by patterns.
+    """Write the content of a run, job, study or frequency response as a file of `RENDERERS`; `columns` are patterns.
 
     RecordError if the folder is none of them, or the file cannot be written; ValueError if a pattern matches no column, or
     a job has none.
@@ -122,7 +122,7 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
 
 
 def _run_folder(folder: Path) -> Path:
-    """Return the folder; RecordError if it is something else than a run."""
+    """Return the folder; RecordError if it is not that of a run."""
     if not folder.is_dir():
         raise RecordError(f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote.")
     if is_frequency_response(folder):
@@ -134,7 +134,7 @@ INDEX = "index.html"
 
 
 def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> list[Path]:
-    """Write a run as a folder to hand on, whole or not at all, and return its files.
+    """Write a run as a folder to be handed on, whole or not at all, and return its files.
 
     Nothing in it needs the network: a web server hands it out from any place, as `python -m http.server` does. RecordError
     if the run has no report or no recording, or one that is a link or was altered since it was written, or `out` lies in
@@ -159,7 +159,7 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
 
 
 def _require_as_written(folder: Path, files: tuple[Path, ...]) -> None:
-    """Raise RecordError unless files are the run's own, as they were written: what is shared is shown to others."""
+    """Raise RecordError unless files of the run are as they were written: what is shared is shown to others."""
     for file in files:
         if file.is_symlink():
             raise RecordError(

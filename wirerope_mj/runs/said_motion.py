@@ -23,7 +23,7 @@ PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit", 
 
 
 def listed_phrases(text: str) -> list[str]:
-    """Return the phrases of a text that lists several with ";" between them."""
+    """Split a text into its phrases, which ";" separates."""
     return [phrase.strip() for phrase in text.split(";") if phrase.strip()] or [text]
 
 
@@ -32,7 +32,7 @@ def said_motion(
     channels: Sequence[str] | None = None, direction: str | None = None, played: Entries | None = None,
     duration: float | None = None, folder: Path | None = None,
 ) -> BaseMotion:  # fmt: skip
-    """Add the motions of phrases, each a kind of `SPOKEN_MOTIONS` and a text, of files of levels and of a measured record.
+    """Add the motions of phrases, each a kind of `SPOKEN_MOTIONS` and a text, of levels files and of a record.
 
     `channels` of the record are those to use, NAME=DIRECTION, or one with a `direction`; it is `played` as `load_record`
     takes it, by the names of `PLAYED`, and must begin within the `duration` of the simulation [s], if that is known.
@@ -44,9 +44,9 @@ def said_motion(
     motions = [motion_from_phrase(kind, phrase, folder=folder) for kind, phrase in phrases]
     motions += [motion_of_levels(file) for file in levels]
     if record is not None:
-        one = load_record(record, channels=_channels(record, channels, direction), **(played or {}))
-        if not (one.samples.any() or one.rotates):
-            zero = "all of its samples are zero" if one.baseline == "none" else "nothing but zeros is left of it"
+        record_motion = load_record(record, channels=_channels(record, channels, direction), **(played or {}))
+        if not (record_motion.samples.any() or record_motion.rotates):
+            zero = "all of its samples are zero" if record_motion.baseline == "none" else "nothing but zeros is left of it"
             text = f"{zero}, so that the base would not move. Is it the right file, and the right channel?"
             raise RecordError(f"{record}: {text}")
         if record_motion.end <= 0.0:
@@ -66,7 +66,7 @@ def said_motion(
 
 
 def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> Entries | None:
-    """Return which channel moves the base in which direction; None leaves it to their names."""
+    """Return the channel that moves the base in each direction; None leaves it to the channels' names."""
     if channels is None and direction is None:
         return None
     if channels is not None and direction is None:

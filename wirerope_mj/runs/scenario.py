@@ -34,7 +34,7 @@ _OPTION_KINDS: tuple[tuple[type, type | UnionType, str], ...] = (
 
 
 def defines(path: Path, name: str) -> bool:
-    """Return whether a Python file defines the function `name`; it is read, not executed."""
+    """Tell whether a Python file defines the function `name`; the file is not executed."""
     try:
         tree = ast.parse(regular(path).read_text(encoding="utf-8"))
     except (SyntaxError, ValueError, OSError):
@@ -77,7 +77,7 @@ class OptionFile:
         return {name: option.default for name, option in inspect.signature(self.function).parameters.items()}
 
     def made(self, options: Entries) -> tuple[object, Entries]:
-        """Call the function with some options; return its result, and all options with their values or defaults.
+        """Call the function with options; returns its result, and all options with their values or defaults.
 
         ModelError if an option is unknown or of another kind, or the function fails; says in which line.
         """
@@ -125,7 +125,7 @@ def load_function(path: Path, name: str) -> Callable[..., object]:
 
 
 def guarded(path: Path, action: Callable[[], object]) -> object:
-    """Return what `action` returns; ModelError with file and line if the file's own code fails."""
+    """Call `action`; ModelError with file and line if the code of the file fails."""
     try:
         return action()
     except SyntaxError as error:
@@ -199,13 +199,13 @@ class Scenario:
         return model_source(self.model, folder=self.folder, asker=f"scenario {self.name!r}")
 
     def on_deck(self, deck: Deck) -> "Scenario":
-        """Put a deck that bends under all mounts of the model, which is text then."""
+        """Put a flexible deck under all mounts of the model, which becomes text."""
         system = load_system(self.model_source(), isolators=self.isolators)
         options = {**self.options, "deck": deck.description}
         return replace(self, model=deck_text(system, deck), isolators=system.isolators, options=options)
 
     def on_its_floor(self) -> "Scenario":
-        """Turn the model's gravity against the floor onto which the motion falls, and give a base that it rotates its hinges.
+        """Turn gravity against the floor onto which the motion falls, and add hinges to a base that it rotates.
 
         The model is text then, where one of them is needed.
         """

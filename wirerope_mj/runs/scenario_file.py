@@ -32,7 +32,7 @@ from wirerope_mj.runs.scenario import Scenario, ScenarioFile
 
 
 def judged_by(system: System, *, combined_travel: bool, limits: Sequence[PayloadLimit]) -> System:
-    """Return the system with a scenario's limits in place of its model's for the same subjects.
+    """Return the system with a scenario's limits, which replace the model's for the same subjects.
 
     A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a limit
     names no body of the payload, no point and no mount, or one thing is limited twice.
@@ -53,7 +53,7 @@ def judged_by(system: System, *, combined_travel: bool, limits: Sequence[Payload
 
 
 def judge_table(*, combined_travel: bool, limits: Sequence[PayloadLimit]) -> Entries:
-    """Return the table `judge` of a run's scenario.toml; empty if the model alone decides."""
+    """Return the table `judge` for a run's scenario.toml; empty if only the model's limits hold."""
     content: Entries = {} if combined_travel else {"combined_travel": False}
     if limits:
         content["limits"] = {f"{limit.kind}/{limit.name}": list(limit.values) for limit in limits}
@@ -61,7 +61,7 @@ def judge_table(*, combined_travel: bool, limits: Sequence[PayloadLimit]) -> Ent
 
 
 def read_judge_table(content: Entries) -> Entries:
-    """Return the arguments of `judged_by` that `judge_table` stored; ValueError names the key that is not what it must be."""
+    """Return the arguments of `judged_by` that `judge_table` stored; ValueError names an invalid key."""
     judge = structure(JudgeTable, content, Place("judge", error=ValueError))
     return {"combined_travel": judge.combined_travel, "limits": judge.payload_limits}
 
@@ -108,7 +108,7 @@ class JudgeTable:
 
     @property
     def payload_limits(self) -> tuple[PayloadLimit, ...]:
-        """The limits; ValueError if one is none."""
+        """Parsed limits; ValueError if one is invalid."""
         limits = []
         for key, values in self.limits.items():
             kind, _, name = key.partition("/")
@@ -144,7 +144,7 @@ class StoredScenario:
 
 
 def scenario_content(folder: Path) -> Entries:
-    """Return the scenario of a run as it stands in its folder, with everything there and of the right type.
+    """Read the scenario of a run from its folder, complete and with correct types.
 
     RecordError if the folder is not a run, or its scenario is damaged; names the key.
     """
@@ -184,12 +184,12 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
 
 
 def run_facts(folder: Path) -> dict[str, str]:
-    """Say what the model of a run holds, as `model_facts` does; RecordError or ModelError if its files are damaged."""
+    """Describe the model of a run as `model_facts` does; RecordError or ModelError if its files are damaged."""
     return model_facts(system_and_motion(folder, scenario_content(folder))[0])
 
 
 def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
-    """Judge the response in a folder as `wirerope run` does; one that was saved alone by what its scene states.
+    """Judge the response in a folder as `wirerope run` does; one without a run by the limits in its scene.
 
     RecordError if scenario, motion or model cannot be read, or are not those of the response; names which.
     """
@@ -238,7 +238,7 @@ def system_and_motion(folder: Path, content: Entries) -> tuple[System, BaseMotio
 
 
 def check_one_run(folder: Path, content: Entries, system: System, response: Response) -> None:
-    """Raise RecordError unless the response in a run's folder is that of the scenario and the model beside it.
+    """Raise RecordError unless the response in a run's folder belongs to the scenario and the model beside it.
 
     Compared is what both hold: the motion, the sampling, the step, and the names of bodies, points and mounts.
     """

@@ -31,7 +31,7 @@ FILES: dict[str, tuple[type, ...]] = {
 
 
 def file_schema(kind: str) -> Entries:
-    """Return the schema of a kind of file, a key of `FILES`."""
+    """Return the JSON Schema of a kind of file, a key of `FILES`."""
     schemas = [schema(file_class, {Law: {"$ref": "#/$defs/law"}}) for file_class in FILES[kind]]
     content: Entries = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     content |= schemas[0] if len(schemas) == 1 else {"anyOf": schemas}

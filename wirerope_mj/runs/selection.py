@@ -36,7 +36,7 @@ def equipment(
     mounts: Sequence[str] = (), limits: Sequence[PayloadLimit] = (), fragility: float | None = None,
     travel: float | None = None,
 ) -> tuple[dict[str, System], dict[str, BaseMotion]]:  # fmt: skip
-    """Load the equipment, once for each way of mounting it, with the limits that are judged; and its load cases.
+    """Load the equipment, once for each way of mounting it, with its limits, and the load cases.
 
     Args:
         model: path or name of a model, or file of a job, whose load cases and limits come before those that are given.
@@ -103,7 +103,7 @@ def equipment(
 
 
 def _box_on(name: str, mounts: str, box: Entries) -> System:
-    """Make the box on mounts of a part, each with a stop where the part goes solid, as far as that is known."""
+    """Build the box on mounts of a part, each with a stop where the part goes solid, if that is known."""
     part = next(candidate for candidate in vendor_parts() if candidate.name == name)
     isolator = load_isolator(part)
     stop = bottom_stop(isolator)
@@ -122,7 +122,7 @@ def read_prices(path: Path) -> dict[str, dict[str, float]]:
 
 
 def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = None, force: bool = False) -> Path:
-    """Write the model on a part that was chosen, its limits in it, into `folder`, and return the path of the model.
+    """Write the model with a selected part and its limits into `folder`, and return the path of the model.
 
     The folder's last part is the model's name. With the `box` that `equipment` took a deck is drawn below the part's own
     height, and each mount has a stop where the part goes solid. RecordError if a folder is there that `force` does not
@@ -135,12 +135,12 @@ def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = Non
     if box is not None:
         system = replace(_box_on(chosen.name, chosen.placement, box), limits=system.limits)
     bottoms = dict.fromkeys(system.bottoms.values(), f"{BOTTOM}{chosen.name}")
-    own = {
+    stops = {
         bottoms.get(name, mount.isolator_name): mount.written for name, mount in system.mounts.items() if mount.isolator.is_stop
     }
     text = with_part(system, dict.fromkeys(replaced(system), chosen.name) | bottoms)
-    made = load_system(text, isolators=own | {chosen.name: isolator})
-    moved = [mount.position - made.mounts[key].position for key, mount in system.mounts.items()]
+    new_system = load_system(text, isolators=stops | {chosen.name: isolator})
+    moved = [mount.position - new_system.mounts[key].position for key, mount in system.mounts.items()]
     if np.abs(moved).max() > 1e-9:
         raise ModelError("the mounts of this model do not stand where its own text says: write its model by hand.")
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:

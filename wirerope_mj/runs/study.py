@@ -74,7 +74,7 @@ def study_of(
     seed: int = 1, timestep: float | None = None, accuracy: float | None = None, options: Mapping[str, object] | None = None,
     name: str | None = None,
 ) -> Study:  # fmt: skip
-    """Return the study of a scenario; model, motion, duration, step and initial state are those of the scenario.
+    """Make the study of a scenario, with its model, motion, duration, step and initial state.
 
     Args:
         scenario: the scenario, or the name of one that ships with the package, or the path of a scenario file, or the folder
@@ -132,7 +132,7 @@ def what_can_vary(scenario: Scenario) -> str:
 
 
 def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
-    """Return the scenario's limits that a study can judge, as `--limit` takes them, and those that it cannot.
+    """Return the scenario's limits that a study can judge, as texts for `--limit`, and those that it cannot.
 
     A study has the norm of an acceleration in its table, and how far points move each way; it has no acceleration along an
     axis, no clearance of a body's corners or between two points, and no force, whoever limits it.
@@ -160,7 +160,7 @@ def _text(limit: PayloadLimit) -> str:
 
 
 def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution], how: Entries, drawn: Entries) -> Content:
-    """Compute the same variants under every load case, write them and what they say into a folder, and return that.
+    """Compute the same variants under every load case, and write them with their joint content into a folder.
 
     Each case is a study of its own in the folder of its name, judged by the job's limits on accelerations and on clearances
     of points; variant k is the same system in all of them, so that the probability that any limit of any case is exceeded
@@ -190,14 +190,14 @@ _ROWS = 12  # of a table in the viewer
 
 
 def checked_count(count: int) -> int:
-    """Return the number of worst variants that are written; ValueError if it is out of range."""
+    """Return the number of worst variants to be written; ValueError if it is out of range."""
     if not 0 <= count <= MOST:
         raise ValueError(f"`--open-worst` must be from 0 to {MOST}, got {count}: each becomes a run of its own.")
     return count
 
 
 def result_content(result: StudyResult, by: str | None = None) -> Content:
-    """Compose what a complete study or search says; `by`: measure of a study that is looked at most, see `summary_of`."""
+    """Compose the content of a complete study or search; `by` is the measure shown first, see `summary_of`."""
     if not isinstance(result, SearchResult):
         return study_content(summary_of(result, by))
     if by is not None:
@@ -209,7 +209,7 @@ CONTENT = "content.json"  # What a study or a search says, in its folder; the su
 
 
 def write_content(content: Content, folder: Path) -> None:
-    """Write what a study or a search says into its folder.
+    """Write the content of a study or a search into its folder.
 
     Statements and tables stand in content.json under their ids, each chart is a picture by its id, scenes are placements.png.
     """

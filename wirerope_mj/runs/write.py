@@ -85,7 +85,7 @@ _REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing 
 
 @contextmanager
 def progress_line(*, enabled: bool) -> Iterator[Callable[[str], None]]:
-    """Show on standard error what is being written while the block runs, if that is a terminal; nothing of it stays there.
+    """Show on standard error what is being written while the block runs, if that is a terminal, and clear it afterwards.
 
     Yields what to call with the name of what comes next.
     """
@@ -168,7 +168,7 @@ def write_run(
 def rejudge_run(
     scenario: Scenario, folder: str | Path, *, when_judged: Callable[[JudgedRun], None] = lambda judged: None
 ) -> None:
-    """Judge the run of a scenario by other limits, and write it anew from its own samples; nothing is simulated.
+    """Judge a run by other limits, and write it anew from its own samples, without simulation.
 
     The scenario is as it was but for `limits` and `combined_travel`; the rest as `write_run` takes it. WireRopeError if the
     run is damaged, or a limit is on nothing that is there.
@@ -198,7 +198,7 @@ def rejudge_run(
 
 
 def _linked(source: str, target: str) -> None:
-    """Let a file stand in a second folder; copied where it cannot be linked."""
+    """Hard-link a file into a second folder, or copy it where that is impossible."""
     try:
         os.link(source, target)
     except OSError:
@@ -206,7 +206,7 @@ def _linked(source: str, target: str) -> None:
 
 
 def _options(scenario: Scenario) -> Entries:
-    """Return the options of a scenario as a file says them."""
+    """Return the options of a scenario as a file states them."""
     return {
         name: value if isinstance(value, bool | int | float | str) else str(value)
         for name, value in scenario.options.items()
@@ -223,7 +223,7 @@ def is_streamed(arguments: Entries) -> bool:
 
 
 def checked_arguments(scenario: Scenario) -> Entries:
-    """Return the arguments of a scenario's simulation; ModelError for one that a file could not say, or that is missing."""
+    """Return the arguments of a scenario's simulation; ModelError if one is missing, or no file could state it."""
     arguments = dict(scenario.simulate)
     for name in arguments:
         if name not in _ARGUMENTS:

@@ -67,14 +67,14 @@ class TriedPart:
     reason: str = ""  # why it was not computed, "" if it was
 
     def used(self, measure: str) -> tuple[float, str]:
-        """Return the largest utilisation of a criterion over the load cases [-], NaN if it is not judged, and the case."""
+        """Return the largest utilisation by a criterion over the load cases [-], NaN if not judged, and its load case."""
         known = {case: own[measure] for case, own in self.measures.items() if not math.isnan(own[measure])}
         worst = max(known, key=lambda case: known[case], default="")
         return known.get(worst, math.nan), worst
 
     @property
     def governing(self) -> tuple[float, str, str]:
-        """Utilisation, criterion and load case that are the most critical; NaN and "" if nothing is judged."""
+        """Utilisation, criterion and load case of the most critical verdict; NaN and "" if nothing is judged."""
         judged = [(*self.used(measure), criterion) for measure, criterion in CRITERIA.items()]
         value, case, criterion = max(judged, key=lambda candidate: -1.0 if math.isnan(candidate[0]) else candidate[0])
         return (value, "", "") if math.isnan(value) else (value, criterion, case)
@@ -114,7 +114,7 @@ class Race:
         self.reasons: dict[str, str] = {}
 
     def run(self, level: int) -> None:
-        """Simulate what is left with the step of a level, and leave what is not known well enough yet."""
+        """Simulate the remaining parts with the step of a level, and keep those whose error is still too large."""
         alike: dict[tuple[str, bytes], list[str]] = {}  # load case and layout; as many as share lanes are of like periods
         for case, name in self._left:
             alike.setdefault((case, self._systems[name].assembly.tables.layout.tobytes()), []).append(name)
@@ -174,7 +174,7 @@ def try_parts(
     system: System, parts: Mapping[str, Isolator], cases: Mapping[str, BaseMotion], *, initial: str = "settled",
     placement: str = "", accuracy: float = _ACCURACY, room: Array | None = None, progress: Progress = lambda _: None,
 ) -> list[TriedPart]:  # fmt: skip
-    """Simulate every part in the places of a model's mounts under every load case.
+    """Simulate every part in place of a model's mounts under every load case.
 
     Places are those of the payload's bars: where a part is higher or lower than the model's isolator, its mid-height
     moves along the mount's axis on the base's side, and the foundation with it. Stops stay as they are. Steps are halved
@@ -204,7 +204,7 @@ def try_parts(
 
 
 def replaced(system: System) -> list[str]:
-    """Return the mounts that a part would take the place of; ModelError if there is none."""
+    """Return the mounts that a part would replace; ModelError if there is none."""
     mounts = [name for name, mount in system.mounts.items() if not mount.isolator.is_stop]
     if not mounts:
         raise ModelError("the model has no mounts but stops: there is no place for an isolator.")
@@ -248,7 +248,7 @@ def limits_in_room(system: System, room: Array) -> tuple[PayloadLimit, ...]:
 def _systems(
     system: System, parts: Mapping[str, Isolator], room: Array | None = None
 ) -> Iterator[tuple[str, System | None, str]]:
-    """Yield name, system and "" of each part, or None and why there is none."""
+    """Yield name, system and "" of each part, or None and the reason why there is none."""
     mounts = replaced(system)
     weight = sum(payload.mass for payload in payloads_of(system)) * math.hypot(*system.model.opt.gravity)
     base: System | None = None
@@ -281,20 +281,20 @@ def _systems(
 
 
 def in_place(system: System, isolator: Isolator) -> dict[str, Isolator]:
-    """Return the isolators of mounts where a part takes their place, and of the stops where it then goes solid, by mount."""
+    """Return the isolators of mounts, and of the stops where a part goes solid, when the part replaces them, by mount."""
     stops = system.bottoms.values()
     placed = {name: bottom_in_place(system.mounts[name].written, isolator) for name in stops}
     return dict.fromkeys(replaced(system), isolator) | placed
 
 
 def shifted(system: System, placed: Mapping[str, Isolator]) -> dict[str, list[float]]:
-    """Return by how much mid-heights move [m] where other isolators take the places of a model's, (3,) by mount."""
+    """Return the shifts of mid-heights [m] when other isolators replace those of a model, (3,) by mount."""
     shifts = {name: system.mounts[name].shift_for(isolator) for name, isolator in placed.items()}
     return {name: shift for name, shift in shifts.items() if shift is not None}
 
 
 def _settled(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
-    """Find the equilibria from which all begin; of a part without one the reason."""
+    """Find the equilibria at which simulations start; a part without one gets the reason."""
     systems = sorted((part.system for part in tried if part.system), key=slowest_period)
     settle_together(systems, HISTORIES[initial])
     result = []
@@ -332,7 +332,7 @@ class CatalogueSelection(Summarised):
         return tuple(part for part in self.tried if part.meets)
 
     def figure(self, part: TriedPart, by: str) -> float:
-        """Return what a part is ranked by; price and mass are those of all mounts."""
+        """Return the figure by which a part is ranked; price and mass are those of all mounts."""
         if by in ("price", "mass"):
             return part.mounts * self.stated.get(part.name, {}).get(by, math.nan)
         geometry = part.isolator.geometry if part.isolator else None
@@ -353,7 +353,7 @@ def select_parts(
     by: str | None = None, stated: Mapping[str, Mapping[str, float]] | None = None, initial: str = "settled",
     room: Array | None = None, progress: Progress = lambda _: None,
 ) -> CatalogueSelection:  # fmt: skip
-    """Simulate every part in the places of every model's mounts under every load case, and rank them.
+    """Simulate every part in place of every model's mounts under every load case, and rank the parts.
 
     Args:
         systems: models with the limits that are judged, by what their mounts are called, such as "4+2".

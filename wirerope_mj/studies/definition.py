@@ -99,7 +99,7 @@ class StudyDefinition:
         self._maker = Maker(self.base, self.motions, self._columns)
 
     def require_time(self, subject: str, runs: float, fewer: str) -> None:
-        """Raise BudgetError if so many runs, which messages call `what`, take too long; the remedy names what to lower."""
+        """Raise BudgetError if so many runs take too long; the message calls them `subject`, and the remedy `fewer`."""
         require_time(
             f"{subject} of {self.duration:.4g} s",
             runs * self.duration * max(self.sample_rate, 1.0 / self.timestep if self.timestep else 0.0),
@@ -108,7 +108,7 @@ class StudyDefinition:
 
     @classmethod
     def restored(cls, folder: Path, content: Entries) -> Self:
-        """Return the study whose `study.toml` says `content`, from its folder alone."""
+        """Restore the study from `content`, its `study.toml`, and its folder alone."""
         model = check_inside(folder, content["model"])
         for motion in content["motions"]:
             check_records(motion, folder)
@@ -155,7 +155,7 @@ class StudyDefinition:
         )  # fmt: skip
 
     def of(self, rows: pa.Table) -> Self:
-        """Return this study with other variants, to be looked at: `rows` has the columns of its table. Its step stays."""
+        """Return this study with the variants `rows`, which have the columns of its table. Its step stays."""
         work = self.work
         narrowed = copy(self)
         vars(narrowed).pop("_checked", None)
@@ -165,7 +165,7 @@ class StudyDefinition:
 
     @cached_property
     def work(self) -> Work:
-        """Inputs that all variants share, the timestep chosen."""
+        """Inputs that all variants share, with the timestep chosen."""
         step = self.timestep
         if step is None:  # the smallest of those for the nominal system under the extreme motions
             choose = partial(

@@ -36,7 +36,7 @@ class Lengths:
         self._enough = {number for number, holds in enumerate(far) if holds and all_act}
 
     def early(self, row: Entries, slowest: float = math.nan) -> str:
-        """Return why the run of a variant ends before its peaks are over, as a note; "" if it does not.
+        """Return a note if the run of a variant ends before its peaks are over, else "".
 
         `slowest` is the period of its slowest mode [s]; NaN to look for it.
         """
@@ -46,7 +46,7 @@ class Lengths:
         return self._early(number, slowest_period(self._make.system(row)) if math.isnan(slowest) else slowest)
 
     def quiet_from(self, row: Entries) -> float:
-        """Return the instant [s] from which on nothing of a variant may grow; infinite where that may be until the end."""
+        """Return the instant [s] after which no response of a variant may grow; infinite where it may until the end."""
         return quiet_from(*self._asked[self._number(row)])
 
     def _number(self, row: Entries) -> int:
@@ -61,7 +61,7 @@ _LISTED = ": "  # Before the kinds of measures that grow, at the end of a note
 
 
 def growth_text(note: str, kinds: Sequence[str]) -> str:
-    """Return the note on a variant of which some kinds of measures still grow, such as "travel"."""
+    """Return the note on a variant for which kinds of measures such as "travel" still grow."""
     return f"{note}{_LISTED}{', '.join(kinds)}"
 
 
@@ -80,14 +80,14 @@ def ended_early(table: pa.Table, measure: str = "") -> Booleans:
 
 
 def still_growing(table: pa.Table) -> int:
-    """Return of how many variants something still grows when their runs end."""
+    """Count the variants for which some measure still grows when their runs end."""
     if "message" not in table.column_names:
         return 0
     return int(np.count_nonzero(pc.starts_with(table["message"], GROWS)))
 
 
 def why_early(table: pa.Table) -> str:
-    """Return why runs of variants end before their peaks are over, that of the one which needs most; "" if none does."""
+    """Return the note of the variant that needs the longest run among those that end too early; "" if none does."""
     return max(set(table["message"].filter(pa.array(ended_early(table))).to_pylist()), key=_least, default="")
 
 

@@ -33,7 +33,7 @@ def study_folder(
     study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, when_done: Callable[[Path], object],
     search: Entries | None = None,
 ) -> Iterator[Path]:  # fmt: skip
-    """Lend the folder in which `study` is computed while the block does: `folder`, where what is done is kept whatever happens.
+    """Lend the folder in which `study` is computed during the block: `folder`, in which finished parts are always kept.
 
     A study that `force` replaces stays as it is until the block ends well and the new one is whole, which stands in a hidden
     folder until then. `when_done` is called with the folder of the study that is computed, which stays whatever that raises,
@@ -66,7 +66,7 @@ def study_folder(
 
 
 def check_whole(new: Path, folder: Path) -> None:
-    """Raise SimulationError if the study computed in `new` is not to replace the one in `folder`."""
+    """Raise SimulationError if the study computed in `new` must not replace the one in `folder`."""
     rows = read_table(new, ["status", "message"])
     reason = ""
     if dead(new):
@@ -78,7 +78,7 @@ def check_whole(new: Path, folder: Path) -> None:
 
 
 def prepare(study: StudyDefinition, folder: Path, *, keep: str, resume: bool, search: Entries | None = None) -> str:
-    """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
+    """Make `folder` that of `study`, a new one or the one of this very study that `resume` continues; return its id.
 
     Without a part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
     process died is taken away again, but none of its parts. RecordError if something else stands there, or a study that is
@@ -104,7 +104,7 @@ def prepare(study: StudyDefinition, folder: Path, *, keep: str, resume: bool, se
 
 
 def _begin(study: StudyDefinition, folder: Path, keep: str, search: Entries | None) -> str:
-    """Make an empty folder that of a study in which nothing is done yet, and return its id."""
+    """Prepare an empty folder for a study without finished parts, and return its id."""
     content = write_inputs(study, folder, keep, search)
     (folder / STUDY).write_text(tomli_w.dumps(content), encoding="utf-8")
     (folder / PARTS).mkdir()
@@ -113,7 +113,7 @@ def _begin(study: StudyDefinition, folder: Path, keep: str, search: Entries | No
 
 @contextmanager
 def computed_alone(folder: Path, identity: str) -> Iterator[None]:
-    """Hold the folder of the study of that id while the block computes; on a full disk keep what is done, if anything is.
+    """Lock the folder of the study of that id during the block; on a full disk finished parts are kept.
 
     RecordError if another process works on it, or has put another study there since `prepare`; DiskFullError if there is no
     space left.
@@ -139,7 +139,7 @@ def _begun(folder: Path) -> bool:
 
 
 def done(folder: Path) -> set[int]:
-    """Return the numbers of the chunks whose parts stand in the folder; those whose process died are not done."""
+    """Return the numbers of the finished chunks; those whose process died are not finished."""
     return {int(path.stem) for path in (folder / PARTS).glob("*.parquet") if path.stem.isdigit()}
 
 
@@ -184,7 +184,7 @@ def read_part(path: Path) -> pa.Table:
 
 
 def read_table(folder: Path, columns: Sequence[str] | None = None) -> pa.Table:
-    """Return the table of a study that is complete, or some columns of it; RecordError if its file is damaged or changed."""
+    """Read the table of a complete study, or some columns of it; RecordError if its file is damaged or changed."""
     with _table_file(folder) as path:
         table = pq.read_table(path, columns=columns)
     where = f"{folder / TABLE}: column"
@@ -222,7 +222,7 @@ def _table_file(folder: Path) -> Iterator[Path]:
 
 
 def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
-    """Write the table from all parts, and the summary, if they are not there, and remove the parts.
+    """Write the table from all parts, and the summary, if they do not exist, and remove the parts.
 
     They stay where a process died, so that the study can go on. `summary` is asked once the table is there.
     """

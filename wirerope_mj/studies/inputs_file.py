@@ -125,7 +125,7 @@ class StudyInputs:
 
 
 def read_inputs(folder: Path) -> Entries:
-    """Return the content of a study's `study.toml`, inputs by the names that they have today.
+    """Read `study.toml` of a study, with today's names of its inputs.
 
     RecordError if there is no study, or it is damaged.
     """
@@ -146,7 +146,7 @@ def read_inputs(folder: Path) -> Entries:
 
 
 def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: Entries | None) -> Entries:
-    """Write model and records into `folder` and return what `study.toml` says."""
+    """Write model and records into `folder` and return the content of `study.toml`."""
     model = write_model(study.base, folder / "model")
     names = copy_records(study.motions, folder)
     files = sorted(path for path in folder.rglob("*") if path.is_file())
@@ -178,7 +178,7 @@ def identity(content: Entries) -> str:
 
 
 def check_same(folder: Path, content: Entries, *, computed: bool) -> None:
-    """Raise RecordError if another study than that of `content` stands in the folder; `computed`: nothing of it is missing."""
+    """Raise RecordError if the folder holds another study than that of `content`; `computed`: it is complete."""
     stored = read_inputs(folder)
     if stored["id"] == content["id"]:
         return
@@ -199,7 +199,7 @@ def check_same(folder: Path, content: Entries, *, computed: bool) -> None:
 
 
 def _difference(key: str, old: Entries, new: Entries) -> str:
-    """Return as text the difference between a study that stands in a folder and the one that was to resume."""
+    """Describe the difference between a study in a folder and the one to be resumed."""
     if key == "keep":
         kept = old.get(key, PEAKS)
         return f"this study keeps {kept}; go on with it with --keep {kept} (`keep={kept!r}`), or choose another folder."
@@ -223,12 +223,12 @@ def _difference(key: str, old: Entries, new: Entries) -> str:
 
 
 def todays_name(name: str) -> str:
-    """Return what an input of a folder of format 1 is called now: "body/floor/centre/x" is "body/floor/centre_shift/x"."""
+    """Return today's name of an input of format 1: "body/floor/centre/x" is "body/floor/centre_shift/x"."""
     return _SHIFT.sub(r"\1_shift", name)
 
 
 def todays_table(table: pa.Table, content: Entries) -> pa.Table:
-    """Return the table of the folder of `content` with today's names."""
+    """Return the table of a study's folder with today's names."""
     if content["format"] != FIRST:
         return table
     return table.rename_columns([todays_name(name) for name in table.column_names])

@@ -42,7 +42,7 @@ def measure_names(system: System) -> list[str]:
 
 
 def measures(system: System, peaks: Peaks, rest: State | None, response: Response | None = None) -> dict[str, float]:
-    """Return the measures of one variant; `rest` is the equilibrium that it starts from, None if it starts from none.
+    """Return the measures of one variant; `rest` is the equilibrium at its start, None if it does not start at one.
 
     The `response` is wanted of a system of which `needs_samples` says so.
 
@@ -71,7 +71,7 @@ def measures(system: System, peaks: Peaks, rest: State | None, response: Respons
 
 
 def late(system: System, peaks: Peaks) -> float:
-    """Return when something of a variant last reached an extreme that counts beside its norm [s]."""
+    """Return the latest instant at which a variant reached a significant extreme [s]."""
     return float(Extremes.of_peaks(system, peaks).late[0])
 
 
@@ -92,7 +92,7 @@ class Extremes:
 
     @classmethod
     def of_lanes(cls, system: System, done: InLanes) -> "Extremes":
-        """Return the extremes of variants of a system that came to the end of a grid."""
+        """Return the extremes of variants of a system that reached the end of a grid."""
         tables, n = system.assembly.tables, len(done.which)
         channels = np.zeros((n, tables.channels.size, at.CHANNEL_MEMORY))
         failed, struck = np.zeros(n, dtype=bool), np.zeros(n)
@@ -115,7 +115,7 @@ class Extremes:
 
     @classmethod
     def of_peaks(cls, system: System, peaks: Peaks) -> "Extremes":
-        """Return the extremes of one variant that was computed by itself."""
+        """Return the extremes of one variant that was simulated alone."""
         moved = [peak for point in peaks.points.values() for peak in (point.acceleration, point.relative_displacement)]
         stretched = [peak for mount in peaks.mounts.values() for peak in (mount.deflection, mount.force)]
         every = [*(body.acceleration for body in peaks.bodies.values()), *moved, *stretched]
@@ -256,7 +256,7 @@ def _ratings(system: System, names: Sequence[str], isolators: Sequence[Mapping[s
 
 
 def _static_loads(rated: Array, forces: Array | None) -> Array:
-    """Return compression over rated static load [N], as for one, (n, n_mounts); NaN where it is not judged.
+    """Return compression over rated static load, (n, n_mounts); NaN where it is not judged.
 
     `forces` are those at rest [N], (n, n_mounts, 3), 0 of mounts that have failed; None if variants do not start there.
     """
@@ -280,7 +280,7 @@ def _fragility(system: System, extremes: Extremes, places: Sequence[Mapping[str,
 
 
 def _latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
-    """Return the latest instant [s] of channels' extremes that count beside their norms, (...).
+    """Return the latest instant [s] of channels' significant extremes, (...).
 
     Args:
         norms: the largest, (..., n).
@@ -292,7 +292,7 @@ def _latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
 
 
 def needs_samples(system: System) -> bool:
-    """Return whether peaks do not judge every limit of a model: it states clearances of corners or between two points."""
+    """Tell whether judging a model needs samples beside peaks: for clearances of corners or between two points."""
     alone = set(payload_points(system)) - set(payload_bodies(system))
     return any(limit.kind == "clearance" and limit.name not in alone for limit in system.limits)
 

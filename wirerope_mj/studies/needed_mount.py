@@ -8,7 +8,6 @@ import numpy as np
 
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import BaseMotion
@@ -34,7 +33,7 @@ class NeededMount:
 
 
 def needed_mount(system: System, mounts: int, cases: Mapping[str, BaseMotion]) -> NeededMount | Absent:
-    """Find the natural frequencies at which a single mass keeps the accelerations and clearances that a system limits.
+    """Find the natural frequencies of a single mass that keeps a system's limits on acceleration and clearance.
 
     Along each axis of the world and under each load case the mass answers as an oscillator of 15 % damping; its acceleration
     counts against the smallest limit of a body's, its deflection from the unloaded geometry against the smallest clearance of
@@ -48,7 +47,13 @@ def needed_mount(system: System, mounts: int, cases: Mapping[str, BaseMotion]) -
     mass, pulsation = sum(payload.mass for payload in payloads_of(system)), 2.0 * math.pi * _FREQUENCIES
     peaks, moves = np.zeros((2, _FREQUENCIES.size, 3))
     for motion in cases.values():
-        spectrum = shock_response_spectrum(*_history(motion), _FREQUENCIES, q=0.5 / DAMPING)
+        step = min(1.0 / (_SAMPLES * _FREQUENCIES[-1]), motion.shortest_time / _SHORTEST)
+        step = max(step, motion.end / 2e6)
+        time = step * np.arange(int(motion.end / step) + 3)
+        history = motion.acceleration(time)
+        for instant, jump in motion.velocity_jumps:  # one sample of that area
+            history[min(int(round(instant / step)) + 1, time.size - 2)] += jump / step
+        spectrum = shock_response_spectrum(time, history, _FREQUENCIES, q=0.5 / DAMPING)
         peaks = np.maximum(peaks, spectrum.maximax)
         moves = np.maximum(moves, spectrum.relative_displacement)
     moves = moves + gravity / pulsation[:, np.newaxis] ** 2  # from the unloaded geometry
@@ -69,14 +74,3 @@ def needed_mount(system: System, mounts: int, cases: Mapping[str, BaseMotion]) -
         frequencies=(float(_FREQUENCIES[rows[0]]), float(_FREQUENCIES[rows[-1]])),
         stiffness=(float(stiffness[0]), float(stiffness[1])), travel=float(moves[rows[-1]].max()),
     )  # fmt: skip
-
-
-def _history(motion: BaseMotion) -> tuple[Array, Array]:
-    """Sample a motion's acceleration [m/s^2], (n, 3); a jump of its velocity is a sample of that area."""
-    step = min(1.0 / (_SAMPLES * _FREQUENCIES[-1]), motion.shortest_time / _SHORTEST)
-    step = max(step, motion.end / 2e6)
-    time = step * np.arange(int(motion.end / step) + 3)
-    history = motion.acceleration(time)
-    for instant, jump in motion.velocity_jumps:
-        history[min(int(round(instant / step)) + 1, time.size - 2)] += jump / step
-    return time, history

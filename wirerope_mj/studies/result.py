@@ -64,7 +64,7 @@ class StudyResult(Exportable, Summarised):
 
     @cached_property
     def table(self) -> pa.Table:
-        """The table, one row for every variant; of a study that is not complete those that are done."""
+        """Table with one row for every variant; of an incomplete study, for the finished ones."""
         if self.complete:
             return todays_table(read_table(self.folder), self.inputs)
         numbers = sorted(done(self.folder))
@@ -107,7 +107,7 @@ class StudyResult(Exportable, Summarised):
         )  # fmt: skip
 
     def narrowed(self, columns: Sequence[str]) -> "StudyResult":
-        """Return the result of a study that is complete with those columns alone that match `columns`; no others are read.
+        """Return the complete study's result with only the columns that match `columns`; no others are read.
 
         The table of a million variants takes gigabytes of memory, one column of it 8 MB.
         """
@@ -126,7 +126,7 @@ class StudyResult(Exportable, Summarised):
 
     @cached_property
     def message(self) -> str:
-        """One sentence on how it went."""
+        """One sentence on how the study ended."""
         if not self.complete:
             return f"{self.folder}: not complete; go on with it with --resume (`resume=True`)."
         failed = self.failed
@@ -137,7 +137,7 @@ class StudyResult(Exportable, Summarised):
 
     @property
     def missing(self) -> str:
-        """Sentences on what a run that is complete lacks; empty if nothing."""
+        """Sentences on what a complete run lacks; empty if nothing."""
         text = f" {NOT_COMPUTED}" if dead(self.folder) else ""
         if self.inputs.get("keep") == RESPONSES:
             wanted = set(self.table["variant"].to_pylist()) - set(self.failed)
@@ -147,7 +147,7 @@ class StudyResult(Exportable, Summarised):
 
     @cached_property
     def independent(self) -> pa.Table:
-        """The variants that do not depend on each other: all of a study, but only A and B of one for Sobol's indices."""
+        """Variants that are independent: all of a study, but of one for Sobol's indices only A and B."""
         if self.study.sampling != OF_INDICES:
             return self.table
         of_row = len(factors(self.study.quantities)) + 2
@@ -171,7 +171,7 @@ class StudyResult(Exportable, Summarised):
         return table.take([rows[number] for number in worst(table, checked_measure(table, measure), count)])
 
     def quantiles(self, measure: str, probabilities: Sequence[float] = (0.5, 0.9, 0.95, 0.99)) -> list[float]:
-        """Return quantiles of a measure, SI; NaN where fewer than five variants lie beyond: nobody knows them.
+        """Return quantiles of a measure, SI; NaN with fewer than five variants beyond, too few to tell.
 
         Of a study for Sobol's indices, those of the variants that do not depend on each other. Of values that are listed they
         are no probabilities.

@@ -70,7 +70,7 @@ class Study(StudyDefinition):
         address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
         when_done: Callable[[StudyResult], object] = lambda result: None,
     ) -> StudyResult:  # fmt: skip
-        """Compute all variants and return the result, which stands in `folder`.
+        """Compute all variants and return the result, which is stored in `folder`.
 
         Finished parts of the table are kept whatever happens: a study that was killed goes on with what is missing. Its table
         has the same bits whatever the engine, the number of workers and the number of interruptions.
@@ -126,7 +126,7 @@ class Study(StudyDefinition):
 
 
 def load_study(folder: str | Path) -> StudyResult:
-    """Return the result of a study from its folder alone; of one that was interrupted, what is done of it.
+    """Load the result of a study from its folder alone; of an interrupted one, its finished part.
 
     Raises:
         RecordError: the folder is not that of a study, or is damaged.
@@ -144,7 +144,7 @@ _ENGINES = ("local", "dask")
 
 
 def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
-    """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
+    """Return the number of variants in a chunk; it depends on the study alone, so that other workers can resume it."""
     each = max(len(study.base.mounts), 1) * study.work.duration / study.work.timestep
     size = min(max(CHUNK, min(int(STEPS / each), _LARGEST_CHUNK)), math.ceil(study.size / _FEWEST_CHUNKS))
     if keep != RESPONSES and not needs_samples(study.base):
@@ -154,7 +154,7 @@ def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
 
 
 def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:
-    """Yield the chunks of some numbers."""
+    """Yield the chunks of these numbers."""
     size = chunk_size(study, keep)
     for number in numbers:
         rows = study.table().slice(number * size, size).to_pylist()
@@ -162,10 +162,6 @@ def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) ->
 
 
 def checked_engine(name: str, *, workers: int | None, address: str | None) -> Engine:
-    """Return the engine of a name.
-
-    ValueError if there is none, or the other arguments do not suit it; SimulationError if its cluster does not answer.
-    """
     if workers is not None:
         integer("workers", workers, least=1)
     one_of("engine", name, _ENGINES)

@@ -41,7 +41,7 @@ _OWN, _ACTING = ("control", "act_dyn", "sensor"), ("passive", "act_gain", "act_b
 
 
 def check_callbacks() -> None:
-    """Raise SimulationError if the process has a callback of its own, which no result here would hold."""
+    """Raise SimulationError if other MuJoCo callbacks are installed, whose forces would be missing from results."""
     with _lock:  # until all are looked at: another thread may install ours meanwhile
         for name in _ACTING if _users else _OWN + _ACTING:
             if getattr(mujoco, f"get_mjcb_{name}")() is not None:
@@ -73,7 +73,7 @@ class _Views:
 
 
 def python_callbacks() -> Callbacks:
-    """Return callbacks that run in the interpreter, for where the native ones cannot be verified, and as their check."""
+    """Return callbacks that run in the Python interpreter, as a fallback for the native ones and to verify them."""
     last: list[_Views] = []
 
     def views(model: mujoco.MjModel, data: mujoco.MjData) -> _Views:
@@ -113,7 +113,7 @@ def python_callbacks() -> Callbacks:
 
 @contextmanager
 def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native") -> Iterator[Kind]:
-    """Make the mounts of every system act for as long as the block runs; what was installed before comes back after it.
+    """Install the callbacks of systems while the block runs; earlier callbacks are restored after it.
 
     MuJoCo's warnings are not printed meanwhile: their counters in `data.warning` are what a caller has to look at. With the
     memory of `data` the native callback is verified before it is installed; where it cannot be, "python" is yielded, with a
@@ -156,7 +156,7 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
 
 
 def _doubt(model: mujoco.MjModel, data: mujoco.MjData) -> str:
-    """Return why the native callbacks cannot be relied on, "" if they can."""
+    """Return the reason why the native callbacks cannot be used, "" if they can."""
     if numba.config.DISABLE_JIT:
         return "Numba's compiler is switched off"
     field = disagreement(model, data)

@@ -43,7 +43,7 @@ ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per st
 
 @cache
 def struct(name: str) -> Any:
-    """Make the class of ctypes that lays out a MuJoCo struct."""
+    """Return the ctypes class with the layout of a MuJoCo struct."""
     return _c_type(structs.STRUCTS[name])
 
 
@@ -63,7 +63,7 @@ def _c_type(kind: Any) -> Any:
 
 
 def disagreement(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
-    """Return None if the offsets lead to what the Python views of this model and data show, else what does not."""
+    """Return the first field of MuJoCo whose offset disagrees with the Python views of model and data, None if all agree."""
     for owner, kind, names in ((model, "mjModel", MODEL_FIELDS), (data, "mjData", DATA_FIELDS)):
         memory = struct(kind).from_address(owner._address)
         for name in (*names, *(("nu",) if owner is model else ("time", "ncon"))):

@@ -17,7 +17,7 @@ Deck = Panel | FlexiblePart
 def import_part(
     files: Sequence[Path], points: Path | None, units: Units, *, damping: float
 ) -> tuple[FlexiblePart, Array | None]:
-    """Read a part from a finite-element program's files, and the mass of all its modes along x, y, z [kg] if they say it.
+    """Read a flexible part from finite-element files, and the mass of all its modes along x, y, z [kg] where they state it.
 
     The files are OP4 or OP2 files of Craig-Bampton matrices; or a universal, punch, f06 or OP2 file of eigenvectors, perhaps
     with a table of modes; or tables of modes and shapes; or a folder of tables, whose table of points counts unless `points`,

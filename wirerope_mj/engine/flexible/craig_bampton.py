@@ -69,7 +69,7 @@ def read_matrices(paths: Sequence[Path], n_points: int) -> tuple[Array, Array, i
 
 
 def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, damping: float) -> tuple[FlexiblePart, Array]:
-    """Build a part from Craig-Bampton matrices, and what of its mass can move against the held points along x, y, z [kg].
+    """Build a flexible part from Craig-Bampton matrices, and return with it the mass that can move along x, y, z [kg].
 
     Points whose column "held" says yes are fixed to the base; the modes are those of the rest, K phi = omega^2 M phi, and
 

@@ -38,7 +38,7 @@ class Eigenvectors:
 
 
 def read_eigenvectors(path: Path) -> Eigenvectors | None:
-    """Read the modes of a universal, punch, f06 or OP2 file; None of an OP2 file without, else RecordError unless real."""
+    """Read the real modes of a universal, punch, f06 or OP2 file; None for an OP2 file without modes."""
     if path.suffix.lower() == BINARY:
         if (tables := read_binary_shapes(path)) is None:
             return None
@@ -166,7 +166,7 @@ def _universal(path: Path) -> Eigenvectors:
 
 
 def _require_whole(path: Path, dataset: Mapping[str, Any]) -> None:
-    """Raise RecordError unless a dataset has three numbers at each of its nodes, each node once: a lost line shifts them."""
+    """Raise RecordError unless a dataset lists every node once, with three numbers: a lost line shifts all that follow."""
     shapes, nodes = dataset["type"] == 55, [*map(int, dataset["node_nums"])]
     sizes = {np.size(dataset.get(name, ())) for name in (("r1", "r2", "r3") if shapes else "xyz")}
     if sizes != {len(nodes)} or len(set(nodes)) != len(nodes):
@@ -178,7 +178,7 @@ def _require_whole(path: Path, dataset: Mapping[str, Any]) -> None:
 
 
 def _unscaled(frequencies: Array, shapes: Mapping[int, Array]) -> Eigenvectors:
-    """Return modes at nodes whose modal mass, damping and places are not stated."""
+    """Return eigenvectors whose modal mass, damping and node positions are not stated."""
     zero = np.zeros(len(frequencies))
     return Eigenvectors(frequencies=frequencies, modal_mass=zero, damping=zero, places={}, shapes=shapes)
 

@@ -123,7 +123,7 @@ def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) ->
 
 
 def read_points(path: Path, units: Units, nodes: Collection[int] | None = None) -> dict[str, tuple[str, dict[str, str], Array]]:
-    """Read a table of points: location, cells and place [m] of each, by name; perhaps with a column node or held.
+    """Read a table of points by name: location in the file, cells and position [m]; columns node and held are optional.
 
     Of bulk text the points are its grid points, of `nodes` those among them, called by their numbers.
     """
@@ -146,7 +146,7 @@ def read_points(path: Path, units: Units, nodes: Collection[int] | None = None) 
 
 
 def read_rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str, dict[str, str]]]:
-    """Read the rows of a table below its header, each with its location; the columns must be those of one of some headers.
+    """Read the rows of a table below its header, each with its location; the columns must match one of the headers.
 
     A unit may stand in brackets, "x [m]" for "x_m"; the order of the columns is free.
     """

@@ -66,7 +66,7 @@ def read_grids(path: Path) -> dict[int, Array]:
 
 @contextmanager
 def _read_by_pyyeti(path: Path, expected: str) -> Iterator[str]:
-    """Yield the name of a file to pyyeti, which warns, and raises of a damaged file what it stumbles over."""
+    """Yield the path for pyyeti to read in the block; its warnings are ignored, its errors become RecordError."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -51,14 +51,14 @@ class Panel:
 
     @property
     def description(self) -> str:
-        """Phrase that says it again."""
+        """Phrase that `panel_of_phrase` parses into this panel."""
         along = self.direction if isinstance(self.direction, str) else ",".join(f"{c:g}" for c in self.direction)
         words = f"{self.frequency:.6g} Hz {self.mass:.6g} kg {100.0 * self.damping:.6g} %"
         return words if along == "z" else f"{words} {along}"
 
 
 def panel_of_phrase(text: str) -> Panel:
-    """Parse "10 Hz 800 kg 4 %": frequency alone, mass, damping ratio, and a direction where it is not z; or ValueError."""
+    """Parse "10 Hz 800 kg 4 %": frequency of the panel alone, mass, damping ratio, and the direction unless it is z."""
     try:
         phrase = parse_phrase(text, words={})
         said = {name: len(phrase.quantities.get(name, ())) for name in ("frequency", "mass", "ratio")}
@@ -77,7 +77,7 @@ def panel_of_phrase(text: str) -> Panel:
 
 
 def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity: Array) -> None:
-    """Put a panel between the driven body `base` of a model and all that stands on it, in place; gravity [m/s^2], (3,).
+    """Insert a panel between the driven body `base` of a model and all that stands on it, in place; gravity [m/s^2], (3,).
 
     The base keeps its driven slides; sites, geoms and bodies on it move to the panel, a body of its own on one more slide.
     `axes` are those of the base in the modelled geometry, as columns, world frame, (3, 3).

@@ -68,7 +68,7 @@ class FlexiblePart:
 
     @property
     def description(self) -> str:
-        """What it is, in a few words."""
+        """Short description: number of modes and lowest frequency."""
         return f"flexible part of {len(self.frequencies)} modes from {self.frequencies.min():.4g} Hz"
 
     def below(self, frequency: float, *, residual: bool = False) -> Self:

@@ -29,7 +29,7 @@ _BESIDE = (
 
 
 def columns_of_masses(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the columns' names of a list as a table of masses has them; those that say nothing of masses are called `BESIDE`.
+    """Translate the column names of a CAD program's list to those of a table of masses; all others become `BESIDE`.
 
     SolidWorks' L are moments about the centre of mass; where they stand, its I, at the origin, are not read.
     """
@@ -48,7 +48,7 @@ def columns_of_masses(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def sign_of_products(rows: Sequence[Row], products: str) -> float:
-    """Return 1 where products of inertia are elements of the tensor, -1 where they are +sum x y dm.
+    """Return the sign convention of products of inertia: 1 for elements of the tensor, -1 for +sum x y dm.
 
     A list of a CAD program, whose columns are not called as a table's, does not say which; SolidWorks' L are +sum x y dm, and
     about the centre of mass, unless it is told otherwise. A warning says what is taken.

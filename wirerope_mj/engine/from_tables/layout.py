@@ -60,7 +60,7 @@ def combined(parts: Sequence[MassProperties]) -> MassProperties:
 
 
 def why_impossible(inertia: Array) -> str:
-    """Return why no body has this tensor of inertia, "" if one has: moments < 0, or the largest above the sum of the others."""
+    """Return the reason why no body has an inertia tensor, "" if one can: moments < 0, or one above the sum of the others."""
     small, middle, large = np.linalg.eigvalsh(inertia)
     slack = TOLERANCE * max(abs(large), abs(small))
     values = f"its principal moments are {small:.4g}, {middle:.4g} and {large:.4g} kg m^2"
@@ -126,7 +126,7 @@ class Placed:
 
     @property
     def device(self) -> str:
-        """Name of the isolator together with its bracket."""
+        """Name of the isolator with its bracket."""
         stated = self.bracket.stated if self.bracket is not None else {}
         return "_".join([self.isolator, *(f"on_{axis}_{1e-3 * k:.6g}" for axis, k in stated.items())])
 
@@ -167,17 +167,17 @@ class Layout:
 
     @property
     def payload(self) -> MassProperties:
-        """Mass properties of all masses together, subassemblies where they stand."""
+        """Mass properties of the whole payload, subassemblies at their positions included."""
         return combined([mass.properties for mass in self.masses])
 
     @property
     def rigid(self) -> MassProperties:
-        """Mass properties of the payload without the subassemblies that ring on their own."""
+        """Mass properties of the payload without its sprung subassemblies."""
         return combined([mass.properties for mass in self.masses if mass.sprung is None])
 
 
 def axes_along(axial: Array, bars: Array | None = None) -> Array:
-    """Return roll, shear and axial as rows (3, 3): the bars' direction made square to axial, else horizontal.
+    """Return the axes of a mount as rows roll, shear, axial, (3, 3), from its axial direction and that of its bars.
 
     Without `bars` they run along x under an upright mount, and else horizontally, square to the direction.
     """
@@ -192,7 +192,7 @@ def axes_along(axial: Array, bars: Array | None = None) -> Array:
 
 
 def check_places(layout: Layout, masses: Path) -> None:
-    """Raise RecordError if the masses make no body, or a mount stands where none can."""
+    """Raise RecordError if the masses form no possible body, or a mount's position is impossible."""
     places = np.array([mount.position for mount in layout.mounts])
     apart = float(np.linalg.norm(np.ptp(places, axis=0)))
     far = _FAR * max(apart, _LEAST)
@@ -248,7 +248,7 @@ def check_places(layout: Layout, masses: Path) -> None:
 
 
 def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None = None) -> Layout:
-    """Place a box that is filled evenly on mounts of one part, with a point at each of its corners.
+    """Lay out a uniformly filled box on mounts of one part, with a point at each of its corners.
 
     Args:
         part: that the mounts are.
@@ -300,7 +300,7 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
 
 
 def _mount_groups(mounts: str) -> dict[str, tuple[int, float, int]]:
-    """Parse how many mounts stand at each side of a box: number, angle of those at corners [deg], rows of those behind."""
+    """Parse the mounts at each side of a box: number, angle of those at corners [deg], rows of those behind."""
     groups: dict[str, tuple[int, float, int]] = {}
     for position, text in enumerate(mounts.lower().split("+")):
         match = _GROUP.fullmatch(text.strip())

@@ -118,7 +118,7 @@ def read_mass_text(path: Path, *, products: str = "") -> list[tuple[str, MassPro
 
 
 def _part(where: str, text: str, mass: float, products: str) -> tuple[MassProperties, bool]:
-    """Return the mass properties in the text of one part, and whether the notation of its products had to be assumed."""
+    """Read the mass properties of one part from its text, and whether the sign convention of its products was assumed."""
     if mass <= 0.0:
         raise RecordError(f"{where}: the mass must be > 0, got {mass:g} kg.")
     heading = re.search(rf"(?:{_CENTRE})[^\n]*\(\s*([a-z]+)\s*\)", text)
@@ -165,7 +165,7 @@ def _part(where: str, text: str, mass: float, products: str) -> tuple[MassProper
 
 
 def _shown(where: str, central: Array | None, outer: Array | None, principal: Array | None, shift: Array) -> set[str]:
-    """Return the notations of products that the redundant figures of a text agree with.
+    """Return the sign conventions of products of inertia that agree with the redundant figures of a text.
 
     With a sign s of products P, the tensors s P about both points differ by the theorem of parallel axes, and that about the
     centre of mass is the one of the principal moments. RecordError where they belong to other points, masses or axes.
@@ -195,7 +195,7 @@ def _shown(where: str, central: Array | None, outer: Array | None, principal: Ar
 
 
 def _tensor(where: str, text: str, letter: str) -> tuple[Array, bool] | None:
-    """Return the numbers of Lxx to Lzz, or of Ixx to Izz, in SI, (3, 3), and whether they are about the centre of mass.
+    """Read the inertia tensor Lxx to Lzz, or Ixx to Izz, in SI, (3, 3), and whether it is about the centre of mass.
 
     Else they are at the origin of the output coordinate system. None where the text has none.
     """
@@ -227,7 +227,7 @@ def _tensor(where: str, text: str, letter: str) -> tuple[Array, bool] | None:
 
 
 def _principal(where: str, text: str) -> Array | None:
-    """Return the tensor of the principal moments Px, Py, Pz along their axes in SI, (3, 3); None where they are not there."""
+    """Read the principal moments Px, Py, Pz and their axes as a tensor in SI, (3, 3); None where the text has none."""
     axis = rf"{_NUMBER}\s*,\s*{_NUMBER}\s*,\s*{_NUMBER}"
     rows = list(re.finditer(rf"\bi[xyz]\s*=\s*\(\s*{axis}\s*\)\s*p[xyz]\s*=\s*{_N}", text))
     if len(rows) != 3 or not (above := list(_INERTIA.finditer(text, 0, rows[0].start()))):
@@ -240,7 +240,7 @@ def _principal(where: str, text: str) -> Array | None:
 
 
 def _moment(where: str, unit: re.Match[str]) -> float:
-    """Return one of a unit of moments of inertia, such as grams * square millimeters, in kg m^2."""
+    """Convert one unit of moments of inertia, such as grams * square millimeters, to kg m^2."""
     return _unit(where, unit[1], _MASSES) * _unit(where, _SQUARE.sub(" ", unit[2]).strip(), _LENGTHS) ** 2
 
 
@@ -253,7 +253,7 @@ def _unit(where: str, name: str, known: Mapping[str, float]) -> float:
 
 
 def _with_points(path: Path, text: str) -> str:
-    """Return a text with decimal points; RecordError if its numbers hold both signs, or commas that may be of thousands."""
+    """Replace decimal commas by points; RecordError if numbers mix both signs, or commas may separate thousands."""
     numbers = re.findall(r"=\s*[-+]?(\d[\d.,]*\d|\d)", text)
     commas = [number for number in numbers if "," in number]
     if commas and (

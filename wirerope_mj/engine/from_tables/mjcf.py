@@ -109,7 +109,7 @@ def _add_payload(world: ET.Element, layout: Layout) -> None:
 
 
 def _add_subassembly(payload: ET.Element, mass: Mass, sprung: Sprung) -> None:
-    """Add a part of the payload that rings on its own, on a slide; the weight that it has is in its spring as drawn."""
+    """Add a sprung subassembly of the payload on a slide; its spring carries its weight in the position as drawn."""
     properties, omega = mass.properties, 2.0 * np.pi * sprung.frequency
     body = ET.SubElement(payload, "body", name=mass.name, pos=_numbers(properties.centre))
     axis = np.eye(3)["xyz".index(sprung.axis)]
@@ -140,7 +140,7 @@ def _add_sites(body: ET.Element, owner: str, layout: Layout) -> None:
 
 
 def _drawn(mass: Mass) -> dict[str, str]:
-    """Return the attributes of the geom that stands for a mass: the uniform box with its moments of inertia, or a ball."""
+    """Return the geom attributes of a mass: the uniform box with its moments of inertia, or a ball."""
     properties = mass.properties
     moments = np.diag(properties.inertia)
     squares = 6.0 * (moments.sum() - 2.0 * moments) / properties.mass
@@ -155,5 +155,5 @@ def _box(centre: Array, half: Array) -> dict[str, str]:
 
 
 def _numbers(values: Iterable[float]) -> str:
-    """Return numbers as MJCF writes them, to twelve digits; what is nothing but rounding is 0."""
+    """Format numbers for MJCF to twelve digits; rounding errors become 0."""
     return " ".join(f"{0.0 if abs(value) < 1e-12 else value:.12g}" for value in values)

@@ -171,7 +171,7 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
 
 
 def _stop_law(row: Row) -> StopLaw:
-    """Read the figures of a stop of its own; a gap that acts and is not stated is that of column "gap"."""
+    """Read the law of a stop that states figures of its own; an acting gap that is not stated is that of column "gap"."""
     acts = row.text("acts") if row.has("acts") else "down"
     gap_at = row.text("gap_at") if row.has("gap_at") else "unloaded"
     for column, word, words in (("acts", acts, tuple(ACTS)), ("gap_at", gap_at, ("unloaded", "installed"))):
@@ -233,7 +233,7 @@ def _position(row: Row) -> Array:
 
 
 def _axes(row: Row) -> Array:
-    """Return the axes of a mount from its direction, or inclination and azimuth; upright where a row has none of them."""
+    """Return the axes of a mount from its direction, or inclination and azimuth; upright by default."""
     vector = [column for column in ("direction_x", "direction_y", "direction_z") if row.has(column)]
     angles = [column for column in ("inclination", "azimuth") if row.has(column)]
     if vector and angles:
@@ -258,7 +258,7 @@ def _axes(row: Row) -> Array:
 
 
 def _isolator(row: Row, path: Path, isolators: dict[str, Path | VendorPart]) -> str:
-    """Name a row's isolator and note where it is from: beside the table, the catalogue, or a vendor's table."""
+    """Find a row's isolator and note its source: a file beside the table, the catalogue, or a vendor's table."""
     text = row.text("isolator")
     try:
         file = find_isolator(text, beside=path.parent)
@@ -305,7 +305,7 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
 
 
 def _without_totals(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows that are masses, with a warning of each that adds up others; RecordError if a total adds up to none."""
+    """Leave out rows that add up others, with a warning for each; RecordError if a total adds up to none."""
     named = [{*re.findall(r"\w+|\u2211", row.text("name").casefold())} for row in rows]
     is_total = [bool(words & _TOTAL) and words <= _TOTAL | _BESIDE for words in named]
     masses = [row.number("mass") for row, total in zip(rows, is_total, strict=True) if not total]
@@ -369,7 +369,7 @@ def _mass(row: Row, sign: float) -> Mass:
 
 
 def _sprung(row: Row, name: str) -> Sprung | None:
-    """Read how a subassembly is attached to the payload; None for a mass that is rigidly part of the payload."""
+    """Read the spring of a subassembly; None for a mass that is rigidly part of the payload."""
     if not row.has("frequency"):
         if stated := [column for column in ("damping", "along") if row.has(column)]:
             raise row.error(f'"{short(name)}" has a {stated[0]} and no "frequency"; fill in both or none.')

@@ -25,14 +25,14 @@ class Row:
     written: Mapping[str, str]  # the columns' names in the file
 
     def error(self, text: str) -> RecordError:
-        """Make the error of this row, which says where it stands."""
+        """Build an error that begins with the location of this row."""
         return RecordError(f"{self.location}: {text}")
 
     def has(self, column: str) -> bool:
         return bool(self.cells.get(column, ""))
 
     def text(self, column: str) -> str:
-        """Return the text of a cell; RecordError if it is empty or holds what cannot be seen."""
+        """Return the text of a cell; RecordError if it is empty or holds invisible characters."""
         text = self.cells.get(column, "")
         if not text:
             raise self.error(f'column "{column}" is empty.')
@@ -61,7 +61,7 @@ def read_sheet(
     path: Path, *, kind: str, needed: Mapping[str, str], further: Mapping[str, str],
     called: Callable[[Sequence[str]], tuple[str, ...]] = tuple,
 ) -> list[Row]:  # fmt: skip
-    """Return the rows of a table, whose names must be there once each; of a workbook the sheet of the last word of `kind`.
+    """Read the rows of a table with unique columns; of a workbook, from the sheet that the last word of `kind` names.
 
     `needed` and `further` say the kind of quantity of each column that must and may be there: a key of `UNITS`, "number" or
     "text". `called` makes their names of those in the file; a column that is then called `BESIDE` is not read.

@@ -32,7 +32,7 @@ class Pose:
     quaternion: Array
 
     def then(self, origin: Array, quaternion: Array) -> "Pose":
-        """Return the pose of a frame whose pose in this one is given."""
+        """Compose this pose with that of a frame stated in it."""
         turned, product = np.empty(3), np.empty(4)
         mujoco.mju_rotVecQuat(turned, np.asarray(origin, dtype=np.float64), self.quaternion)
         mujoco.mju_mulQuat(product, self.quaternion, np.asarray(quaternion, dtype=np.float64))
@@ -106,7 +106,7 @@ def _six(matrix: AnyArray) -> Array:
 
 
 def pair_rows(model: mujoco.MjModel, bodies: Bodies, fix: Writer) -> list[list[int]]:
-    """Return the rows of the pairs of links with geoms that may touch, with the least clearance of any two of them."""
+    """Return a row for each pair of links whose geoms may touch, with the least clearance between their geoms."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     least: dict[tuple[int, int], tuple[float, float]] = {}
@@ -136,7 +136,7 @@ def _place(data: mujoco.MjData, bodies: Bodies, link: int) -> Pose:
 
 
 def may_touch(model: mujoco.MjModel) -> list[tuple[int, int, float]]:
-    """Return the pairs of geoms that MuJoCo lets touch when they move, and the distance from which on they do [m]."""
+    """Return the pairs of moving geoms for which MuJoCo computes contact, and the distance at which it begins [m]."""
     off = mujoco.mjtDisableBit
     if model.opt.disableflags & (off.mjDSBL_CONTACT | off.mjDSBL_CONSTRAINT):
         return []

@@ -48,12 +48,12 @@ class Equations:
 
     @property
     def key(self) -> bytes:
-        """Bytes that systems have in common which may share lanes."""
+        """Bytes that must be equal for systems to share lanes."""
         return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes() + repr((self.counts, self.loaded)).encode()
 
 
 def equations_of(system: System) -> Equations:
-    """Return the equations of a system of which `not_held` finds nothing."""
+    """Build the equations of a system in which `not_held` finds nothing."""
     model, assembly, bodies = system.model, system.assembly, Bodies(system.model)
     tables, subjects = assembly.tables, assembly.subjects
     fix, num, lay = Writer([]), Writer([]), np.zeros(at.HEADER, dtype=np.int64)
@@ -135,7 +135,7 @@ def _sections(lay: Integers, *, largest: int) -> None:
 
 
 def _links(bodies: Bodies, modal: set[int], fix: Writer, num: Writer) -> tuple[list[list[int]], list[int]]:
-    """Return the rows of the links, the world's behind them, and their kinds."""
+    """Return the rows of the links, the world's last, and their kinds."""
     model = bodies.model
     rows: list[list[int]] = []
     kinds: list[int] = []
@@ -246,7 +246,7 @@ def _mounts(
 
 
 def _shapes(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> tuple[list[int], dict[int, int]]:
-    """Return the shapes at the sites of flexible parts as integers behind the header, and where each site's stand."""
+    """Return the mode shapes at sites of flexible parts as integers behind the header, and each site's position there."""
     model, table, places = system.model, list[int](), {}
     for site, modes in system.assembly.subjects.shapes.items():
         link, pose = bodies.site(site)
@@ -260,12 +260,12 @@ def _shapes(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> tu
 
 
 def seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
-    """Return the matrix that turns a vector in a link to the axes in which the equations have it."""
+    """Return the rotation from a link's axes to those in which the equations state its vectors, (3, 3)."""
     return modelled(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
 
 
 def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
-    """Return the integers among the parameters, which say how the numbers behind them are read."""
+    """Return the integers among the parameters, which tell how to read the numbers behind them."""
     par = tables.parameters
     counts: list[int] = []
 
@@ -293,7 +293,7 @@ def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
 
 
 def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer, num: Writer) -> list[list[int]]:
-    """Return the rows of the bodies and points that are observed."""
+    """Return the rows of the observed bodies and points."""
     model, assembly = system.model, system.assembly
     tables, rows = assembly.tables, []
     base = assembly.subjects.base
@@ -318,7 +318,7 @@ def equations(system: System) -> Equations:
 
 @once_per_system
 def not_held(system: System) -> str:
-    """Return which part of a model the kernel's equations do not hold, "" if there is none."""
+    """Return the element of a model that the kernel's equations cannot represent, "" if there is none."""
     model, assembly = system.model, system.assembly
     counts = {
         "equality constraints": model.neq, "tendons": model.ntendon, "actuators of its own": model.nu - 1,

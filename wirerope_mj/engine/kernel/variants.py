@@ -39,7 +39,7 @@ class Numbers:
     """Writes the numbers of variants of a system where they have its structure and its shared numbers."""
 
     def __init__(self, system: System, equations: Equations) -> None:
-        """Look up where the numbers of mounts, bodies and points stand."""
+        """Locate the numbers of mounts, bodies and points."""
         model, tables, lay = system.model, system.assembly.tables, equations.lay
         self.equations, self._system = equations, system
         n = len(system.mounts)
@@ -62,7 +62,7 @@ class Numbers:
         self._moving = set(moving_bodies(model))
 
     def of(self, changes: Changes) -> Array | None:
-        """Return the numbers of the variant that changes make, (n_num,); None if it may be of another structure.
+        """Return the numbers of a variant from its changes, (n_num,); None if its structure may differ.
 
         They have the bits of those in `equations_of` of that variant.
         """
@@ -100,7 +100,7 @@ class Numbers:
         numbers[first : first + parameters.size] = parameters
 
     def of_isolator(self, mount: str, isolator: Isolator) -> tuple[Integers, Array] | None:
-        """Return the numbers of a mount's isolator, as it acts, and where they stand; None if it is of another structure."""
+        """Return the numbers of a mount's acting isolator and their positions; None if its structure differs."""
         old = self._system.mounts[mount].isolator
         turns, coupled = turning(isolator), isolator.coupled
         grids = [device.loop and np.shape(device.loop.coefficients) for device in (isolator, old)]
@@ -117,7 +117,7 @@ class Numbers:
         return np.concatenate(places), np.concatenate([values for _, values in parts])
 
     def write_geometry(self, numbers: Array, changes: Changes) -> bool:
-        """Write what masses, centres of mass and positions of mounts change; returns whether all else stays as it is."""
+        """Write the numbers that follow from masses, centres and mount positions; returns whether all others stay the same."""
         if not (changes.masses or changes.centres or changes.positions or changes.turns):
             return True
         if any(any(turn) for turn in changes.turns.values()):
@@ -163,7 +163,7 @@ class Numbers:
         return True
 
     def _write_body(self, numbers: Array, bodies: Bodies, link: int) -> None:
-        """Write inertia of a link, and what follows from it."""
+        """Write the inertia of a link, and the inverse mass matrix that follows from it."""
         lay, model = self.equations.lay, self._system.model
         first = int(lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.INERTIA])
         numbers[first : first + at.INERTIA_SIZE] = made.inertia_of(bodies, link)
@@ -193,7 +193,7 @@ class Group:
 
     @property
     def failed(self) -> Array:
-        """Why a variant was given up, 0 if it was not, (size,); see `wirerope_mj.engine.kernel.layout`."""
+        """Codes of the reasons why variants were given up, 0 for none, (size,); see `wirerope_mj.engine.kernel.layout`."""
         return self._section(at.FAILED, at.LOADS)[0, : self.size]
 
     def channels(self, number: int) -> Array:
@@ -225,7 +225,7 @@ class Group:
         )  # fmt: skip
 
     def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array) -> None:
-        """Observe the last instant; `out` takes its values, (n_kept, 1, n_values), or is `NOTHING`."""
+        """Observe the last instant; its values go to `out`, (n_kept, 1, n_values), or `NOTHING`."""
         instant = np.array([[time], [time], [0.0], [float(out.size > 0)], [control.SMOOTH]])
         self.go(instant, positions, rates, table, np.ones(1, dtype=np.int64), out)
 

@@ -88,7 +88,7 @@ class Metadata:
 
 
 def read_metadata(content: Entries, columns: Sequence[str], place: Place) -> Metadata:
-    """Make all that `response_metadata` wrote of `content`; the error of `place` if it does not describe these columns."""
+    """Rebuild what `response_metadata` stored in `content`; the error of `place` if it does not describe these columns."""
 
     def peak(value: object, place: Place) -> Peak:
         numbers = value if isinstance(value, list) and all(type(number) in (int, float) for number in value) else []
@@ -107,7 +107,7 @@ def read_metadata(content: Entries, columns: Sequence[str], place: Place) -> Met
 
 
 def check_motion(key: str, motion: object) -> None:
-    """Raise ValueError that names the key unless `motion` is built as `BaseMotion.to_dict` writes one."""
+    """Raise ValueError naming the key unless `motion` has the form that `BaseMotion.to_dict` writes."""
     if not isinstance(motion, dict) or not isinstance(motion.get("kind"), str):
         raise ValueError(f"`{key}` must be a table with a `kind`, got {quoted(motion, 60)}.")
     if not isinstance(motion.get("path", ""), str):

@@ -34,7 +34,7 @@ _UNITS = {
 
 
 def block_rows(columns: int) -> int:
-    """Return how many rows of so many columns are handed on at once."""
+    """Return the number of rows in a block of some columns."""
     return min(BLOCK_ROWS, max(1, BLOCK_NUMBERS // max(columns, 1)))
 
 
@@ -51,7 +51,7 @@ class SampledColumns(Protocol):
         ...
 
     def blocks(self, first: int, last: int) -> Iterator[Array]:
-        """Yield these columns some rows after the other, at most `block_rows` of them at once."""
+        """Yield these columns in blocks of at most `block_rows` rows."""
         ...
 
 
@@ -87,7 +87,7 @@ class _Columns(Summarised):
 
 
 def _columns(offset: int, size: int, text: str) -> "cached_property[Array]":
-    """Return a property of `size` of a part's columns from `offset` on; `text` is its docstring."""
+    """Make a property that reads `size` columns of a part from `offset` on; `text` is its docstring."""
     values = cached_property(lambda part: part._part(offset, size))
     values.__doc__ = text
     return values
@@ -183,7 +183,7 @@ class Numerics:
 
     @property
     def error_text(self) -> str:
-        """Text on how well samples and peaks are known."""
+        """Sentence on the accuracy of samples and peaks."""
         if self.limited_by == SENSITIVE:
             return f"sensitive: runs with finer steps differ by up to {self.error_estimate:.1e} of the peaks"
         if math.isfinite(self.error_estimate):
@@ -194,7 +194,7 @@ class Numerics:
 
     @property
     def computed_by(self) -> str:
-        """Text on what computed the response, "the kernel" or "MuJoCo, native callback"."""
+        """Name of the engine that computed the response, "the kernel" or "MuJoCo, native callback"."""
         return "the kernel" if self.engine == "kernel" else f"MuJoCo, {self.callback} callback"
 
 
@@ -248,7 +248,7 @@ class ColumnPlan:
 
 
 def same_columns(stored: Sequence[str], now: Sequence[str]) -> bool:
-    """Return whether stored columns are those that would be sampled now; older ones end before those of contacts."""
+    """Tell whether stored columns are those sampled today; older files end before the contacts."""
     added = now[len(stored) :]
     return list(stored) == list(now[: len(stored)]) and all(name.startswith("contacts/") for name in added)
 
@@ -258,7 +258,7 @@ def _size(parts: Sequence[tuple[str, Sequence[str]]]) -> int:
 
 
 def exported_samples(samples: SampledColumns, about: dict[str, str]) -> Exported:
-    """Return the samples as they are written: one column for each, called as in response.parquet."""
+    """Return the samples as a table whose columns have the names of response.parquet."""
     names = samples.names
 
     def blocks() -> Iterator[Sequence[AnyArray]]:

@@ -47,21 +47,21 @@ class ContactPeak:
 
     @property
     def struck(self) -> bool:
-        """True if they came together during the run; resting on each other from the start is no strike."""
+        """True if the two came into contact during the run; contact from the start does not count."""
         return self.touches > int(self.from_start)
 
     @property
     def gaps(self) -> dict[str, float]:
-        """Gaps of a mount's stop from the deflection `rest` [m] on the sides that have one, "below" and "above"."""
+        """Gaps of a mount's stop measured from the deflection `rest` [m], by side: "below" and "above"."""
         sides = {"below": self.gap_below, "above": self.gap_above}
         return {side: gap for side, gap in sides.items() if gap is not None}
 
     def called(self, name: str) -> str:
-        """Name the contact in a text: a stop of a mount "stop s3", a pair of geoms by its name."""
+        """Name the contact in sentences: a stop of a mount as "stop s3", a pair of geoms by its name."""
         return f"stop {name}" if self.mount and not name.startswith("stop") else name
 
     def later(self, by: float) -> "ContactPeak":
-        """Return the contact on a timeline `by` seconds later."""
+        """Return the contact with all instants `by` seconds later."""
         instants = ("first_touch", "force_time", "penetration_time", "closing_time")
         times = {name: getattr(self, name) for name in instants}
         return replace(self, **{name: time + by for name, time in times.items() if time is not None})
@@ -71,7 +71,7 @@ class ContactPeak:
 
 
 def _part(numbers: slice, text: str) -> property:
-    """Make a property of a peak of some of its numbers; `text` is its docstring."""
+    """Make a property of a peak that returns some of its numbers; `text` is its docstring."""
     return property(lambda peak: peak.numbers[numbers], doc=text)
 
 
@@ -95,14 +95,14 @@ class Peak:
 
     @classmethod
     def of(cls, numbers: Array) -> "Peak":
-        """Return the peak of `SIZE` numbers, (17,), which it keeps."""
+        """Return the peak made of `SIZE` numbers, (17,), which it keeps."""
         peak = object.__new__(cls)
         object.__setattr__(peak, "numbers", numbers)
         return peak
 
     @property
     def value(self) -> float:
-        """Largest norm."""
+        """Largest norm of the vector."""
         return self.numbers.item(0)
 
     @property
@@ -121,7 +121,7 @@ class Peak:
         return f"Peak({', '.join(f'{part}={getattr(self, part)!r}' for part in parts)})"
 
     def later(self, by: float) -> "Peak":
-        """Return the peak on a timeline `by` seconds later."""
+        """Return the peak with its instant `by` seconds later."""
         numbers = self.numbers.copy()
         for times in (1, self.MINIMUM_TIME, self.MAXIMUM_TIME):
             numbers[times] += by
@@ -174,7 +174,7 @@ class CombinedTravel:
     judged_time: float  # its instant [s]
 
     def later(self, by: float) -> "CombinedTravel":
-        """Return the same on a timeline `by` seconds later."""
+        """Return the same travel with its instants `by` seconds later."""
         return replace(self, time=self.time + by, judged_time=self.judged_time + by)
 
 
@@ -200,12 +200,12 @@ class Peaks(Brief):
 
     @property
     def struck(self) -> list[str]:
-        """Names of the pairs and stops of `contacts` that came together during the run, the first to touch first."""
+        """Names of the pairs and stops that came into contact during the run, in the order of their first contact."""
         touches = {name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck}
         return sorted(touches, key=lambda name: touches[name])
 
     def same_as(self, other: "Peaks") -> bool:
-        """Return whether all peaks have the same bits; contacts and travels are left out if only one of the two has them."""
+        """Return whether all peaks are bit-identical; contacts and travels count only if both have them."""
         content, other_content = self.to_dict(), other.to_dict()
         for part in ("contacts", "travels"):
             if content[part] is None or other_content[part] is None:

@@ -33,7 +33,6 @@ from wirerope_mj.foundation.structure import Place
 from wirerope_mj.foundation.summary import Summarised, quantity
 
 if TYPE_CHECKING:
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
 FILE = "response.parquet"
@@ -93,7 +92,7 @@ class Response(Exportable, Summarised):
         return self.numerics.error_estimate
 
     def reaches(self, instant: float) -> bool:
-        """Return whether an instant [s] lies in the run, which may end a part of an interval after its last sample."""
+        """Return whether an instant [s] lies within the run, whose end may be later than its last sample."""
         return instant <= self.final_state.time + _ROUNDING
 
     def column(self, name: str) -> Array:
@@ -116,12 +115,12 @@ class Response(Exportable, Summarised):
         return np.asarray(rotation_matrices(orientation) @ rotation_matrices(base.orientation).T)
 
     def _of_base(self, first: str, size: int) -> Array:
-        """Read columns of the base's body and keep none of them, (n_t, size)."""
+        """Read columns of the base's body without caching them, (n_t, size)."""
         index = self.samples.names.index(f"bodies/{self.scene.base}/{first}")
         return self.samples.columns(index, index + size)
 
     def displacement_from_base(self, position: Array, modelled: Array) -> Array:
-        """Return how far a point at `position`, (n_t, 3), is from as modelled, (3,), in the axes of the base [m], (n_t, 3)."""
+        """Return the displacement of a point at `position`, (n_t, 3), from as modelled, (3,), in base axes [m], (n_t, 3)."""
         if (turn := self.base_rotation) is None:
             return position - modelled - self.base.displacement
         centre = next(body.position for body in self.scene.bodies if body.name == self.scene.base)
@@ -146,7 +145,7 @@ class Response(Exportable, Summarised):
 
     @property
     def plan(self) -> ColumnPlan:
-        """What the samples' columns mean."""
+        """Layout of the columns of the samples."""
         mounts = [(name, mount.state_names) for name, mount in self.mounts.items()]
         return ColumnPlan(bodies=list(self.bodies), points=list(self.points), mounts=mounts, contacts=list(self.contacts))
 
@@ -160,7 +159,7 @@ class Response(Exportable, Summarised):
 def response_of(
     plan: ColumnPlan, samples: SampledColumns, *, events: Iterable[tuple[float, str]], path: Path | None = None, **parts: Any
 ) -> Response:
-    """Make a response of samples in the columns of `plan`, and its other `PARTS`."""
+    """Build a response from samples in the columns of `plan`, and from its other `PARTS`."""
     return Response(
         time=samples.columns(0, 1)[:, 0], **plan.parts(samples), samples=samples, path=path, **parts,
         events=tuple((float(time), str(text)) for time, text in events),
@@ -168,7 +167,7 @@ def response_of(
 
 
 def response_metadata(plan: ColumnPlan, parts: Entries) -> Entries:
-    """Write the `PARTS` of a response and its plan as plain values; floats survive bit by bit."""
+    """Return the `PARTS` of a response and its plan as plain values; floats are kept bit by bit."""
     return {
         "format": FORMAT, "peaks": parts["peaks"].to_dict(), "scene": scene_to_dict(parts["scene"]),
         "motion": parts["motion"], "events": [list(event) for event in parts["events"]],
@@ -181,7 +180,7 @@ def response_metadata(plan: ColumnPlan, parts: Entries) -> Entries:
 
 @lru_cache(maxsize=8)
 def _footer(path: Path, state: tuple[int, ...]) -> "pq.FileMetaData":
-    """Read the footer of a file, which says where its columns stand: of thousands of columns that takes long.
+    """Read the footer of a file, which locates its columns; slow where there are thousands of them.
 
     By the `state` of a file it is told from one that has taken its place.
     """
@@ -229,23 +228,21 @@ class FileSamples:
             for group in range(file.num_row_groups)
             for batch in file.iter_batches(rows, row_groups=[group], columns=names)
         )
-        while (block := self._block(batches, first)) is not None:
+        while True:
+            try:
+                if (batch := next(batches, None)) is None:
+                    return
+                block = np.column_stack([column.to_numpy(zero_copy_only=False) for column in batch.columns])
+            except (OSError, ValueError):  # pyarrow's text names a byte of a page, which helps no user
+                raise RecordError(
+                    f"{self.path}: the samples are damaged in column {self.names[first]!r} or one of those behind it. {_AGAIN}"
+                ) from None
             if not np.isfinite(block).all():
                 wrong, column = np.argwhere(~np.isfinite(block))[0]
                 name = self.names[first + int(column)]
                 raise RecordError(f"{self.path}: column {name!r} is not finite at sample {row + int(wrong)}. {_AGAIN}")
             row += len(block)
             yield block
-
-    def _block(self, batches: Iterator["pa.RecordBatch"], first: int) -> Array | None:
-        """Return the next rows, or None at the end."""
-        try:
-            batch = next(batches, None)
-            return batch and np.column_stack([column.to_numpy(zero_copy_only=False) for column in batch.columns])
-        except (OSError, ValueError):  # pyarrow's text names a byte of a page, which helps no user
-            raise RecordError(
-                f"{self.path}: the samples are damaged in column {self.names[first]!r} or one of those behind it. {_AGAIN}"
-            ) from None
 
 
 def load_response(folder: str | Path) -> Response:

@@ -68,7 +68,7 @@ class SceneMount:
 
     @property
     def sites(self) -> tuple[object, ...]:
-        """Bodies, points and axes, the same of two mounts at the same sites."""
+        """Bodies, points and axes of both sites; equal for two mounts at the same sites."""
         numbers = np.concatenate([self.payload_point, self.base_point, self.axes.ravel()]).tolist()
         return self.payload_body, self.base_body, *numbers
 
@@ -89,18 +89,17 @@ class Scene(Brief):
 
     @property
     def isolating(self) -> tuple[SceneMount, ...]:
-        """The mounts that are no stops, as tables, loops and histories list them; stops are listed with contacts."""
+        """Mounts other than stops, as listed in tables, loops and histories; stops are listed with contacts."""
         return tuple(mount for mount in self.mounts if not mount.stop)
 
     @property
     def drawn(self) -> tuple[SceneMount, ...]:
-        """The mounts without the stops at the sites of another, which they would cover in a plan."""
+        """Mounts to be drawn: without stops at the sites of another mount, which they would cover in a plan."""
         taken = {mount.sites for mount in self.isolating}
         return tuple(mount for mount in self.mounts if not mount.stop or mount.sites not in taken)
 
     @property
     def stops(self) -> tuple[SceneMount, ...]:
-        """The mounts that are stops."""
         return tuple(mount for mount in self.mounts if mount.stop)
 
 

@@ -91,7 +91,7 @@ def simulate_batch(
     corners: Sequence[float] | Array = (), threads: int | None = None, responses: bool = False, engine: Engine = "auto",
     judged: bool = True,
 ) -> list[BatchResult | BatchFailure]:  # fmt: skip
-    """Return the peaks of many variants of one layout, in their order; samples are kept only on request.
+    """Simulate many variants of one layout and return their peaks, in order; samples are kept only on request.
 
     All variants take the same steps: the corners of every motion end steps of all. Each is bit for bit what `simulate` returns
     alone with `timestep` and with the corners of all motions as its `corners`, whatever the number of threads.
@@ -172,7 +172,7 @@ def simulate_batch(
 
 
 def _check_same_layout(systems: Sequence[System]) -> None:
-    """Raise ModelError if one of the systems differs from the first in more than numbers of its model."""
+    """Raise ModelError if a system differs from the first in more than the numbers of its model."""
 
     def layout(system: System) -> dict[str, object]:
         sizes = ("nq", "nv", "na", "nbody", "njnt", "ngeom", "nsite", "nuserdata")
@@ -211,7 +211,7 @@ def _variants(
 def _together(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, engine: Engine
 ) -> dict[int, BatchResult | BatchFailure]:
-    """Return the variants' results by number, all stepped through one grid, by the kernel as far as it holds them."""
+    """Step variants through one grid, by the kernel where it can, and return results by variant number."""
     asked = "it was asked for" if engine == "mujoco" else ""
     why = {v.number: asked or unsupported_run(v.system, v.motion) for v in variants}
     results: dict[int, BatchResult | BatchFailure] = {}
@@ -227,7 +227,7 @@ def _together(
 def _in_lanes(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
 ) -> tuple[dict[int, BatchResult | BatchFailure], dict[int, str]]:
-    """Compute variants by the kernel: the results, and why it gave up the others, by number."""
+    """Compute variants by the kernel; returns results, and the reasons why it gave up the others, by number."""
     recorders = [Recorder(variant.system, variant.motion, grid, None) for variant in variants] if responses else []
     done = run_in_lanes(
         [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], grid, threads=threads,
@@ -246,7 +246,7 @@ def _in_lanes(
 def _by_mujoco(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, why: dict[int, str]
 ) -> dict[int, BatchResult | BatchFailure]:
-    """Compute variants by MuJoCo, each for itself through one grid: the results by number."""
+    """Compute variants one by one with MuJoCo through one grid; returns results by number."""
 
     def compute(variant: _Variant) -> BatchResult | BatchFailure:
         recorder = Recorder(variant.system, variant.motion, grid, None) if responses else None
@@ -284,7 +284,7 @@ def peaks_on_decks(
     system: System, motion: BaseMotion, panels: Sequence[Panel], *, duration: float, timestep: float, initial: str,
     sample_rate: float,
 ) -> list[Peaks | str]:  # fmt: skip
-    """Simulate a system of a rigid deck on panels, which differ in frequency alone: the peaks on each, or why there are none.
+    """Simulate a system on panels that differ in frequency alone; returns the peaks on each, or why there are none.
 
     The other arguments are those of `simulate`; `timestep` is that of the run on the rigid deck.
     """

@@ -51,7 +51,7 @@ WHY = {
 
 @once_per_system
 def unsupported_system(system: System) -> str:
-    """Return why the kernel cannot compute a system, "" if it can.
+    """Return the reason why the kernel cannot compute a system, "" if it can.
 
     Systems of one structure are compared with MuJoCo once.
 
@@ -73,7 +73,7 @@ def unsupported_system(system: System) -> str:
 
 
 def _differs(system: System) -> str:
-    """Return in what the kernel differs from MuJoCo, "" if it does not."""
+    """Compare the kernel with MuJoCo on a system and return in what they differ, "" if they agree."""
     rng = np.random.default_rng(2004)
     model = without_constraints(system.model)
     joints = model.dof_jntid
@@ -121,14 +121,14 @@ def _differs(system: System) -> str:
 
 
 def without_constraints(model: mujoco.MjModel) -> mujoco.MjModel:
-    """Copy a model so that no limit and no contact acts, as where the kernel computes."""
+    """Copy a model with limits and contacts disabled, as the kernel computes it."""
     model = model.__copy__()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     return model
 
 
 def _accelerations(system: System, states: Array, base: Array, loads: Array) -> Array:
-    """Return accelerations and state rates, (n, nv + n_states), in states (n, n_state), with those of the base (n, 3 or 6).
+    """Return accelerations and state rates, (n, nv + n_states), at states (n, n_state) and base accelerations (n, 3 or 6).
 
     Forces and moments at the sites for them are the same in all, (6 n_forces,).
     """
@@ -146,7 +146,7 @@ def _accelerations(system: System, states: Array, base: Array, loads: Array) -> 
 
 
 def _apart(expected: Array, got: Array) -> float:
-    """Return the largest difference of columns of one kind, each relative to its largest value.
+    """Return the largest difference between columns of one kind, each relative to its largest value.
 
     What is a millionth of the largest column or less is rounding, and relative to that.
     """
@@ -158,7 +158,7 @@ def _apart(expected: Array, got: Array) -> float:
 
 
 def _run_apart(system: System, qvel: Array, step: float) -> float:
-    """Return how far samples of a short run from the modelled geometry lie apart, relative to the largest of their kind."""
+    """Compare samples of a short run from the modelled geometry, and return the largest relative difference by kind."""
     model, tables = without_constraints(system.model), system.assembly.tables
     direction = np.linalg.pinv(tables.drive).sum(axis=1) if len(tables.drive) else np.array([0.0, 0.0, 1.0])
     motion = Sine(frequency=0.05 / step, acceleration=10.0, direction=tuple(direction))
@@ -224,12 +224,12 @@ def compute(
 
 
 def refused(why: str) -> str:
-    """Return the message about a run that only the kernel was to compute, from the reason why it cannot."""
+    """Word the message for a run that only the kernel was to compute and cannot, from the reason."""
     return f'the kernel cannot compute this run: {why}. Ask for `engine` "auto", or "mujoco".'
 
 
 def unsupported_motion(system: System, motion: BaseMotion) -> str:
-    """Return why the kernel does not follow a motion, "" if it does."""
+    """Return the reason why the kernel does not follow a motion, "" if it does."""
     modes, driven = system.assembly.subjects.modes, system.assembly.driven_dofs
     if motion.velocity_jumps and (modes or riding_dofs(system.model, driven).size):
         return "the base's velocity jumps under what rides on it through joints or modes of its own"
@@ -237,12 +237,12 @@ def unsupported_motion(system: System, motion: BaseMotion) -> str:
 
 
 def unsupported_run(system: System, motion: BaseMotion) -> str:
-    """Return why the kernel cannot compute a system under a motion, "" if it can."""
+    """Return the reason why the kernel cannot compute a system under a motion, "" if it can."""
     return unsupported_system(system) or unsupported_motion(system, motion)
 
 
 def failure(group: Group, number: int) -> str:
-    """Return why the kernel gave up a variant of a group, "" if it did not."""
+    """Return the reason why the kernel gave up a variant of a group, "" if it did not."""
     code = float(group.failed[number])
     return WHY[code] if code else ""
 
@@ -251,7 +251,7 @@ def run_in_lanes(
     systems: Sequence[System], motions: Sequence[BaseMotion], starts: Sequence[State], grid: TimeGrid, *, threads: int = 1,
     sink: Sink | None = None, progress: Callable[[float], None] | None = None,
 ) -> list[RunResult | str]:  # fmt: skip
-    """Step variants through a grid by the kernel, see `go_in_lanes`: the result of each, or why the kernel gave it up."""
+    """Step variants through a grid by the kernel (`go_in_lanes`); returns each result, or why the kernel gave it up."""
     states = np.array([start.values[moving(system)] for system, start in zip(systems, starts, strict=True)])
     done = go_in_lanes(
         [equations(system) for system in systems], drive_of(systems[0]), motions, states, grid, threads=threads,

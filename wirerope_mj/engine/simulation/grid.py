@@ -30,7 +30,6 @@ class Grid:
 
     @classmethod
     def empty(cls) -> "Grid":
-        """Return a grid without segments."""
         none, no = np.zeros(0), np.zeros(0, dtype=bool)
         return cls(start=none, stop=none, steps=np.zeros(0, dtype=np.int64), sampled=no, event=none, corner_after=no)
 
@@ -98,13 +97,13 @@ def time_grid(
 
 
 def joined(*corners: Array) -> Array:
-    """Return the instants of several arrays [s] in order, each once."""
+    """Merge several arrays of instants [s] in order, without repetitions."""
     some = [instants for instants in corners if instants.size]
     return np.unique(np.concatenate(some)) if len(some) > 1 else some[0] if some else np.zeros(0)
 
 
 def _end_of_block(samples: Array, i: int, corners: Array, j: int) -> tuple[int, int]:
-    """Return where a block ends that begins at sample i and corner j; instants that are one stay together."""
+    """Return the end of a block that begins at sample i and corner j; coincident instants stay together."""
     for size in count(BLOCK):
         rest = [float(times[k + size]) for times, k in ((samples, i), (corners, j)) if k + size < times.size]
         limit = min(rest, default=np.inf)
@@ -116,7 +115,7 @@ def _end_of_block(samples: Array, i: int, corners: Array, j: int) -> tuple[int, 
 
 
 def _breaks(samples: Array, corners: Array, ends: Array) -> tuple[Array, Booleans]:
-    """Return the instants [s] that samples, corners and the run's ends make, and which of them are sampled, (n,) each."""
+    """Merge the instants [s] of samples, corners and the run's ends, and tell which of them are sampled, (n,) each."""
     # Samples first: where an instant is both, it must carry the sample's exact time.
     instants = np.concatenate([samples, corners, ends])
     order = np.argsort(instants, kind="stable")
@@ -131,7 +130,7 @@ def _breaks(samples: Array, corners: Array, ends: Array) -> tuple[Array, Boolean
 
 
 def _events(motion: BaseMotion, times: Array) -> Array:
-    """Return SMOOTH, CORNER or JUMP of a motion at instants [s], (n,)."""
+    """Classify instants [s] of a motion as SMOOTH, CORNER or JUMP, (n,)."""
     corners = motion.corners
     next_one = np.searchsorted(corners, times - SAME_TIME)
     near = np.append(corners, np.inf)[next_one] <= times + SAME_TIME
@@ -142,7 +141,7 @@ def _events(motion: BaseMotion, times: Array) -> Array:
 
 
 def divided(instants: Array, timestep: float, *, least: int = 1) -> tuple[Array, Array, Integers, Integers]:
-    """Cut the intervals between instants [s] into equal steps, and long ones into segments that one stage table serves.
+    """Cut the intervals between instants [s] into equal steps, and long intervals into segments of one stage table each.
 
     Returns start and stop [s], number of steps, and interval of every segment, (n_p,) each.
     """

@@ -38,7 +38,7 @@ class InLanes:
 
 
 def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> Integers:
-    """Return where a part of MuJoCo's state stands among the values of a `State`."""
+    """Return the indices of a part of MuJoCo's state among the values of a `State`."""
     numbers = np.arange(mujoco.mj_stateSize(model, STATE), dtype=np.float64)
     extracted = np.empty(mujoco.mj_stateSize(model, part))
     mujoco.mj_extractState(model, numbers, STATE, extracted, part)
@@ -47,7 +47,7 @@ def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> Integers:
 
 @once_per_system
 def moving(system: System) -> Integers:
-    """Return where qpos, qvel and act stand among the values of a `State`."""
+    """Return the indices of qpos, qvel and act among the values of a `State`."""
     kinds = mujoco.mjtState
     parts = (kinds.mjSTATE_QPOS, kinds.mjSTATE_QVEL, kinds.mjSTATE_ACT)
     return np.concatenate([indices(system.model, part) for part in parts])
@@ -57,7 +57,7 @@ def go_in_lanes(
     equations: Sequence[Equations], drive: Drive, motions: Sequence[BaseMotion], states: Array, grid: TimeGrid, *,
     threads: int = 1, sink: Sink | None = None, progress: Callable[[float], None] | None = None,
 ) -> InLanes:  # fmt: skip
-    """Step variants through a grid from qpos, qvel and act, (n, n_state); its corners count, and each motion's events.
+    """Step variants side by side through a grid, from qpos, qvel and act, (n, n_state), with each motion's events.
 
     `sink` takes the samples if they are wanted, `progress` the simulated
     time [s] now and then.
@@ -95,7 +95,7 @@ def go_in_lanes(
 
 
 def _side_by_side(accelerations: Array, turns: Array, forces: Array, n_sites: int) -> Array:
-    """Put those of roll, pitch, yaw and forces and moments, (n, n_sites, 6), each or nothing, behind accelerations (n, 3)."""
+    """Join base accelerations (n, 3), those of roll, pitch, yaw, and forces and moments, (n, n_sites, 6), column by column."""
     n = len(accelerations)
     loads = forces.reshape(n, -1) if forces.size else np.zeros((n, 6 * n_sites))
     return np.concatenate([accelerations, turns.reshape(n, -1), loads], axis=1)
@@ -104,7 +104,7 @@ def _side_by_side(accelerations: Array, turns: Array, forces: Array, n_sites: in
 def _groups(
     equations: Sequence[Equations], states: Array, which: list[int], events: Sequence[object]
 ) -> list[tuple[Group, list[int]]]:
-    """Return groups of variants that may share lanes, in the order of the first of each."""
+    """Group variants that may share lanes, in the order of the first of each group."""
     alike: dict[object, list[int]] = {}
     keys = {id(equation): equation.key for equation in equations}
     for number, (equation, event) in enumerate(zip(equations, events, strict=True)):
@@ -122,7 +122,7 @@ def _advance(
     grids: Sequence[Array], moved: Sequence[Array], ends: Integers, samples: int, done: int, sink: Sink | None,
     group: tuple[Group, list[int]],
 ) -> None:  # fmt: skip
-    """Step a group through segments: of each motion the grid's rows, (5, n), and what its base does up to their ends."""
+    """Step a group through segments, given the grid's rows for each motion, (5, n), and the base's motion at their ends."""
     (lanes, numbers), (positions, rates, accelerations) = group, moved
     out = np.empty((lanes.size, samples, lanes.equations.n_values)) if sink is not None else NOTHING
     lanes.go(grids[int(lanes.which[0])], positions, rates, accelerations, ends, out)
@@ -135,7 +135,7 @@ def _finish(
     groups: list[tuple[Group, list[int]]], motions: Sequence[BaseMotion], drive: Drive, sites: Sequence[str], stop: float,
     sample: int, sink: Sink | None,
 ) -> None:  # fmt: skip
-    """Observe the last instant with the bases as they are just before it, and hand on its values if it is sampled."""
+    """Observe the last instant with the bases as they are just before it, and pass its values on if it is sampled."""
     before = [base_before(motion, drive, stop) for motion in motions]
     positions, rates = (
         np.array([positions_and_rates[part] for positions_and_rates in before])[:, np.newaxis] for part in (0, 1)
@@ -155,7 +155,7 @@ def _finish(
 
 
 def final_state(system: System, start: State, values: Array, time: float) -> State:
-    """Return the state at the end: that of the start with another instant, qpos, qvel and act, (n_state,).
+    """Return the final state: the start state with its last instant, qpos, qvel and act, (n_state,).
 
     What belongs to the run alone, the system's part of userdata, is zero.
     """

@@ -15,7 +15,7 @@ PATIENCE, PACE = 60.0, 0.01
 def share_bar(
     word: str, unit: str, *, enabled: bool, begun: float = 0.0, total: int | None = None, parts: str = ""
 ) -> Iterator[Update]:
-    """Show a value with its unit, the fraction that is done and the time left on standard error while the block runs.
+    """Show a value with its unit, the completed fraction and the remaining time on standard error while the block runs.
 
     Where standard error is no terminal, as in a batch job, it is a line now and then instead of a bar. `begun` is the fraction
     that was done before; `total` the number of `parts` of which what is done is counted. Yields what to call with fraction and
@@ -61,7 +61,7 @@ def share_bar(
 
 
 def time_left(fraction: float, elapsed: float, *, begun: float = 0.0) -> str:
-    """Return the time left, "0:12:05", at the mean speed since the beginning: `fraction` is done, `begun` was done before."""
+    """Estimate the remaining time, "0:12:05", from the mean speed so far: `fraction` is done, `begun` was done before."""
     if fraction <= begun:
         return "-:--:--"
     seconds = math.ceil(elapsed * (1.0 - fraction) / (fraction - begun))

@@ -106,7 +106,7 @@ class Recorder:
     """Takes the samples of a run, in memory or to a file, and makes the response of them."""
 
     def __init__(self, system: System, motion: BaseMotion, grid: TimeGrid, out: Path | None) -> None:
-        """Prepare for the samples of `grid`; `out` is the folder they are streamed to, None to keep them in memory."""
+        """Prepare the samples of `grid`; they are streamed to the folder `out`, or kept in memory if it is None."""
         self._system, self._motion, self._times = system, motion, grid.sample_times
         self.plan = column_plan(system)
         self._names = self.plan.names.copy()
@@ -118,7 +118,7 @@ class Recorder:
         self._written = 0
 
     def add(self, first: int, values: Array) -> None:
-        """Take the sensor values of samples from number `first` on, (n_samples, n_values); 0 begins all over again."""
+        """Add the sensor values of samples from number `first` on, (n_samples, n_values); 0 starts from the beginning."""
         if first == 0 and self._written and self._writer is not None:
             self._writer.discard()
             self._writer, self._written = TableWriter(self._writer.path, self._names), 0
@@ -132,7 +132,7 @@ class Recorder:
                 self._written = first
 
     def _completed(self, rows: int) -> Array:
-        """Return the block's first rows with instants, base and gaps."""
+        """Complete the first rows of the block with instants, base and gaps."""
         times = self._times[self._written : self._written + rows]
         self._block[:rows, 0] = times
         for column, part in enumerate((self._motion.displacement, self._motion.velocity, self._motion.acceleration)):
@@ -143,7 +143,7 @@ class Recorder:
         return self._block[:rows]
 
     def finish(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> Response:
-        """Return the response of a run that came to its end."""
+        """Return the response of a completed run."""
         parts: Entries = {
             "peaks": peaks,
             "scene": scene_of(self._system),
@@ -168,7 +168,7 @@ class Recorder:
 
 @once_per_system
 def column_plan(system: System) -> ColumnPlan:
-    """Return the columns that are sampled of a system."""
+    """Return the layout of the sampled columns of a system."""
     subjects, mounts = system.assembly.subjects, []
     for name, mount in system.mounts.items():
         laws = ((axis, law) for axis, law in mount.isolator.axes.items() if law is not None)
@@ -194,13 +194,13 @@ class Gaps:
         self._fixed = {geom: (data.geom_xpos[[geom]], data.geom_xmat[[geom]].reshape(1, 3, 3)) for geom in fixed}
 
     def _data(self) -> mujoco.MjData:
-        """Return MuJoCo's data with what is fixed to the world in its place."""
+        """Return MuJoCo data in which the geoms fixed to the world are in position."""
         data = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, data)
         return data
 
     def of(self, values: Array) -> Array:
-        """Return the gaps [m], < 0 where pressed, (n_t, n_pairs), at samples with these sensor values, (n_t, n_values)."""
+        """Compute the gaps of all pairs [m], < 0 where pressed, (n_t, n_pairs), from sampled sensor values (n_t, n_values)."""
         model = self._model
         turns = {first: rotation_matrices(values[:, first + 3 : first + 7]) for first in set(self._moving.values())}
         places = self._fixed.copy()  # positions (n_t, 3) and axes (n_t, 3, 3) of every geom, (1, ..) of what does not move
@@ -236,7 +236,7 @@ class Gaps:
 
 
 def _beside_box(axes: Array, half: Array, apart: Array) -> Array:
-    """Return the distances (n_t,) of points `apart` (n_t, 3) from a box's centre to its faces; inside it is negative."""
+    """Return the distances of points from a box's surface, (n_t,), < 0 inside; `apart`: points from its centre, (n_t, 3)."""
     parts = (axes[:, 0] * apart[:, :1], axes[:, 1] * apart[:, 1:2], axes[:, 2] * apart[:, 2:])
     local = parts[0] + parts[1] + parts[2]
     beyond = local - np.clip(local, -half, half)

@@ -48,7 +48,7 @@ _OF_FREQUENCIES = ("sine", "sweep", "ship-motion", "vibration-lines", "random-vi
 
 
 def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
-    """Return the contacts by name: the model's declared pairs, touched or not, what else touched, then the mounts' stops.
+    """Return contacts by name: the model's declared pairs, touched or not, other geoms that touched, then mounts' stops.
 
     A stop, open or not, has its mount's name, with the axis where the mount has several.
 
@@ -159,7 +159,7 @@ def run(
 
 
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
-    """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
+    """Read the peaks from the tracker's memory in userdata; what is fixed to the base has the base's own."""
     assembly = system.assembly
     rows = assembly.tables.user.channel_rows(user)
     every = [Peak.of(row) for row in rows.take(_NUMBERS, axis=1)]
@@ -183,7 +183,7 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
 
 
 def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
-    """Return that motions are steadily faster than samples can tell, as a sentence without a capital; "" if none is."""
+    """Describe motions that are steadily faster than samples resolve, as a clause; "" if there are none."""
     parts = [part for motion in motions for part in motion.parts if part.kind in _OF_FREQUENCIES]
     fastest = max((1.0 / part.shortest_time for part in parts), default=0.0)
     if fastest <= 0.5 * sample_rate:
@@ -196,7 +196,7 @@ def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
 
 
 def missing_modes(system: System, motion: BaseMotion) -> tuple[str, ...]:
-    """Return a sentence on each deck whose modes end within twice the frequencies that the base brings."""
+    """Return a sentence on each deck whose highest mode is below twice the highest frequency of the base motion."""
     model, parts = system.model, dict[str, list[float]]()
     for mode in system.assembly.subjects.modes:
         if mode.owner == system.assembly.subjects.base and not mode.residual:
@@ -212,7 +212,7 @@ def missing_modes(system: System, motion: BaseMotion) -> tuple[str, ...]:
 
 
 def highest_frequency(motion: BaseMotion) -> float:
-    """Compute the highest frequency that a base motion brings [Hz]: of steady vibration its own, of shocks from the spectrum.
+    """Compute the highest frequency of a base motion [Hz]: of steady vibration its own, of shocks from the spectrum.
 
     Below that of a shock lies `WITHIN` of the energy of its acceleration. A jump of the velocity alone has none: 0.
     """
@@ -242,13 +242,13 @@ def warn_of_missing_modes(system: System, motions: Iterable[BaseMotion]) -> None
 
 
 def warn_of_aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> None:
-    """Warn where a motion is steadily faster than samples can tell: histories show what is not there."""
+    """Warn of motions that are steadily faster than samples resolve: histories would show aliases."""
     if text := aliasing(motions, sample_rate):
         warnings.warn(text, AccuracyWarning, stacklevel=3)
 
 
 def require_lawful(system: System, peaks: Peaks) -> None:
-    """Raise SimulationError if a mount went to where the law of an axis does not hold."""
+    """Raise SimulationError if a mount left the range of deflections in which the law of an axis holds."""
     for name, mount in system.mounts.items():
         if mount.isolator.holds_everywhere:
             continue
@@ -258,7 +258,7 @@ def require_lawful(system: System, peaks: Peaks) -> None:
 
 
 def warn_of_uncertainty(response: Response) -> None:
-    """Warn where contacts were struck, and where the estimated error is above what was asked for, or a given step too long.
+    """Warn of struck contacts, of an estimated error above the requested one, and of a given step that is too long.
 
     A stop among the mounts' laws is as certain as they are: that it was struck is a verdict.
     """

@@ -142,7 +142,7 @@ def check_size(
     system: System, *, duration: float, sample_rate: float, timestep: float | None = None, kept: float | None = None,
     out: Path | None = None,
 ) -> None:  # fmt: skip
-    """Raise BudgetError if a run takes more memory, disk or time than there is.
+    """Raise BudgetError if a run needs more memory, disk or time than is available.
 
     `kept` is the time whose samples are kept in memory [s], of several runs together (None: the duration); `out` the folder
     to which they are streamed instead.
@@ -178,7 +178,7 @@ def numerics_of(
 
 
 def check_arguments(**named: float | None) -> None:
-    """Raise ValueError if one of the named numbers is not positive, or a duration is no time; None is left to be chosen."""
+    """Raise ValueError if a named number is not positive or a duration is no time; None is chosen later."""
     for name, value in named.items():
         if value is not None:
             positive(name, value)
@@ -187,7 +187,7 @@ def check_arguments(**named: float | None) -> None:
 
 
 def checked_corners(corners: Sequence[float] | Array) -> Array:
-    """Return instants [s] in order, or raise ValueError."""
+    """Return instants [s] sorted, or raise ValueError."""
     try:
         instants = np.asarray(corners, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -198,7 +198,7 @@ def checked_corners(corners: Sequence[float] | Array) -> Array:
 
 
 def checked_step(system: System, timestep: float, duration: float) -> float:
-    """Return the step that was asked for, or raise SimulationError if RK4 is not stable with it or never ends."""
+    """Return the requested step, or raise SimulationError if RK4 is unstable with it or the run would never end."""
     if duration > MOST_STEPS * positive("timestep", timestep, unit="s"):
         raise SimulationError(
             f"`timestep` of {timestep:.3g} s makes {duration / timestep:.1e} steps of {duration:.4g} s; at most "
@@ -214,7 +214,7 @@ def checked_step(system: System, timestep: float, duration: float) -> float:
 
 
 def check_direction(system: System, motion: BaseMotion) -> None:
-    """Raise ModelError if the motion has a component that no driven slide can follow, or a force where no site is for one."""
+    """Raise ModelError if a component of the motion has no driven slide, or a force of the motion has no site."""
     sites = system.assembly.subjects.force_names
     for site in motion.loaded_sites:
         if site not in sites:
@@ -242,7 +242,7 @@ def check_direction(system: System, motion: BaseMotion) -> None:
 
 
 def duration_of(motion: BaseMotion, duration: float | None, system: System) -> float:
-    """Return the simulated time [s]: as given, or ten periods of the slowest mode after the motion, or up to a sweep's end.
+    """Return the simulated time [s]: as given, or ten periods of the slowest mode past the motion, or a sweep's end.
 
     A motion without an end, or that begins after the simulation, is a ValueError.
     """

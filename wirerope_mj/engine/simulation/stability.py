@@ -21,12 +21,12 @@ N_RATES = 5  # of a law, see `rates_of`
 
 @once_per_system
 def eigenvalues(system: System) -> ComplexArray:
-    """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,), stops open."""
+    """Return the eigenvalues [1/s] of the linear system with unloaded mounts, base fixed, stops open, (2 n,)."""
     return _eigenvalues_of_system(system, closed=False)
 
 
 def _eigenvalues_of_system(system: System, *, closed: bool) -> ComplexArray:
-    """Return the eigenvalues [1/s] of a system with its stops open or closed, (2 n,), n motions that equalities leave."""
+    """Return the eigenvalues [1/s] of a system with stops open or closed, (2 n,); n: motions that equalities leave free."""
     linear = linear_system(system, closed=closed)
     parts = (linear.motions.T @ part @ linear.motions for part in (linear.mass, linear.stiffness, linear.damping))
     return _eigenvalues_of_matrices(*parts) if linear.motions.size else np.zeros(0, dtype=np.complex128)
@@ -52,7 +52,7 @@ def stable_step(system: System) -> float:
 
 
 def yield_rates(system: System, *, steep: bool = True) -> Array:
-    """Return n / x_y of the state that yields soonest on the mounts' axes [1/m], (n_mounts, 3); 0 without any.
+    """Return n / x_y of the state that yields first on each mount axis [1/m], (n_mounts, 3); 0 without hysteresis.
 
     Near its bound a Bouc-Wen state goes back there at that times the rate of the deflection [1/s]. `steep`: whether states
     with n < 1 on axes of their own count.
@@ -68,7 +68,7 @@ def yield_rates(system: System, *, steep: bool = True) -> Array:
 
 
 def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
-    """Estimate by how much the fastest hysteretic state of a run goes back to its bound over a step [-]; see `yield_rates`.
+    """Estimate the decay of the fastest hysteretic state towards its bound over a step [-]; see `yield_rates`.
 
     Of a mount that travels d while its payload's acceleration is a at most, the rate is taken for sqrt(a d).
     """
@@ -87,7 +87,7 @@ def slowest_period(system: System) -> float:
 
 
 def _slowest_of(eigenvalues: ComplexArray) -> Array:
-    """Return the periods of the slowest oscillations [s] of eigenvalues (..., n), 1 s where nothing oscillates."""
+    """Return the longest periods [s] of eigenvalues (..., n), 1 s where nothing oscillates."""
     rates = np.abs(eigenvalues.imag)
     slowest = np.where(rates > SLOWEST_RATE, rates, np.inf).min(axis=-1, initial=np.inf)
     return np.where(np.isfinite(slowest), 2.0 * np.pi / slowest, 1.0)
@@ -102,7 +102,7 @@ class VariantRates:
     """
 
     def __init__(self, system: System) -> None:
-        """Look up how deflections and links move with the free coordinates, in the modelled geometry."""
+        """Compute how deflections and links move with the free coordinates, in the modelled geometry."""
         model, kernel_equations = system.model, equations(system)
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
         laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
@@ -129,7 +129,7 @@ class VariantRates:
         self._turns = any(mount.isolator.rotation is not None for mount in system.mounts.values())
 
     def inertia(self, numbers: Array) -> Array:
-        """Return the inertia of the free coordinates of variants with these numbers of their equations, (n, n_free, n_free)."""
+        """Return the mass matrices of the free coordinates, (n, n_free, n_free), of variants with these numbers."""
         total = np.broadcast_to(self._armature, (len(numbers), *self._armature.shape)).copy()
         for first, moving, turn_rates in self._links:
             mass, centre = numbers[:, first + at.MASS_OF], numbers[:, first + at.CENTRE : first + at.CENTRE + 3]
@@ -140,7 +140,7 @@ class VariantRates:
         return total
 
     def certainly_stable(self, timestep: float, numbers: Array, rates: Array, shifts: Array) -> Booleans:
-        """Return for which variants a step [s] is certainly stable, (n,); of the others `stable_step` says it.
+        """Return the variants for which a step [s] is certainly stable, (n,); `stable_step` decides on the others.
 
         `numbers` are those of the variants' equations, (n, n_num); `rates` of their laws, as `rates_of` has them, (n, 5, 3
         n_mounts); `shifts` those of their mounts along the world's axes [m], (n, n_mounts, 3).
@@ -162,7 +162,7 @@ class VariantRates:
         return _slowest_of(_eigenvalues_of_matrices(self.inertia(numbers), stiffness, damping))
 
     def _matrices(self, numbers: Array, stiffness: Array, damping: Array, shifts: Array) -> tuple[Array, Array]:
-        """Return stiffness and damping of the free coordinates, (n, n_free, n_free) each, of those of the laws."""
+        """Return stiffness and damping matrices of the free coordinates, (n, n_free, n_free) each, from those of the laws."""
         moves = self._deflections + np.einsum("majk,nmk->nmaj", self._by_shift, shifts)
         moves = moves.reshape(len(numbers), -1, self._free.size)
         joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])

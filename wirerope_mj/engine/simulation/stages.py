@@ -30,7 +30,7 @@ class RunningPeak:
         self._vector = np.zeros(3)
 
     def add(self, times: Array, vectors: Array) -> None:
-        """Take the vectors (n, 3) at instants in order (n,) [s], of which neighbours may be the same."""
+        """Add vectors (n, 3) at ascending instants (n,) [s]; neighbouring instants may coincide."""
         components = np.ascontiguousarray(vectors.T)
         x, y, z = components
         norms = np.sqrt(x * x + y * y + z * z)
@@ -147,7 +147,7 @@ class StageTables:
     """The base motion segment by segment, evaluated block by block, and the extremes of its acceleration so far."""
 
     def __init__(self, motion: BaseMotion, drive: Drive, sites: Sequence[str] = ()) -> None:
-        """Prepare for grids; at `sites` forces may act."""
+        """Prepare the stage tables of a motion; forces may act at `sites`."""
         self._motion, self._drive, self._running = motion, drive, RunningPeak()
         self._sites = sites if motion.loaded_sites else ()
 
@@ -157,7 +157,7 @@ class StageTables:
         return self._running.peak
 
     def blocks(self, grid: Grid) -> Iterator[Stages]:
-        """Yield all segments of a grid, many at once; where they are parted depends on the number of steps alone."""
+        """Yield the stage tables of all segments of a grid, many at once, cut at fixed numbers of steps."""
         points = 2 * grid.steps + 1
         total, first, begin, end = np.cumsum(points), 0, 0, 0
         low = grid.start + np.where(grid.event != SMOOTH, SAME_TIME, 0.0)
@@ -193,14 +193,14 @@ class StageTables:
 
 
 def distinct_motions(motions: Sequence[BaseMotion]) -> tuple[list[BaseMotion], list[int]]:
-    """Return the motions that are not the same object, each to be evaluated once, and each given one's number among them."""
+    """Return the distinct motion objects, each to be evaluated once, and the number of each given motion among them."""
     distinct = {id(motion): motion for motion in motions}
     numbers = {key: number for number, key in enumerate(distinct)}
     return list(distinct.values()), [numbers[id(motion)] for motion in motions]
 
 
 def events_key(motion: BaseMotion) -> tuple[bytes, tuple[float, ...]]:
-    """Return a key that motions share whose segments have the same events."""
+    """Return a key that is equal for motions whose segments have the same events."""
     return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)
 
 
@@ -212,7 +212,7 @@ def loads_at(motion: BaseMotion, sites: Sequence[str], times: Array) -> Array:
 
 
 def _half_steps(start: Array, stop: Array, points: Integers, low: Array, high: Array) -> Array:
-    """Return the half steps of segments, one segment after the other, those at its ends within `low` and `high`."""
+    """Return the instants of the half steps of segments, one segment after the other, clipped to `low` and `high`."""
     if (points == points[0]).all():  # as in most blocks: the same with rows for segments, and four times as fast
         fraction = np.arange(float(points[0])) / (points[0] - 1)
         rows = start[:, np.newaxis] + (stop - start)[:, np.newaxis] * fraction

@@ -64,12 +64,11 @@ class Stepper:
         self._checked = state_of(self.model, self.data).values
 
     def enter(self, grid: Grid) -> None:
-        """Take the segments that follow from `grid`."""
         self.check()  # a second look at earlier segments needs the grid that they belong to
         self._grid = grid
 
     def begin(self, base: Segment) -> None:
-        """Prepare the steps of a segment: the base stands and moves exactly as its motion says, jumps included."""
+        """Prepare the steps of a segment: set the base to its motion, velocity jumps included."""
         self._since_check.append(base)
         grid, user, segment, accelerations = self._grid, self.user, base.number, base.accelerations
         start, length = grid.start[segment], grid.stop[segment] - grid.start[segment]
@@ -108,7 +107,7 @@ class Stepper:
         return final
 
     def return_to(self, state: State) -> None:
-        """Take on a state of this stepper that `state_of` gave between two segments, also after a failure."""
+        """Restore a state that `state_of` returned between two segments, also after a failure."""
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state.values, STATE)
         self._since_check.clear()
@@ -163,7 +162,7 @@ class Stepper:
         raise SimulationError("MuJoCo reported a warning in the last forward pass; use a smaller `timestep`.")
 
     def _buckled(self, deflections: Array, moved: Array, states: Array) -> str:
-        """Return a note on the first mount for which there is no equilibrium with its bracket within two steps, or ""."""
+        """Describe the first mount that loses equilibrium with its bracket within two steps, "" if none does."""
         firsts = self.system.assembly.tables.rows(at.AXES, at.AXIS_COLUMNS, 3 * len(deflections))[:, 2].astype(int)
         for number, (name, mount) in enumerate(self.system.mounts.items()):
             law, axes = mount.isolator.coupled, list(mount.isolator.coupled_axes)
@@ -185,7 +184,7 @@ class Stepper:
         return ""
 
     def _falling(self, deflections: Array) -> str:
-        """Return a note on the first mount that stood where its force falls as the deflection grows, "" if there is none."""
+        """Describe the first mount at a deflection where its force decreases, "" if there is none."""
         for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
             for (axis, law), x in zip(mount.isolator.axes.items(), map(float, row), strict=True):
                 reach = min(max(x, -_FARTHEST), _FARTHEST) if math.isfinite(x) else 0.0
@@ -200,7 +199,7 @@ def velocity_jump(motion: BaseMotion, time: float) -> Array:
 
 
 def base_before(motion: BaseMotion, drive: Drive, time: float) -> tuple[Array, Array]:
-    """Return the driven coordinates and their rates at an instant, without the velocity's jump there, (n_driven,) each."""
+    """Return the driven coordinates and rates just before an instant, without its velocity jump, (n_driven,) each."""
     now = np.array([time])
     rates = along_slides(drive.slides, motion.velocity(now) - velocity_jump(motion, time))
     if motion.rotates:
@@ -219,7 +218,7 @@ def acceleration_before(motion: BaseMotion, time: float) -> Array:
 
 
 def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jump: Array, turn: Array) -> None:
-    """Let what rides on the base through joints keep its momentum while the base's velocity jumps by `jump` [m/s], (3,).
+    """Keep the momentum of what rides on the base through joints while the base's velocity jumps by `jump` [m/s], (3,).
 
     The rates of roll, pitch and yaw jump by `turn` [rad/s], (3,).
 
@@ -243,13 +242,13 @@ def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jum
 
 
 def side_by_side(indices: AnyArray) -> AnyArray | slice:
-    """Return indices as a slice if they follow each other, for NumPy writes there three times as fast."""
+    """Convert consecutive indices to a slice, into which NumPy writes three times as fast."""
     first, n = int(indices[0]) if indices.size else 0, indices.size
     return slice(first, first + n) if np.array_equal(indices, np.arange(first, first + n)) else indices
 
 
 def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> Integers:
-    """Return the coordinates of what hangs on the driven base through joints of its own."""
+    """Return the velocity coordinates of bodies that are jointed to the driven base."""
     roots = model.body_rootid[model.dof_bodyid]
     rides = np.isin(roots, roots[driven])
     rides[driven] = False
@@ -257,7 +256,7 @@ def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> Integers:
 
 
 def initial_state(system: System, motion: BaseMotion, initial: str | State | None) -> State:
-    """Return the state at the start of a simulation: "settled", "relaxed", "unloaded", a given one, or None: the motion's own.
+    """Return the start state: "settled", "relaxed", "unloaded", a given state, or None for the motion's own.
 
     The base stands and moves as the motion says just before the start; if the given state's base does not, the whole system
     is carried along (a Galilean change), so that nothing but the motion's own acceleration disturbs it. ModelError if the
@@ -300,12 +299,12 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State | Non
 
 
 def falls_by_gravity(system: System, up: Array) -> bool:
-    """Return whether gravity of a system is the standard one, against a unit vector."""
+    """Tell whether a system's gravity is the standard one, opposite to the unit vector `up`."""
     return bool(np.allclose(system.model.opt.gravity, -STANDARD_GRAVITY * up, rtol=0.0, atol=GRAVITY_ERROR))
 
 
 def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
-    """Return `state` with the base where the motion has it at the state's instant, the whole system carried along."""
+    """Return `state` with the base moved to the motion at the state's instant, the whole system carried along."""
     assembly, model = system.assembly, system.model
     joints = list(assembly.subjects.driven)
     if not joints:
@@ -355,7 +354,7 @@ def _carry(system: System, data: mujoco.MjData, shift: Array, velocity: Array) -
 
 
 def _turn(system: System, data: mujoco.MjData, positions: Array, rates: Array) -> None:
-    """Bring the base's slides and hinges to positions and rates, (n_driven,), what floats along with it as one rigid body."""
+    """Set the base's slides and hinges to positions and rates, (n_driven,), and carry floating bodies along rigidly."""
     model, assembly = system.model, system.assembly
 
     def frame() -> tuple[Array, Array, Array, Array]:

@@ -30,7 +30,7 @@ class Stepwise:
     """A system on its way from one instant to the next, its base's acceleration and its loads held in between."""
 
     def __init__(self, system: System, *, timestep: float, initial: str = "settled", start: float = 0.0) -> None:
-        """Begin at the instant `start` [s], in one of the states that `simulate` takes by name, with a largest step [s].
+        """Begin at the instant `start` [s] in one of the named start states of `simulate`, with a largest step [s].
 
         Raises:
             SimulationError: RK4 is not stable with such a step.
@@ -46,7 +46,7 @@ class Stepwise:
         self._look(np.zeros(3), np.zeros((len(self._sites), 6)))
 
     def advance(self, length: float, acceleration: ArrayLike, loads: Mapping[str, ArrayLike] | None = None) -> None:
-        """Go on by a time [s] with the base's acceleration [m/s^2], (3,), and loads [N, N m], (6,) by site, held.
+        """Advance by a time [s] with constant base acceleration [m/s^2], (3,), and loads [N, N m], (6,) by site.
 
         A SimulationError if a mount went to where its law does not hold, or the state is not valid any more.
         """
@@ -87,7 +87,7 @@ class Stepwise:
         self._moved, self._rate = map(np.array, saved["base"])
 
     def _begin(self, length: float, steps: int, acceleration: Array, wrench: Array) -> None:
-        """Prepare a segment of equal steps, the base's acceleration and the loads held in it."""
+        """Prepare a segment of equal steps with constant base acceleration and loads."""
         points, sampled = 2 * steps + 1, np.ones(1, dtype=bool)
         grid = Grid(
             start=np.array([self.time]), stop=np.array([self.time + length]), steps=np.array([steps]), sampled=sampled,
@@ -102,7 +102,7 @@ class Stepwise:
         self._stepper.begin(base)
 
     def _look(self, acceleration: Array, wrench: Array) -> None:
-        """Compute the values of the instant that was reached."""
+        """Compute the values of the present instant."""
         stepper = self._stepper
         with installed(stepper.model, stepper.data):
             self._begin(self.timestep, 1, acceleration, wrench)

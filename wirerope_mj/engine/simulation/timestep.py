@@ -64,7 +64,7 @@ class ChosenStep:
 
 
 def limit_of_given(timestep: float, sample_rate: float) -> str:
-    """Name the limit of steps where `timestep` [s] was given: samples are ends of steps as well."""
+    """Name what limits the steps where `timestep` [s] is given: steps also end at samples."""
     return GIVEN if timestep <= 1.0 / sample_rate else SAMPLES
 
 
@@ -72,7 +72,7 @@ def error_of_given(
     system: System, motion: BaseMotion, start: State, *, decay: float, timestep: float, duration: float, sample_rate: float,
     engine: Engine = "auto",
 ) -> float:  # fmt: skip
-    """Estimate the error of a given step, relative to the peaks, by a pilot with half of it.
+    """Estimate the error of a given step relative to the peaks, by a pilot run with half of it.
 
     NaN where that fails, or hysteretic states decay by little over the step, see `decay_over_step`.
     """
@@ -88,7 +88,7 @@ def choose_timestep(
     system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, accuracy: float,
     engine: Engine = "auto",
 ) -> ChosenStep:  # fmt: skip
-    """Return the largest step of a halving series whose pilots keep samples and refined peaks within `accuracy`.
+    """Halve the step until pilot runs keep samples and refined peaks within `accuracy`, and return it with its error.
 
     The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that
     is short, else windows of it that start from `start`. Of two pilots that differ by d the error of the finer is at most
@@ -160,7 +160,7 @@ def choose_timestep(
 def _longer(
     pilots: "_Pilots", fine: "list[_Pilot] | None", step: float, error: float, wanted: float, finer: float = 1.0
 ) -> ChosenStep | None:
-    """Return a step between `step` and its double, which failed, if it is accurate enough: order 2 says where to look.
+    """Return a step between `step` and its double, which failed, if second-order convergence makes it accurate enough.
 
     `fine` are pilots with `finer` times the step.
     """
@@ -179,13 +179,13 @@ def _longer(
 
 
 def _done(step: ChosenStep, pilots: "list[_Pilot] | None", whole: bool) -> ChosenStep:
-    """Return a step together with its pilot, if that was the whole run and is not too large to be kept."""
+    """Attach the pilot to a step if it was the whole run and is small enough to be kept."""
     kept = whole and pilots is not None and pilots[0].rows.size <= KEPT
     return replace(step, done=(pilots[0].run, pilots[0].rows)) if kept and pilots else step
 
 
 def _best(tried: list[ChosenStep]) -> ChosenStep:
-    """Return the step of the least error; what finer ones differ by, if it is more, counts as its error.
+    """Return the step with the least error; a larger difference between finer steps counts as its error.
 
     Where that is more than half of the coarsest one's, though order 1 leaves a quarter, it is the spread of the answer.
     """
@@ -197,7 +197,7 @@ def _best(tried: list[ChosenStep]) -> ChosenStep:
 
 
 def _step_between_corners(motion: BaseMotion, windows: list[tuple[float, float]], sample_rate: float, step: float) -> float:
-    """Return the usual step of a motion whose corners cut most of its steps short, as a record's samples do, or `step`.
+    """Return the median step if corners cut most steps short, as a record's samples do, else `step`.
 
     To halve a longer one would change nothing, and the error would be taken for none.
     """
@@ -215,7 +215,7 @@ def _step_between_corners(motion: BaseMotion, windows: list[tuple[float, float]]
 def _windows(
     system: System, motion: BaseMotion, start: State, duration: float, sample_rate: float
 ) -> list[tuple[float, float]]:
-    """Return starts and lengths [s] of the pilots; several begin whole sample intervals after the first."""
+    """Return starts and lengths [s] of the pilot runs; each begins whole sample intervals after the first."""
     rates = np.abs(eigenvalues(system))
     slowest = 2.0 * np.pi / max(float(rates[rates > 1.0].min(initial=60.0)), 6.0)  # from 1 Hz up: no pilot of minutes
     length = PILOT_PERIODS * slowest
@@ -261,7 +261,7 @@ class _Pilots:
         ]  # fmt: skip
 
     def at(self, step: float) -> list[_Pilot] | None:
-        """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
+        """Run the pilots of all windows with one step; None, with the reason in `failures`, if it was too large."""
         several = len(self.windows) > 1 and self.engine != "mujoco" and not unsupported_run(self.system, self.motion)
         try:
             together = self._side_by_side(step) if several else None
@@ -271,7 +271,7 @@ class _Pilots:
             return None
 
     def _side_by_side(self, step: float) -> list[_Pilot] | None:
-        """Run windows of one length, which begin at samples, by the kernel in lanes; None if it gave one up."""
+        """Run windows of equal length, which begin at samples, by the kernel in lanes; None if it gave one up."""
         motions = [Later(self.motion, begin) for begin, _ in self.windows]
         grid = time_grid(
             start=0.0, duration=self.windows[0][1], sample_rate=self.sample_rate, timestep=step, motion=motions[0],

@@ -47,7 +47,7 @@ class EquilibriumSolver:
     """Finds equilibria of variants that share a structure with `system`, whose own equations those are."""
 
     def __init__(self, system: System, equations: Equations) -> None:
-        """Prepare what all variants share."""
+        """Prepare the tables that all variants share."""
         tables, model = system.assembly.tables, system.model
         self._equations = equations
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs).astype(np.int64)
@@ -97,7 +97,7 @@ def equilibrium_solver(system: System) -> EquilibriumSolver:
 
 
 def settle_together(systems: Sequence[System], history: History) -> None:
-    """Find equilibria of systems of one structure side by side, each bit for bit as alone, for `equilibrium` to return.
+    """Find equilibria of systems of one structure side by side, bit-identical to single ones, and cache them.
 
     What is not found here is for `equilibrium` to find, or to say why there is none.
     """
@@ -119,7 +119,7 @@ def settle_together(systems: Sequence[System], history: History) -> None:
 
 
 def _confirmed(system: System, history: History, data: mujoco.MjData, rests: Equilibria, number: int) -> Equilibrium | None:
-    """Return one of some equilibria if MuJoCo's own accelerations vanish there; else None."""
+    """Return one of several equilibria if MuJoCo's own accelerations vanish there, else None."""
     if not rests.found[number]:
         return None
     model, qpos = system.model, rests.states[number, : system.model.nq]

@@ -33,7 +33,7 @@ class Linear:
 
     @property
     def fastest_constraint(self) -> float:
-        """Largest rate at which MuJoCo brings an equality constraint back [1/s], 0 without any."""
+        """Largest rate at which MuJoCo restores an equality constraint [1/s], 0 without any."""
         _, b, k = self.soft
         return float(np.abs(0.5 * b + np.sqrt((0.25 * b * b - k).astype(np.complex128))).max(initial=0.0))
 
@@ -93,12 +93,12 @@ def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[
 
 
 def beyond_joints(model: mujoco.MjModel) -> bool:
-    """Return whether tendons, actuators of the model's own or polynomials act besides linear springs and dampers of joints."""
+    """Tell whether tendons, other actuators or polynomial joint forces act besides linear joint springs and dampers."""
     return bool(model.ntendon or model.nu > 1 or model.nflex or model.jnt_stiffnesspoly.any() or model.dof_dampingpoly.any())
 
 
 def smooth_slopes(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]:
-    """Compute how forces besides mounts' and constraints' resist displacements and rates about rest, (n_v, n_v) each."""
+    """Compute stiffness and damping at rest of all forces but those of mounts and constraints, (n_v, n_v) each."""
     rest = data.qpos.copy()
 
     def forces(unit: Array, moves: float, rates: float) -> Array:
@@ -119,7 +119,7 @@ def smooth_slopes(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Ar
 
 @once_per_system
 def soft_equalities(system: System) -> tuple[str, ...]:
-    """Return a sentence on equality constraints that give way in a simulation, with the natural frequency that this moves."""
+    """Return a sentence on equality constraints that yield in a simulation, with the natural frequency that this changes."""
     if not system.model.neq:
         return ()
     linear = linear_system(system, closed=False)
@@ -150,7 +150,7 @@ def soft_equalities(system: System) -> tuple[str, ...]:
 
 
 def _swinging(motions: Array, stiffness: Array, mass: Array) -> tuple[Array, Array]:
-    """Compute the natural frequencies [Hz] of what swings in `motions`, from the lowest on, and its shapes as columns."""
+    """Compute the natural frequencies [Hz] within the subspace `motions`, ascending, and the mode shapes as columns."""
     if not motions.shape[1]:
         return np.zeros(0), motions
     values, shapes = scipy.linalg.eigh(*(motions.T @ part @ motions for part in (stiffness, mass)))
@@ -159,7 +159,7 @@ def _swinging(motions: Array, stiffness: Array, mass: Array) -> tuple[Array, Arr
 
 
 def dry_friction(system: System) -> Iterator[str]:
-    """Yield a sentence on dry friction in joints and tendons, which modes and statics are without."""
+    """Yield a sentence on dry friction in joints and tendons, which modes and statics leave out."""
     model = system.model
     dofs = np.flatnonzero(model.dof_frictionloss > 0.0)
     names = dict.fromkeys(f"joint {model.joint(int(joint)).name!r}" for joint in model.dof_jntid[dofs])

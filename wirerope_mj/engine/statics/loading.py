@@ -47,7 +47,7 @@ WITHOUT_SENSORS = 1
 
 
 def most_positions(coordinates: int) -> int:
-    """Return how many positions are tried before a search over so many coordinates is given up."""
+    """Return the number of positions after which a search over so many coordinates is given up."""
     return MOST + OF_A_COORDINATE * coordinates
 
 
@@ -107,7 +107,7 @@ class Loading:
     """A system on its way from weightlessness to its full weight."""
 
     def __init__(self, system: System, history: History, data: mujoco.MjData) -> None:
-        """Prepare `system`, with data of its layout to compute with."""
+        """Prepare `system`, with MuJoCo data of its layout."""
         self.system, self.history, self.data = system, history, data
         self.gravity = system.model.opt.gravity.copy()
         # Its gravity grows, and other threads may step the system meanwhile; without gravity nothing of it changes.
@@ -170,7 +170,7 @@ class Loading:
             return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 
     def _root(self, position: Array, tolerance: float) -> tuple[Array, float]:
-        """Find the position next to `position` without accelerations, and the largest left: above `tolerance` where it ended.
+        """Find the equilibrium position next to `position`, and the largest acceleration there, > `tolerance` if it is none.
 
         Newton's method for neighbouring roots, of which one's Jacobian serves the next. Broyden's updates (1965, his first)
         carry the inverse Jacobian along; a new one is taken from differences only where convergence slows. Directions without
@@ -231,7 +231,7 @@ class Loading:
         return self.data.qacc[self.free].copy()
 
     def _sunk(self, qpos: Array) -> Array:
-        """Let a position fall, each coordinate at rest again where it turns back, until it hardly moves."""
+        """Let a position fall, each coordinate stopped where it turns back, until it hardly moves."""
         linear = linear_system(self.system, closed=True)
         fastest = float(np.sqrt(max(np.linalg.eigvals(np.linalg.solve(linear.mass, linear.stiffness)).real.max(), 1.0)))
         step, velocity, tried = FALL / fastest, np.zeros(self.free.size), self.tried
@@ -250,7 +250,7 @@ class Loading:
         return unresisted(self.system, self.data, self.free, lambda step: self._accelerations(self._moved(qpos, step)))
 
     def _loads(self) -> str:
-        """Return a message about where the weight comes from, and what to check."""
+        """Describe where the weight comes from, and what to check."""
         mass = sum(payload.mass for payload in payloads_of(self.system))
         return (
             f"Gravity is {np.linalg.norm(self.gravity):.6g} m/s^2 and the mass on the mounts {mass:.6g} kg: check "
@@ -267,7 +267,7 @@ class Loading:
         return str(self.model.body(self.model.dof_bodyid[fastest]).name)
 
     def _diagnosis(self, load: float, residual: float) -> str:
-        """Return the reason why the weight cannot be carried; `load` is the fraction of it that failed."""
+        """Explain why the weight cannot be carried; `load` is the fraction of it that failed."""
         # What would rest on each under the whole weight:
         carried = self._mounts()[:, 1, 2] / max(load, SMALLEST_LOAD_STEP)
         for (name, mount), axial in zip(self.system.mounts.items(), carried, strict=True):

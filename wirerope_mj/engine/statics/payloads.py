@@ -51,7 +51,7 @@ class Payload:
 
 
 def movers_of(system: System) -> tuple[Payload, ...]:
-    """Return the payloads, and after them what else moves on its own, such as a frame below the mounts."""
+    """Return the payloads, then the other bodies that move on their own, such as a frame below the mounts."""
     model, payloads = system.model, payloads_of(system)
     known = {body for payload in payloads for body in payload.bodies}
     known |= {mode.body for mode in system.assembly.subjects.modes}
@@ -76,7 +76,7 @@ def payloads_of(system: System) -> tuple[Payload, ...]:
 
 
 def payloads_in(system: System, data: mujoco.MjData, *, of_contacts: bool = True) -> tuple[Payload, ...]:
-    """Return the payloads in a position, with what equality constraints join to them.
+    """Return the payloads in a position, with the bodies that equality constraints join to them.
 
     `of_contacts`: also with what presses on them, or hangs on them by a tendon or its limit, and is not carried otherwise.
     """
@@ -104,7 +104,7 @@ def payloads_in(system: System, data: mujoco.MjData, *, of_contacts: bool = True
 
 
 def _joining(model: mujoco.MjModel, data: mujoco.MjData, *, of_contacts: bool) -> Iterator[Array]:
-    """Yield the rates of what joins bodies by velocity coordinates, (n_v,), |rate| of all rows of a constraint together."""
+    """Yield for each constraint or tendon that joins bodies which velocity coordinates move it, (n_v,)."""
     equal, limit = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY), int(mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT)
     rates = np.abs(jacobian(model, data)) > _MOVES if model.neq or of_contacts else np.zeros((0, model.nv), dtype=bool)
     for kind, number in dict.fromkeys(zip(data.efc_type.tolist(), data.efc_id.tolist(), strict=True)) if len(rates) else ():
@@ -119,7 +119,7 @@ def _joining(model: mujoco.MjModel, data: mujoco.MjData, *, of_contacts: bool) -
 
 
 def _roots(system: System) -> list[int]:
-    """Return the ids of the lowest bodies that move on their own, in the order of the model."""
+    """Return the ids of the lowest bodies that move on their own, in model order."""
     model, fixed = system.model, {0, system.model.body(system.base).id} if system.base else {0}
     weld = model.body_weldid.tolist()
     return [
@@ -129,7 +129,7 @@ def _roots(system: System) -> list[int]:
 
 
 def _lowest(model: mujoco.MjModel, body: int, roots: list[int]) -> int:
-    """Return which of the lowest bodies a body stands on, 0 if none."""
+    """Return which of the lowest bodies carries a body, 0 if none."""
     return next((carrier for carrier in carriers(model, body) if carrier in roots), 0)
 
 
@@ -142,14 +142,14 @@ def _payload(model: mujoco.MjModel, roots: list[int]) -> Payload:
 
 
 def carriers(model: mujoco.MjModel, body: int) -> Iterator[int]:
-    """Yield a body and all bodies that it stands on, downwards."""
+    """Yield a body and all bodies that carry it, downwards."""
     while body > 0:
         yield body
         body = int(model.body_parentid[body])
 
 
 def model_warnings(system: System, *, turned: bool = False) -> tuple[str, ...]:
-    """Return a sentence on each thing in a model that is perhaps not meant, with its element and the remedy.
+    """Return a sentence on each probable modelling error, with its element and the remedy.
 
     `turned`: the direction of gravity is meant, as where a model falls onto another side than its bottom.
     """
@@ -158,7 +158,7 @@ def model_warnings(system: System, *, turned: bool = False) -> tuple[str, ...]:
 
 
 def _lawless(system: System) -> list[str]:
-    """Return a sentence for each isolator and axis without a law along which a payload can move."""
+    """Return a warning for each isolator and axis without a law along which a payload can move."""
     model, data = system.model, mujoco.MjData(system.model)
     mujoco.mj_fwdPosition(model, data)
     free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
@@ -181,7 +181,7 @@ def _lawless(system: System) -> list[str]:
 
 
 def _gravity(system: System, *, turned: bool) -> list[str]:
-    """Return a sentence on a gravity that is not the earth's, downwards along z, in m/s^2."""
+    """Return a warning of a gravity that is not the earth's, downwards along z, in m/s^2."""
     gravity = system.model.opt.gravity
     size = float(np.linalg.norm(gravity))
     written = f'<option gravity="{" ".join(f"{value:g}" for value in gravity)}">'
@@ -199,7 +199,7 @@ def _gravity(system: System, *, turned: bool) -> list[str]:
 
 
 def _masses(system: System) -> list[str]:
-    """Return a sentence on each body whose centre of mass or inertia is far beyond its mounts and its own geoms."""
+    """Return a warning for each body whose centre of mass or inertia is far beyond its mounts and its own geoms."""
     model, data = system.model, mujoco.MjData(system.model)
     mujoco.mj_kinematics(model, data)
     places = np.array([mount.position for mount in system.mounts.values()])
@@ -232,7 +232,7 @@ def _masses(system: System) -> list[str]:
 
 
 def _loads(system: System) -> list[str]:
-    """Return a sentence on each payload whose weight is far from what its mounts are rated for."""
+    """Return a warning for each payload whose weight is far from the rated loads of its mounts."""
     said, payloads, model = [], payloads_of(system), system.model
     mounts = [
         (mount.isolator.limits.static_load, model.body(mount.payload_body).id, model.body(mount.base_body).id)
@@ -257,7 +257,7 @@ def _loads(system: System) -> list[str]:
 
 
 def unresisted(system: System, data: mujoco.MjData, free: Integers, accelerations: Callable[[Array], Array]) -> tuple[str, ...]:
-    """Return a message for each motion of a body on mounts that no mount, joint, stop or weight brings back.
+    """Return a message for each motion of a body on mounts that no mount, joint, stop or weight resists.
 
     Mounts count as resisting in all three directions here: an axis without a law is the isolator's own property.
     `free` are the velocity coordinates that can move, (n,); `accelerations` returns theirs after a small step of them.
@@ -299,7 +299,7 @@ def _mounts_below(system: System, body: int) -> list[str]:
 
 
 def _rotation(model: mujoco.MjModel, data: mujoco.MjData, free: Integers, motion: Array) -> tuple[int, str]:
-    """Return the body that moves most in a motion of the free coordinates, (n,), and a name of the motion with its axis."""
+    """Return the body that moves most in a motion of the free coordinates, (n,), and describe the motion with its axis."""
     body = int(model.dof_bodyid[free[int(np.argmax(np.abs(motion)))]])
     turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
     mujoco.mj_jacBody(model, data, unused, turn, body)

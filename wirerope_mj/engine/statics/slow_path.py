@@ -17,7 +17,7 @@ from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, ON_BRACKETS
 
 
 def remembering_axes(system: System) -> Booleans:
-    """Find the axes of mounts, (3 n_mounts,), whose states follow a law of their own on a slow path.
+    """Find the mount axes, (3 n_mounts,), whose states depend on a slow path of deflections.
 
     What depends on the rate has no memory of it: its states stay zero.
     """
@@ -102,7 +102,7 @@ class SlowPath:
         return states
 
     def rest_at(self, data: mujoco.MjData) -> None:
-        """Make the position of `data` the one that the next are reached from."""
+        """Take the position of `data` as the start of the next paths."""
         self.rest_states, self.rest_deflection = self.states_at(data), self._deflections(data)
 
     def _deflections(self, data: mujoco.MjData) -> Array:

@@ -64,12 +64,12 @@ class Sag(Brief):
 
     @property
     def listed(self) -> dict[str, MountSag]:
-        """The mounts but for stops that are open."""
+        """Mounts to be listed: all but stops that are open."""
         return {name: mount for name, mount in self.mounts.items() if not mount.stop or mount.force.any()}
 
     @property
     def elsewhere(self) -> float:
-        """Weight that mounts and contacts do not carry [N]: joints and their springs, 0 for a free body."""
+        """Weight carried by joints and their springs instead of mounts and contacts [N]; 0 for a free body."""
         return self.weight - self.on_mounts - self.on_contacts
 
 
@@ -82,12 +82,12 @@ class StaticTable(Brief):
 
     @property
     def virgin(self) -> Sag | None:
-        """After gravity was applied slowly to the unloaded mounts; None if there is no such equilibrium."""
+        """Sag after gravity was applied slowly to the unloaded mounts; None if there is no such equilibrium."""
         return self.sags.get("virgin")
 
     @property
     def relaxed(self) -> Sag | None:
-        """After long vibration; None if there is no such equilibrium."""
+        """Sag after long vibration; None if there is no such equilibrium."""
         return self.sags.get("relaxed")
 
     def to_dict(self) -> Entries:
@@ -166,9 +166,17 @@ def _sag(system: System, result: Equilibrium) -> Sag:
             on_stops=float(upwards @ _on_stops(mount.isolator, load)), stop=mount.isolator.is_stop,
         )  # fmt: skip
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
+    on_contacts, force = 0.0, np.zeros(6)
+    for number, contact in enumerate(data.contact):  # those between what is carried and what is not
+        sides = [int(model.geom_bodyid[geom]) in carried for geom in contact.geom]
+        if sides[0] == sides[1]:
+            continue
+        mujoco.mj_contactForce(model, data, number, force)
+        on_second = contact.frame.reshape(3, 3).T @ force[:3]
+        on_contacts += float(up @ on_second) * (1.0 if sides[1] else -1.0)
     return Sag(
         history=result.history, mounts=mounts, payloads=sagged, weight=weight, on_mounts=on_mounts,
-        on_contacts=_on_contacts(model, data, carried, up), equilibrium=result,
+        on_contacts=on_contacts, equilibrium=result,
     )  # fmt: skip
 
 
@@ -183,16 +191,3 @@ def _on_stops(isolator: Isolator, load: MountLoad) -> Array:
                 way = -1.0 if side == "below" else 1.0
                 force[axis] += way * stop.pressed(way * x - gap)
     return force
-
-
-def _on_contacts(model: mujoco.MjModel, data: mujoco.MjData, carried: set[int], up: Array) -> float:
-    """Return the upward force of all contacts between what is carried and what is not [N]."""
-    total, force = 0.0, np.zeros(6)
-    for number, contact in enumerate(data.contact):
-        sides = [int(model.geom_bodyid[geom]) in carried for geom in contact.geom]
-        if sides[0] == sides[1]:
-            continue
-        mujoco.mj_contactForce(model, data, number, force)
-        on_second = contact.frame.reshape(3, 3).T @ force[:3]
-        total += float(up @ on_second) * (1.0 if sides[1] else -1.0)
-    return total

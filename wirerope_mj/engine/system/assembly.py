@@ -39,7 +39,7 @@ class Scratch:
 
     @contextmanager
     def data(self, model: mujoco.MjModel) -> Iterator[mujoco.MjData]:
-        """Lend data as `MjData(model)` makes them: the model's initial state, and nothing computed yet."""
+        """Lend data in the model's initial state, as from `MjData(model)`; nothing is computed yet."""
         try:
             data = self._free.pop()
         except IndexError:
@@ -50,7 +50,7 @@ class Scratch:
         self._free.append(data)  # not after an error, whatever that left
 
     def __reduce__(self) -> tuple[type["Scratch"], tuple[()]]:
-        """Carry nothing to another process; a copy lends for itself."""
+        """Pickle without the data: a copy lends its own."""
         return Scratch, ()
 
 
@@ -78,7 +78,7 @@ class Assembly:
 
 
 def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> Assembly:
-    """Add what the callback needs to `spec`, in place, and compile it; `base` is a body id, 0 for the world."""
+    """Add the callback's tables and actuator to `spec` in place, and compile it; `base` is a body id, 0 for the world."""
     for element in spec.bodies:
         if not element.name:  # each has one, so that it can be observed and drawn
             element.name = f"body_{element.id}"

@@ -43,7 +43,7 @@ _ELSEWHERE = "What each element may hold: https://mujoco.readthedocs.io/en/stabl
 
 
 def check_written(text: str, path: Path | None) -> None:
-    """Raise ModelError if a number of a model as written is NaN, which MuJoCo takes for one that is not given."""
+    """Raise ModelError if a number in the model's text is NaN, which MuJoCo takes for one that is not stated."""
     if "nan" not in text.lower() and "<include" not in text:
         return
     try:
@@ -96,7 +96,7 @@ def _float_arrays() -> tuple[str, ...]:
 
 
 def _written(values: ArrayLike) -> str:
-    """Return numbers as a model's file has them, whatever NumPy's settings for printing are."""
+    """Format numbers as a model file has them, whatever NumPy's print settings are."""
     return " ".join(f"{value:g}" for value in np.atleast_1d(values))
 
 
@@ -136,7 +136,7 @@ def _check_independent(model: mujoco.MjModel, dofs: Integers, matrix: Array) -> 
 
 
 def refused(reason: str, text: str) -> str:
-    """Return the message about an MJCF text that MuJoCo refused for a `reason`, which never says what to do."""
+    """Word the message for an MJCF text that MuJoCo refused, with the remedy that belongs to its `reason`."""
     reason = " ".join(reason.split())
     if "XML parse error" in reason:
         location = "a file that it includes"

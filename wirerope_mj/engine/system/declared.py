@@ -53,7 +53,7 @@ def check_names(spec: mujoco.MjSpec) -> None:
 
 
 def check_visible(model: mujoco.MjModel) -> None:
-    """Raise ModelError if a name holds a line break or another character that cannot be seen and written again."""
+    """Raise ModelError if a name holds a line break or another invisible character."""
     for name in model.names.decode("utf-8", "replace").split("\0"):
         if plain(name) != name:
             raise ModelError(
@@ -65,7 +65,7 @@ def check_visible(model: mujoco.MjModel) -> None:
 def declared_mounts(
     spec: mujoco.MjSpec, model: mujoco.MjModel, *, folder: Path | None, isolators: Mapping[str, Isolator]
 ) -> list[DeclaredMount]:
-    """Return the mounts in the order of their tuples; isolators in memory go before files, first those in `folder`."""
+    """Return the mounts in the order of their tuples; isolators in memory precede files, of which those in `folder` first."""
     files = {text.name: text.data for text in spec.texts}
     loaded: dict[str, Isolator] = {}
     mounts: list[DeclaredMount] = []
@@ -152,29 +152,24 @@ def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
     roots = [{int(model.body_rootid[model.site_bodyid[site]]) for site in sites} for sites in ends]
     candidates = sorted(roots[1] - roots[0])
     if len(candidates) != 1:
-        _check_order(model, mounts)
+        bodies = {mount.name: model.site_bodyid[[mount.payload_site, mount.base_site]] for mount in mounts}
+        ways = {name: tuple(model.body_rootid[both].tolist()) for name, both in bodies.items()}
+        counts = Counter(ways.values())
+        for mount in mounts:
+            payload, base = ways[mount.name]
+            if 0 < counts[payload, base] < counts[base, payload]:
+                names = [model.site(site).name for site in (mount.payload_site, mount.base_site)]
+                raise ModelError(
+                    f"mount {mount.name!r}: its payload site {names[0]!r} is on {model.body(payload).name!r} and its base site "
+                    f"{names[1]!r} on {model.body(base).name!r}; {counts[base, payload]} other mounts stand the other way "
+                    "round. Swap its two sites."
+                )
         names = [model.body(body).name for body in candidates]
         raise ModelError(
             f"the base is not unique: {names or 'none'} of the bodies carry base sites and no payload site. Name it by "
             '<tuple name="base"><element objtype="body" objname="..."/></tuple> in <custom>.'
         )
     return candidates[0]
-
-
-def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
-    """Raise ModelError if a mount stands the other way round between the two bodies than most others do."""
-    bodies = {mount.name: model.site_bodyid[[mount.payload_site, mount.base_site]] for mount in mounts}
-    ways = {name: tuple(model.body_rootid[both].tolist()) for name, both in bodies.items()}
-    counts = Counter(ways.values())
-    for mount in mounts:
-        payload, base = ways[mount.name]
-        if 0 < counts[payload, base] < counts[base, payload]:
-            names = [model.site(site).name for site in (mount.payload_site, mount.base_site)]
-            raise ModelError(
-                f"mount {mount.name!r}: its payload site {names[0]!r} is on {model.body(payload).name!r} and its base site "
-                f"{names[1]!r} on {model.body(base).name!r}; {counts[base, payload]} other mounts stand the other way round. "
-                "Swap its two sites."
-            )
 
 
 def declared_areas(spec: mujoco.MjSpec, mounts: Collection[str]) -> dict[str, tuple[str, ...]]:
@@ -198,12 +193,12 @@ def declared_areas(spec: mujoco.MjSpec, mounts: Collection[str]) -> dict[str, tu
 
 
 def judges_combined_travel(model: mujoco.MjModel) -> bool:
-    """Return whether mounts are judged on all axes at once: unless the model says 0 for it."""
+    """Tell whether combined travel of mounts is judged: unless the model sets it to 0."""
     return all(model.numeric(i).data.any() for i in range(model.nnumeric) if model.numeric(i).name.endswith(COMBINED))
 
 
 def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...]:
-    """Return the limits in the order of the model; the name is what stands before and after `limit/KIND/`, joined.
+    """Return the limits in model order; a limit's subject is its name without `limit/KIND/`.
 
     Raises:
         ModelError: a limit names nothing that may have it, is of an unknown kind, or has the wrong number of values.
@@ -238,7 +233,7 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
 
 
 def is_subject(name: str, kind: str, known: Mapping[str, Sequence[str]]) -> bool:
-    """Return whether a limit of this kind may be on this: a body or a point, or for a clearance two points."""
+    """Tell whether a limit of this kind may apply to a subject: a body, a point, for a clearance also two points."""
     if name in known[kind]:
         return True
     ends = name.split(BETWEEN)
@@ -246,7 +241,7 @@ def is_subject(name: str, kind: str, known: Mapping[str, Sequence[str]]) -> bool
 
 
 def limit_subjects(model: mujoco.MjModel, base: int) -> dict[str, list[str]]:
-    """Return the names of the bodies, points and mounts that a limit of each kind may be on, and all points as "point"."""
+    """Return the bodies, points and mounts to which limits of each kind may apply, and all points as "point"."""
     points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
     modal = {mode.body for mode in declared_modes(model)}
     bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base) and b not in modal]

@@ -42,7 +42,7 @@ def equality_rows(data: mujoco.MjData) -> Integers:
 
 
 def left_by(constraints: Array) -> Array:
-    """Span the motions that constraints, (n_rows, n), leave: columns (n, n_left), the unit matrix where there is none."""
+    """Return a basis of the motions that constraints, (n_rows, n), leave free, (n, n_left); the unit matrix without any."""
     return scipy.linalg.null_space(constraints, rcond=_RANK) if len(constraints) else np.eye(constraints.shape[1])
 
 
@@ -59,7 +59,7 @@ def equality_name(model: mujoco.MjModel, number: int) -> str:
 
 
 def check_base_is_free(model: mujoco.MjModel, base: str, driven: list[int]) -> None:
-    """Raise ModelError if an equality constraint holds the driven base and nothing that could give way."""
+    """Raise ModelError if an equality constraint fixes the driven base, with nothing that can give way."""
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     rows = equality_rows(data)

@@ -38,7 +38,7 @@ class DeclaredMode:
 
 
 def declared_modes(model: mujoco.MjModel) -> tuple[DeclaredMode, ...]:
-    """Read the modes of all flexible parts of a compiled model; ModelError if a part's tuple does not hold what it must."""
+    """Read the modes of all flexible parts of a compiled model; ModelError if a part's tuple is incomplete."""
     modes: list[DeclaredMode] = []
     tuples = [t for t in range(model.ntuple) if FLEXIBLE in model.tuple(t).name]
     if tuples:

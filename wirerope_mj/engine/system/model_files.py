@@ -59,7 +59,7 @@ def write_model(system: System, folder: Path) -> Path:
 
 
 def write_whole(system: System, folder: Path) -> Path:
-    """Write a variant's model, as `write_model` does, with its changes in the MJCF itself, whose numbers have six digits."""
+    """Write a variant's model as `write_model` does, with its changes in the MJCF itself, to six digits."""
     target = write_model(system, folder)
     if not system.changes:
         return target
@@ -91,7 +91,7 @@ def write_whole(system: System, folder: Path) -> Path:
 
 
 def model_table(system: System, model: Path) -> dict[str, str]:
-    """Name the files of a model that `write_model` wrote below a folder: its own, and that of a variant's changes."""
+    """Name the files that `write_model` wrote below a folder: the model, and the changes of a variant."""
     folder = model.parent.name
     return {"file": f"{folder}/{model.name}"} | ({"changes": f"{folder}/{CHANGES}"} if system.changes else {})
 
@@ -125,7 +125,7 @@ def _isolator_texts(system: System) -> list[tuple[str, str]]:
 
 
 def _isolator_files(system: System) -> dict[str, tuple[str, str]]:
-    """Return, by name of the text, what it says and where the copy of the isolator lies in the folder."""
+    """Return, by name of the text, the isolator file that it names and where its copy lies in the folder."""
     files: dict[str, tuple[str, str]] = {}
     taken: dict[str, Isolator] = {}
     for name, data in _isolator_texts(system):
@@ -155,7 +155,7 @@ def _with_ending(file: str) -> str:
 
 
 def _repointed(text: str, name: str, file: str) -> str:
-    """Return the MJCF with the text `name` saying `file`."""
+    """Return the MJCF in which the text `name` names `file`."""
     stated = [{part[1]: unescape(part[2][1:-1]) for part in _ATTRIBUTE.finditer(match[0])} for match in _TEXT.finditer(text)]
     matches = [match for match, words in zip(_TEXT.finditer(text), stated, strict=True) if words.get("name") == name]
     if len(matches) != 1:

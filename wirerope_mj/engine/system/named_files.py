@@ -11,7 +11,7 @@ _FOLDERS = ("assetdir", "meshdir", "texturedir")  # attributes of a `compiler` e
 
 
 def named_files(model: Path) -> Iterator[tuple[str, Path]]:
-    """Yield what a model calls each file that it names (`include`, meshes, textures, models to attach), and where that is.
+    """Yield the name and path of each file that a model names: includes, meshes, textures, attached models.
 
     What files below the model's folder name follows in turn; one that is not well-formed XML is a ModelError.
     """
@@ -21,7 +21,7 @@ def named_files(model: Path) -> Iterator[tuple[str, Path]]:
 
 
 def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
-    """Return the model file of a folder, perhaps somebody else's, if all that it names lies in it, too; none of it is used.
+    """Return the model file of a folder if all files that it names lie in the folder, too; nothing is loaded.
 
     `stated` is what the folder says of its model, as `model_table` returned it.
 
@@ -45,7 +45,7 @@ def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
 
 
 def check_regular(model: Path) -> None:
-    """Raise ModelError if a model, or a file that it includes, names a pipe or a device, for which MuJoCo would wait."""
+    """Raise ModelError if a model or a file that it includes is a pipe or a device, for which MuJoCo would wait."""
     try:
         for _ in named_files(model):
             pass
@@ -55,7 +55,7 @@ def check_regular(model: Path) -> None:
 
 
 def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, ...]]]:
-    """Yield the elements of a model file and of those that it includes or attaches, each with the folders it searches."""
+    """Yield the XML elements of a model file and of the files it includes, each with the folders that are searched."""
     todo: list[tuple[Path, tuple[Path, ...]]] = [(model, ())]
     visited = set()
     while todo:
@@ -80,7 +80,7 @@ def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, 
 
 
 def _sources(tree: ElementTree.Element, folders: tuple[Path, ...]) -> Iterator[tuple[str, Path, bool]]:
-    """Yield name and path of every file that elements name, and whether it holds elements itself."""
+    """Yield name and path of every file that elements name, and whether it is a model itself."""
     for element in tree.iter():
         for name in [value for key, value in element.attrib.items() if key.startswith("file")]:
             source = next((folder / name for folder in folders if _is_there(folder / name)), None)
@@ -89,7 +89,7 @@ def _sources(tree: ElementTree.Element, folders: tuple[Path, ...]) -> Iterator[t
 
 
 def _is_there(file: Path) -> bool:
-    """Return whether a file is there; ModelError if a pipe or a device is, for which MuJoCo would wait."""
+    """Tell whether a file exists; ModelError if it is a pipe or a device, for which MuJoCo would wait."""
     try:
         return regular(file).is_file()
     except OSError as error:

@@ -22,13 +22,13 @@ from wirerope_mj.mounts.isolator import Isolator
 
 
 def load_on_deck(source: str | Path, deck: Deck | None, *, isolators: Mapping[str, Isolator] | None = None) -> System:
-    """Load a model as `load_system` does, on a deck that bends if one is given."""
+    """Load a model as `load_system` does, on a flexible deck if one is given."""
     system = load_system(source, isolators=isolators)
     return system if deck is None else on_deck(system, deck)
 
 
 def on_deck(system: System, deck: Deck | str) -> System:
-    """Put a deck under all mounts of a system; its model is text then, which any MuJoCo loads.
+    """Put a flexible deck under all mounts of a system, whose model becomes a text that any MuJoCo loads.
 
     Args:
         system: the system.
@@ -43,7 +43,7 @@ def on_deck(system: System, deck: Deck | str) -> System:
 
 
 def with_flexible(system: System, part: FlexiblePart, *, body: str) -> System:
-    """Let a body of a system bend by the modes of a part, in the body's own axes; of equipment free-free elastic ones.
+    """Make a body of a system flexible by the modes of a part, in the body's own axes: free-free modes for equipment.
 
     Raises:
         ModelError: there is no such body, or it bends already, or no point of the part is at a mount's site.
@@ -55,13 +55,13 @@ GRAVITY_ERROR = 1e-3  # from the standard one [m/s^2] up to which gravity of a m
 
 
 def has_deck(system: System) -> bool:
-    """Return whether a deck that bends stands under the mounts of a system: a panel, or modes of the base."""
+    """Tell whether a flexible deck stands under the mounts of a system: a panel, or modes of the base."""
     panel = mujoco.mj_name2id(system.model, mujoco.mjtObj.mjOBJ_BODY, NAME) >= 0
     return panel or any(mode.part == system.base for mode in system.assembly.subjects.modes)
 
 
 def with_gravity(system: System, *, up: Sequence[float] | Array) -> System:
-    """Turn standard gravity in the axes of a system, as if it stood on another side; its model is text then.
+    """Turn standard gravity in the axes of a system, as if it stood on another side; its model becomes text.
 
     Args:
         system: the system.
@@ -85,7 +85,7 @@ def with_gravity(system: System, *, up: Sequence[float] | Array) -> System:
 
 
 def with_rotation(system: System) -> System:
-    """Give the base of a system hinges for roll, pitch and yaw, which are driven like its slides; its model is text then.
+    """Give the base hinges for roll, pitch and yaw, driven like its slides; the model becomes text.
 
     Without a motion that rotates the base nothing changes. A system whose base has them is returned as it is.
 
@@ -146,7 +146,7 @@ def deck_text(system: System, deck: Deck) -> str:
 
 
 def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str:
-    """Write the MJCF of a system whose body bends; the mounts' sites on it are at points of the part."""
+    """Write the MJCF of a system with a flexible body; the mounts' sites on it are at points of the part."""
     model = system.model
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body)
     if number < 0:
@@ -171,7 +171,7 @@ def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str
 
 
 def model_root(system: System) -> ET.Element:
-    """Parse the model as written; ModelError if it names files beside it, which a new text would not find."""
+    """Parse the model as written; ModelError if it names files beside it, which the new text would not find."""
     if system.path is not None and (named := [name for name, _ in named_files(system.path)]):
         raise ModelError(
             f"{system.path}: this makes a new text of the model, and the model names {named[0]!r}, a file beside it, which "
@@ -181,7 +181,7 @@ def model_root(system: System) -> ET.Element:
 
 
 def written(root: ET.Element) -> str:
-    """Write a model that was parsed."""
+    """Format a parsed model as indented XML."""
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
@@ -195,7 +195,7 @@ def with_part(system: System, names: Mapping[str, str]) -> str:
     root, model, before = model_root(system), system.model, plain.model
     custom = root.find("custom")
     sites = {site.get("name", ""): site for site in root.iter("site")}
-    tuples = {one.get("name", ""): one for one in root.iter("tuple")}
+    tuples = {element.get("name", ""): element for element in root.iter("tuple")}
     moved = set()
     for mount, name in names.items():
         for site in (system.mounts[mount].payload_site, system.mounts[mount].base_site):
@@ -205,14 +205,14 @@ def with_part(system: System, names: Mapping[str, str]) -> str:
             if site in moved:  # a stop stands at its mount's sites
                 continue
             moved.add(site)
-            place = [float(one) for one in sites[site].get("pos", "0 0 0").split()] + shift
-            sites[site].set("pos", " ".join(f"{one + 0.0:.12g}" for one in place))
+            place = [float(coordinate) for coordinate in sites[site].get("pos", "0 0 0").split()] + shift
+            sites[site].set("pos", " ".join(f"{coordinate + 0.0:.12g}" for coordinate in place))
         for element in tuples[f"mount/{mount}"].iter("element"):
             if element.get("objtype") == "text":
                 element.set("objname", f"isolator/{name}")
     assert custom is not None
-    used = {one.get("objname") for one in root.iter("element")}
-    for text in [one for one in custom.findall("text") if one.get("name", "").startswith("isolator/")]:
+    used = {element.get("objname") for element in root.iter("element")}
+    for text in [element for element in custom.findall("text") if element.get("name", "").startswith("isolator/")]:
         if text.get("name") not in used or text.get("name", "").removeprefix("isolator/") in names.values():
             custom.remove(text)
     for name in dict.fromkeys(names.values()):

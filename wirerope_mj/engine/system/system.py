@@ -61,7 +61,7 @@ class Mount(Brief):
     states: tuple[slice, slice, slice]
 
     def shift_for(self, isolator: Isolator) -> list[float] | None:
-        """Return by how much its mid-height moves [m], (3,), where another isolator takes its place below the payload's bar.
+        """Return the shift of the mid-height [m], (3,), when another isolator takes its place below the payload's bar.
 
         None where one of the two does not state its height.
         """
@@ -88,7 +88,7 @@ class Changes:
         check(self)
 
     def to_dict(self) -> Entries:
-        """Return the changes as plain TOML values, from which `from_dict` makes them again to the last bit."""
+        """Return the changes as TOML values, which `from_dict` restores bit by bit."""
         shifts = {"centres": self.centres, "positions": self.positions}
         shifts |= {"turns": self.turns} if self.turns else {}
         return {
@@ -100,7 +100,7 @@ class Changes:
 
     @classmethod
     def from_dict(cls, content: Entries) -> "Changes":
-        """Return the changes that `to_dict` stored; ModelError or ValueError if one of them is not what it must be."""
+        """Restore the changes that `to_dict` stored; ModelError or ValueError if a value is invalid."""
 
         def isolator(table: Entries, place: Place) -> Isolator:
             return Isolator.from_dict(table, where=f"isolator of mount {place.keys[-1]!r}")
@@ -146,14 +146,14 @@ class System(Summarised):
 
     @property
     def bottoms(self) -> dict[str, str]:
-        """The stops where mounts go solid, which stand at the sites of a mount, by that mount."""
+        """Stops that act where mounts go solid, by the mount at whose sites they stand."""
         at = {(mount.payload_site, mount.base_site): name for name, mount in self.mounts.items() if not mount.isolator.is_stop}
         stops = {name: mount for name, mount in self.mounts.items() if BOTTOM in mount.isolator_name and mount.isolator.is_stop}
         return {at[sites]: name for name, stop in stops.items() if (sites := (stop.payload_site, stop.base_site)) in at}
 
     @property
     def name(self) -> str:
-        """Name of the model's file without its ending; of a text the name that it gives itself, else "model"."""
+        """Name of the model's file without its ending; of a text the model name it states, else "model"."""
         if self.path:
             return self.path.stem
         stated = self.model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
@@ -184,7 +184,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
 
 
 def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> System:
-    """Return the system of an MJCF text, which stands in the file `path` if there is one."""
+    """Build the system of an MJCF text, which may come from the file `path`."""
     check_written(text, path)
     if path is not None and "file" in text:
         check_regular(path)
@@ -260,7 +260,7 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
 
 
 def beyond_laws(system: System, deflections: Array, *, fraction: float = 1.0) -> tuple[str, str] | None:
-    """Find the first mount that stands beyond a fraction of its law's travel, and where; deflections (n_mounts, 3) [m]."""
+    """Find the first mount beyond a fraction of its law's travel, with a description; deflections (n_mounts, 3) [m]."""
     for (name, mount), row in zip(system.mounts.items(), deflections, strict=True):
         if beyond := beyond_law(mount.isolator.axes, row, row, fraction=fraction):
             return name, beyond
@@ -268,7 +268,7 @@ def beyond_laws(system: System, deflections: Array, *, fraction: float = 1.0) ->
 
 
 def mount_rates(system: System, data: mujoco.MjData) -> Iterator[tuple[Array, Array]]:
-    """Yield of each mount how its payload's site moves from its base's, and turns against it, by velocity coordinates.
+    """Yield for each mount how fast its payload's site moves and turns against its base's, by velocity coordinates.
 
     Both are in the world's axes, (3, n_v), at the positions computed in `data`.
     """
@@ -284,12 +284,12 @@ def mount_rates(system: System, data: mujoco.MjData) -> Iterator[tuple[Array, Ar
 
 
 def shapes_at(system: System, site: int) -> Iterator[tuple[int, Array]]:
-    """Yield velocity coordinate and shape [1/sqrt(kg)] in the site's axes, (3,), of every mode of what carries a site."""
+    """Yield velocity coordinate and shape [1/sqrt(kg)] in the site's axes, (3,), of every mode that moves a site."""
     return iter(system.assembly.subjects.shapes.get(site, ()))
 
 
 def once_per_system(compute: Callable[[System], Value]) -> Callable[[System], Value]:
-    """Return `compute` with a memory that forgets a value together with its system; callers share it and leave it as it is."""
+    """Cache the results of `compute` with each system; all callers share them and must not change them."""
     known: WeakKeyDictionary[System, Value] = WeakKeyDictionary()
 
     @wraps(compute)

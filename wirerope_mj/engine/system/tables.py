@@ -28,7 +28,7 @@ TURNS = ("base/roll", "base/pitch", "base/yaw")  # names of the hinges by which 
 
 
 def contact_capacity(model: mujoco.MjModel) -> int:
-    """Return the rows of the memory of contacts: one for each declared pair, up to `MOST` for what else may touch."""
+    """Return the size of the memory of contacts: the declared pairs, and up to `MOST` others."""
     if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT:
         return 0
     if model.nflex:
@@ -47,7 +47,7 @@ def declared_pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
 
 
 def declared_contacts(model: mujoco.MjModel, base: int) -> dict[str, ContactPeak]:
-    """Return the model's declared pairs by name, as contacts that have not touched; ModelError if one is there twice."""
+    """Return the declared pairs by name, as contacts that have not touched; ModelError if a pair is declared twice."""
     pairs = [payload_first(model, base, pair) for pair in declared_pairs(model)]
     for number, pair in enumerate(pairs):
         if set(pair) in map(set, pairs[:number]):
@@ -59,7 +59,7 @@ def declared_contacts(model: mujoco.MjModel, base: int) -> dict[str, ContactPeak
 
 
 def untouched(model: mujoco.MjModel, pair: tuple[int, int]) -> ContactPeak:
-    """Return the contact of two geoms that have not touched."""
+    """Return the contact record of two geoms that have not touched."""
     bodies = [model.body(model.geom_bodyid[geom]).name if geom >= 0 else "" for geom in pair]
     return ContactPeak(geoms=(geom_name(model, pair[0]), geom_name(model, pair[1])), bodies=(bodies[0], bodies[1]))
 
@@ -77,7 +77,7 @@ def geom_name(model: mujoco.MjModel, geom: int) -> str:
 
 
 def payload_first(model: mujoco.MjModel, base: int, pair: tuple[int, int]) -> tuple[int, int]:
-    """Return a pair of geoms with the one that is fixed to the base, or to the world, last; MuJoCo orders them by shape."""
+    """Order a pair of geoms with the one that is fixed to the base or the world last; MuJoCo orders them by shape."""
     fixed = [geom < 0 or model.body_weldid[model.geom_bodyid[geom]] in (0, base) for geom in pair]
     return (pair[1], pair[0]) if fixed[0] and not fixed[1] else pair
 
@@ -127,7 +127,7 @@ class Tables:
 
     @property
     def rotates(self) -> bool:
-        """Whether the base has hinges that are driven."""
+        """True if the base has driven hinges."""
         return bool(self.turning.any())
 
     def rows(self, table: int, columns: int, count: int) -> Array:
@@ -145,7 +145,7 @@ def make_tables(
     model: mujoco.MjModel, data: mujoco.MjData, declared: list[DeclaredMount], on: Subjects, *, sensor: int,
     nominal: Tables | None = None,
 ) -> Tables:  # fmt: skip
-    """Return the tables of a model, whose modelled geometry is computed in `data`.
+    """Build the tables of a model whose modelled geometry is computed in `data`.
 
     `sensor` is the address of the system's first sensor value; of a variant, drive and rows for stops are those of `nominal`.
     """
@@ -225,7 +225,7 @@ def make_tables(
 
 
 def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
-    """Return tables with the laws of isolators, of all mounts in their order, with as many states; all else stays as it is."""
+    """Return tables with other laws of all mounts, in their order, with as many states; all else is unchanged."""
     acting = {mount: isolator.conditioned for mount, isolator in isolators.items()}
     axes: list[list[int]] = []
     parameters: list[Array] = []

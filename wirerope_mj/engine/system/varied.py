@@ -29,7 +29,7 @@ def varied(
     centres: Mapping[str, Shift] | None = None, positions: Mapping[str, Shift] | None = None,
     turns: Mapping[str, Shift] | None = None, tunings: Mapping[str, float] | None = None,
 ) -> System:  # fmt: skip
-    """Return a variant of `system`, which stays as it is: the compiled model copied and its numbers changed, not compiled anew.
+    """Return a variant of `system`: a copy of the compiled model with other numbers, not compiled anew.
 
     The variant has the same bits as a model written with these values. What it differs by stands in its `changes`, one after
     another if a variant is varied again; `mjcf`, `path` and `isolators` remain those of the model as written, so that
@@ -62,7 +62,7 @@ def varied(
 
 
 def changed(system: System, changes: Changes) -> System:
-    """Return the variant of `system` that changes make, as `varied` does."""
+    """Apply changes to a system as `varied` does, and return the variant."""
     _check_mounts(system, changes)
     model = system.model.__copy__()
     isolators = {name: changes.isolators.get(name, mount.written) for name, mount in system.mounts.items()}
@@ -121,14 +121,14 @@ def changed(system: System, changes: Changes) -> System:
 
 
 def with_changes(system: System, changes: Sequence[Changes]) -> System:
-    """Return the variant of `system` that changes make, one after the other."""
+    """Apply changes to a system, one after the other, and return the variant."""
     for change in changes:
         system = changed(system, change)
     return system
 
 
 def with_other_laws(system: System, change: Callable[[Isolator], Isolator]) -> System:
-    """Return `system` with every isolator replaced by what `change` makes of it; compiled anew, so that all fit."""
+    """Apply `change` to every isolator of a system, compiled anew so that all fit."""
     isolators = {name: change(isolator) for name, isolator in system.isolators.items()}
     changes = [
         replace(earlier, isolators={mount: change(isolator) for mount, isolator in earlier.isolators.items()})
@@ -160,7 +160,7 @@ def _written(mount: Mount) -> str:
 
 
 def change_masses(model: mujoco.MjModel, masses: Mapping[str, float]) -> None:
-    """Multiply masses and moments of inertia of bodies, in place; `mj_setConst` makes the rest of the model fit."""
+    """Scale masses and moments of inertia of bodies in place; call `mj_setConst` to update the rest of the model."""
     for name, factor in masses.items():
         body = _body(model, name)
         model.body_mass[body] *= factor
@@ -168,7 +168,7 @@ def change_masses(model: mujoco.MjModel, masses: Mapping[str, float]) -> None:
 
 
 def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
-    """Return the slides and hinges with springs, and the natural frequency [Hz] that each gives what stands on it alone."""
+    """Return the slides and hinges with springs, each with the natural frequency [Hz] of what it carries alone."""
     joints = {}
     for joint in np.flatnonzero(model.jnt_stiffness > 0.0).tolist():
         if model.jnt_type[joint] < int(mujoco.mjtJoint.mjJNT_SLIDE) or not model.joint(joint).name:
@@ -181,7 +181,7 @@ def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
 
 
 def tune(model: mujoco.MjModel, tunings: Mapping[str, float], nominal: mujoco.MjModel) -> None:
-    """Give joints' springs natural frequencies that are factors on those in another model of theirs, in place.
+    """Tune joint springs in place, to natural frequencies that are factors on those of the same joints in another model.
 
     So they are whatever masses have become, and damping ratios stay; so does the force in each spring as drawn.
     """
@@ -197,7 +197,7 @@ def tune(model: mujoco.MjModel, tunings: Mapping[str, float], nominal: mujoco.Mj
 
 
 def moving_bodies(model: mujoco.MjModel) -> list[str]:
-    """Return the names of the bodies that move and have a mass, those of modes left out: those that can vary."""
+    """Return the names of the moving bodies with a mass, without those of modes: those that can vary."""
     modal = {mode.body for mode in declared_modes(model)}
     moving = [b for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0]
     return [model.body(b).name for b in moving if b not in modal]

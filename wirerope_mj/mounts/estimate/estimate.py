@@ -185,12 +185,12 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
 
 
 def _rounded(value: float) -> float:
-    """Keep four digits of an estimate: more would look like knowledge."""
+    """Round an estimate to four digits: more would look like knowledge."""
     return float(f"{value:.4g}")
 
 
 def _spread(isolator: Isolator, estimate: LoopEstimate) -> Spread:
-    """Scatter all force parameters: each axis scales as its shock stiffness does; what was there stays."""
+    """Return the scatter of all force parameters: each axis scales with its shock stiffness."""
     errors = left_out_errors(estimate.left_out)
     names, values, rows = [], [], []
     for axis, law in isolator.axes.items():

@@ -85,13 +85,6 @@ class Isolator(Brief):
         for axis, law in self.axes.items():
             require_law_in_metres(axis, law)
         _ = self.coupled  # raises if the two laws cannot be coupled
-        self._require_travel()
-        if self.geometry is not None:
-            self.geometry.require_room(self.limits.travel)
-        _ = self.conditioned  # raises if a stiffened law is none
-
-    def _require_travel(self) -> None:
-        """Raise ValueError if a law does not hold as far as its axis' rated travel."""
         for axis, law in self.axes.items():
             if law is None:
                 continue
@@ -101,6 +94,9 @@ class Isolator(Brief):
                     raise ValueError(f"{ends}: such a law needs a rated travel on both sides, less than that.")
                 if rated is not None and (end < rated or (end == rated and law.needs_rating)):
                     raise ValueError(f"{ends}; that is inside the rated travel of {rated:.6g} m.")
+        if self.geometry is not None:
+            self.geometry.require_room(self.limits.travel)
+        _ = self.conditioned  # raises if a stiffened law is none
 
     @property
     def axes(self) -> dict[str, Law | None]:
@@ -165,7 +161,7 @@ class Isolator(Brief):
         return sum(law.n_states for law in self.conditioned.axes.values() if law is not None)
 
     def scaled(self, factor: float) -> "Isolator":
-        """Return the isolator with all forces and torques times a factor > 0; limits stay, spread goes: it is of these laws."""
+        """Return the isolator with all forces and torques times a factor > 0; limits are kept, its spread is dropped."""
         parts = {**self.axes, "loop": self.loop, "rotation": self.rotation}
         scaled = {name: part.scaled(factor) for name, part in parts.items() if part is not None}
         return replace(self, spread=None, **scaled)  # type: ignore[arg-type]
@@ -253,7 +249,7 @@ def bottom_stop(device: Isolator) -> Isolator | None:
 
 
 def _core(device: Isolator) -> Geometry | None:
-    """Return the geometry of a stop inside a device: as high, so that it follows where another takes its place."""
+    """Return the geometry of a stop inside a device: of its height, so that it moves when another device replaces it."""
     height = device.geometry and device.geometry.height
     return Geometry(height=height, width=0.25 * height) if height else None
 
@@ -262,7 +258,7 @@ _NOWHERE = 1.0  # Gap of a stop [m] where it is not known where a device goes so
 
 
 def bottom_in_place(stop: Isolator, device: Isolator) -> Isolator:
-    """Return the stop of a mount where another device takes its place; one that never closes where nothing is known."""
+    """Return the stop of a mount when another device replaces its own; one that never closes where sizes are unknown."""
     unknown = replace(stop, axial=replace(cast(Stop, stop.axial), gap_below=_NOWHERE, gap_above=None), geometry=_core(device))
     return bottom_stop(device) or unknown
 
@@ -294,7 +290,7 @@ def at_temperature(isolators: Mapping[str, Isolator], celsius: float) -> dict[st
 
 
 def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:
-    """Return title, axis and law of each axis with a force; roll and shear are one if they are the same in law and rating."""
+    """Return title, axis and law of each axis with a force; roll and shear are one if equal in law and rating."""
     present = [(axis, law) for axis, law in isolator.axes.items() if law is not None]
     same = isolator.roll is not None and isolator.roll == isolator.shear
     if same and isolator.rated_travel("roll") == isolator.rated_travel("shear"):
@@ -319,7 +315,7 @@ def largest_amplitude(isolator: Isolator, axis: str) -> float:
 
 
 def amplitudes_of(isolator: Isolator, axis: str, fractions: Sequence[float]) -> list[float]:
-    """Return fractions of the largest amplitude [m]; where an unrated axis has nothing but stops, of what is beyond the gap."""
+    """Return fractions of the largest amplitude [m]; of an unrated axis with stops alone, of the travel beyond the gap."""
     law, largest = isolator.axes[axis], largest_amplitude(isolator, axis)
     rated = any(travel is not None for travel in isolator.rated_travel(axis))
     start = largest_gap(law) if law is not None and law.only_stops and not rated else 0.0

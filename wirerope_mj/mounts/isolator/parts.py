@@ -55,7 +55,7 @@ class Part:
         return {name: value for name, value in values if value is not None}
 
     def to_dict(self) -> Entries:
-        """Return the part as it stands in an isolator file: what is stated and not empty."""
+        """Return the part as stored in an isolator file, without empty fields."""
         values = {name: value.to_dict() if isinstance(value, Part) else value for name, value in self.stated.items()}
         plain = {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
         return {name: value for name, value in plain.items() if value or isinstance(value, float | int)}
@@ -331,7 +331,7 @@ class MeasuredRange(Part):
         return f"at {', '.join(texts)}" if texts else ""
 
     def joined(self, other: "MeasuredRange | None") -> "MeasuredRange":
-        """Return the range of both; a pace that one of them does not know is that of the other."""
+        """Join two measured ranges; a pace that one of them lacks is that of the other."""
         if other is None:
             return self
         spans, other_spans = self.stated, other.stated

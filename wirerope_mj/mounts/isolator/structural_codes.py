@@ -72,7 +72,7 @@ class StructuralExport:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the file says of itself, one sentence each: frame, units, what is approximated and by how much."""
+        """Remarks on the export, one sentence each: frame, units, approximations and their errors."""
         damped = "loss factor" if self.damping == "structural" else f"damper at {self.frequency:.4g} Hz"
         size = f"{1e3 * self.amplitude:.4g} mm"
         texts = [
@@ -113,12 +113,12 @@ class StructuralExport:
         return tuple(texts)
 
     def scaled(self, value: float, unit: str) -> float:
-        """Return a value in SI, of a unit "m", "N/m", "N s/m" or "N m", in the units of the file."""
+        """Convert a value in SI, of unit "m", "N/m", "N s/m" or "N m", to the units of the file."""
         per_metre = {"m": 1e3, "N/m": 1e-3, "N s/m": 1e-3, "N m": 1e3, "N": 1.0}[unit]
         return value * per_metre if self.units == "N-mm-t" else value
 
     def text(self) -> str:
-        """Return the file: what is said of it as comments, then its entries."""
+        """Return the text of the file: remarks as comments, then its entries."""
         _, mark, write = CODES[self.code]
         said = (line for remark in self.remarks for line in textwrap.wrap(remark, 76 - len(mark), subsequent_indent="  "))
         return "\n".join([*(f"{mark} {line}" for line in said), *write(self)]) + "\n"
@@ -128,7 +128,7 @@ def export_structural(
     isolator: Isolator, path: Path, *, amplitude: float, frequency: float | None = None, damping: Damping | None = None,
     units: Units = "N-m-kg",
 ) -> StructuralExport:  # fmt: skip
-    """Return what a structural code is told of an isolator.
+    """Tabulate the laws of an isolator for a structural code.
 
     Args:
         isolator: whose laws act as it stands, stiffened and on its bracket.
@@ -184,7 +184,7 @@ def export_structural(
 
 
 def _range(isolator: Isolator, axis: str, law: Law) -> tuple[float, float]:
-    """Return how far a table goes below and above zero [m]: as it is rated, else as far as loops are worth drawing."""
+    """Return the range of a table below and above zero [m]: as rated, else that of the largest loop worth drawing."""
     far = largest_amplitude(isolator, axis)
     below, above = (far if rated is None else rated for rated in isolator.rated_travel(axis))
     ends = [math.nextafter(end, 0.0) for end in law.travel_ends]
@@ -214,7 +214,7 @@ def _table(axis: str, law: Law, ends: tuple[float, float], amplitude: float, fre
 
 
 def _side(law: Law, end: float) -> tuple[Array, Array]:
-    """Return deflections from zero to an end and the forces at rest of the first loading there, each (n,)."""
+    """Return deflections from zero to an end and the static forces of first loading, (n,) each."""
     # denser near zero, where friction yields
     way = end * np.linspace(0.0, 1.0, _SAMPLES + 1) ** 2
     force = np.zeros(way.size)
@@ -229,7 +229,7 @@ def _side(law: Law, end: float) -> tuple[Array, Array]:
 
 
 def _chosen(way: Array, force: Array, largest: float, count: int, *, few: bool) -> tuple[Array, float]:
-    """Choose points of a side, without the origin, (n, 2), and return them with the largest miss of the lines over `largest`.
+    """Choose points of a side, without the origin, (n, 2), and return the largest error of interpolation over `largest`.
 
     They are dense as the root of the curvature, by which lines miss a curve least; as many as `CLOSE` asks for, or `count`.
     """

@@ -17,7 +17,7 @@ def static_utilisation(force: Sequence[float] | Array, rated: float | None) -> f
 
 
 def static_load_unjudged(force: Sequence[float] | Array, rated: float | None) -> str:
-    """Return why a rated static load [N] says nothing of the load of a mount, as text; empty where it judges it.
+    """Return the reason why a rated static load [N] does not judge the load of a mount, "" if it does.
 
     The rating holds for compression: a mount that hangs, or carries more across its axis than along it, is not judged.
     `force` is the restoring force at rest, roll, shear, axial [N], (3,), axial negative in compression; None or NaN: not
@@ -54,7 +54,7 @@ def travel_reached(lowest: Array, highest: Array) -> dict[str, Array]:
 
 
 def travel_utilisation(reached: Mapping[str, ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
-    """Return travel over rated travel by rating; what is not rated is not judged and not in it."""
+    """Return travel over rated travel by rating; directions without a rating are left out."""
     return {rating: float(reached[rating]) / rated[rating] for rating in RATINGS if rating in rated}  # type: ignore[arg-type]
 
 
@@ -81,7 +81,7 @@ def largest_utilisation(reached: Array, rated: Array) -> Array:
 
 
 def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, fraction: float = 1.0) -> str:
-    """Return a message of the first axis that went beyond a fraction of what its law holds for, "" if none did.
+    """Describe the first axis beyond a fraction of the deflection its law holds for, "" if there is none.
 
     Deflections [m] are (3,), at the lowest and at the highest.
     """
@@ -127,7 +127,7 @@ def _fall(law: Law, side: float, begin: float, end: float) -> float:
 
 
 def falling_text(law: Law, lowest: float, highest: float) -> str:
-    """Return from which deflections on the tangent stiffness is negative, as text; "" where it is not."""
+    """Describe the deflections beyond which the tangent stiffness is negative, "" where it is not."""
     ends = falling_from(law, lowest, highest).values()
     places = [f"{'below' if x < 0.0 else 'above'} {1e3 * x:.3g} mm" for x in ends]
     return f"the tangent stiffness is negative {' and '.join(places)}" if places else ""

@@ -127,7 +127,7 @@ class Hysteresis(Law):
 
     @property
     def yield_powers(self) -> Mapping[str, float]:  # type: ignore[override]
-        """Those of all slopes of z: z is the same function of the deflection over the factor."""
+        """Exponents with which a factor on the yield deflection of z enters each parameter."""
         return {name: -1.0 for name in self.units() if name in ("alpha", "beta", "gamma")}
 
     @property

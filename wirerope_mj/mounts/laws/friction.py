@@ -53,14 +53,14 @@ class EnhancedDryFriction(Law):
 
     @property
     def normalised(self) -> Normalised:
-        """The normalised form of the Bouc-Wen law that it is."""
+        """Normalised form of the Bouc-Wen law that it is."""
         return Normalised(z_max=self.d, x_y=self.u_c, sigma=1.0, n=1.0)
 
     normal_form = normalised
 
     @property
     def bouc_wen_parameters(self) -> Array:  # type: ignore[override]
-        """Those of Bouc-Wen's law that it is."""
+        """Parameters of the Bouc-Wen law that it is."""
         return self.kernel_parameters()[:4]
 
     @property

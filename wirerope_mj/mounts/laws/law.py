@@ -100,11 +100,11 @@ class Law(ABC):
         self._validate()
 
     def _validate(self) -> None:  # noqa: B027
-        """Raise ValueError if the parameters, each within its bounds, are not those of a passive law."""
+        """Raise ValueError if the parameters, each within its bounds, do not make a passive law."""
 
     @classmethod
     def units(cls) -> dict[str, str]:
-        """Units of the parameters; those without have none."""
+        """Units of the parameters that have one."""
         return {name: unit for name, meta in bounds_of(cls).items() if (unit := unit_of(meta))}
 
     @property
@@ -116,17 +116,17 @@ class Law(ABC):
 
     @property
     def remembers_slow_paths(self) -> bool:
-        """True if internal states depend on the path of deflections however slowly it is run through."""
+        """True if internal states depend on the path of deflections even when it is followed slowly."""
         return self.rate_independent
 
     @property
     def components(self) -> "tuple[Law, ...]":
-        """The laws that make it up: itself, or those in parallel."""
+        """Laws in parallel that it is made of; itself where it is single."""
         return (self,)
 
     @property
     def only_stops(self) -> bool:
-        """True if it is a stop, or several."""
+        """True if all its components are stops."""
         return len(self.stops) == len(self.components)
 
     @property
@@ -136,16 +136,16 @@ class Law(ABC):
 
     @property
     def unsmoothed(self) -> "Law":
-        """The law whose slopes are blended; itself where none are."""
+        """Law before its slopes were blended; itself where they were not."""
         return self
 
     @property
     def coordinates(self) -> dict[str, float]:
-        """Values of the coordinates by which cyclic tests identify it, see `wirerope_mj.mounts.identification.families`."""
+        """Coordinates by which cyclic tests identify the law, see `wirerope_mj.mounts.identification.families`."""
         raise TypeError(f"{self.name} is no law that cyclic tests identify.")
 
     def kernel_parameters(self) -> Array:
-        """Return the parameters in the order that the law's kernel reads, (n_p,): that of their declaration for most laws."""
+        """Return the parameters in the order of the law's kernel, (n_p,): that of their declaration for most laws."""
         return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)
 
     @property
@@ -155,12 +155,12 @@ class Law(ABC):
 
     @property
     def closed_stiffness(self) -> float:
-        """The same tangent where it counts for the step that is stable [N/m]: behind the gap of a stop."""
+        """Tangent that limits the stable step [N/m]: the initial one, of a stop the one behind its gap."""
         return self.initial_stiffness
 
     @property
     def closed_damping(self) -> float:
-        """Derivative by the deflection rate there [N s/m]."""
+        """Derivative of the force by the deflection rate at the same state [N s/m]."""
         return self.damping_coefficient
 
     @property
@@ -180,26 +180,26 @@ class Law(ABC):
         return len(self.state_names)
 
     def faint(self) -> "Law":
-        """Return a law with as many states and hardly any force, of the same class where that is possible: what has failed."""
+        """Return a law with as many states and hardly any force, of the same class where possible: that of a failed mount."""
         if self.faint_parameters:
             names = {field.name for field in fields(self)} & self.faint_parameters.keys()
             return replace(self, **{name: self.faint_parameters[name] for name in names})
         return self._faint[self.n_states] if self.n_states < len(self._faint) else self.scaled(FAINT / self.initial_stiffness)
 
     def same_structure(self, other: "Law | None") -> bool:
-        """Tell whether two laws are certainly computed alike but for the values of their parameters."""
+        """Tell whether two laws certainly differ in nothing but the values of their parameters."""
         # lists say how many parameters there are, texts and flags what is done with them
         counted = any(isinstance(value, tuple | str | bool) for value in vars(self).values())
         return type(self) is type(other) and (not counted or self == other)
 
     def unchecked(self, values: Entries) -> Self:
-        """Return the law with other parameters that are known to be valid."""
+        """Return the law with other parameters, which are known to be valid and not checked."""
         varied = object.__new__(type(self))
         vars(varied).update(vars(self), **self.completed(values))
         return varied
 
     def certainly_valid(self, columns: Entries) -> bool:
-        """Tell whether the law is valid, and at any deflection, with each entry of columns, (n,), of its parameters.
+        """Tell whether the law is valid at any deflection for every row of columns, (n,), of its parameters.
 
         False says nothing: each entry has to be tried. The law's own rules are asked, with columns in place of numbers; what
         they cannot say of many numbers at once NumPy refuses to take for true or false. A parameter that is several numbers
@@ -225,12 +225,12 @@ class Law(ABC):
             return False
 
     def powers_of(self, name: str) -> Mapping[str, float]:
-        """Return the parameters that a factor of `FACTORS` acts on, and its power in each."""
+        """Return the parameters on which a factor of `FACTORS` acts, with its exponent in each."""
         friction = {key: self.force_powers[key] for key in self.damping_parameters}
         return {"stiffness": self.force_powers, "friction": friction, "yield": self.yield_powers}[name]
 
     def multiplied(self, name: str, factor: float) -> Self:
-        """Return the law with a factor of `FACTORS`; one without such parameters stays as it is.
+        """Apply a factor of `FACTORS`; a law without such parameters is unchanged.
 
         ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
         """
@@ -267,7 +267,7 @@ class Law(ABC):
         return value[int(index[:-1])] if index else value
 
     def completed(self, values: Entries) -> Entries:
-        """Return new values of parameters, named as in `parameter`, together with all that changes with them.
+        """Complete new values of parameters, named as in `parameter`, by all that changes with them.
 
         Entries stand in their list, and a parameter that is equal to its leader and not given itself follows it.
         """

@@ -76,7 +76,7 @@ class OwnLaw(Law):
             raise ValueError(f"law {self.name!r}: {error}") from None
 
     def _validate(self) -> None:
-        """Raise ValueError unless the function does what it should and no closed cycle generates energy."""
+        """Raise ValueError unless the function behaves as a law and no closed cycle generates energy."""
         if not self.state_names or isinstance(self.state_names, str):
             raise ValueError(f"`state_names` must name at least one state, got {self.state_names!r}; a curve is `Tabulated`.")
         for x, v in ((0.0, RATE), (self.travel, -RATE), (-self.travel, RATE)):
@@ -103,7 +103,7 @@ class OwnLaw(Law):
                 raise ValueError(f"a closed cycle of {amplitude:g} m must not generate energy, got {generated:.6g} J.")
 
     def _tried(self, x: float, v: float, z: Array) -> tuple[float, Array]:
-        """Call the function as Python does and return force and rates."""
+        """Call the function from Python and return force and rates."""
         rates = np.full(self.n_states, np.nan)
         here = f"at x = {x:g} m, v = {v:g} m/s, z = {z.tolist()}"
         try:
@@ -145,7 +145,7 @@ class OwnLaw(Law):
 
 @cache
 def _address(force: Callable[..., float], n_parameters: int, n_states: int, name: str) -> int:
-    """Return the address of a law's function as C calls it, for the life of the process."""
+    """Return the C address of a law's function, valid for the life of the process."""
     if isinstance(force, Dispatcher):
 
         def compiled(p, x, v, z, zdot):

@@ -17,7 +17,7 @@ PARALLEL = 14
 
 
 def part_of(name: str) -> tuple[int, str]:
-    """Return 0 and "alpha" for the parameter "laws[0].alpha" of one of several laws; ValueError for other names."""
+    """Split "laws[0].alpha", a parameter of one of several laws, into 0 and "alpha"; ValueError for other names."""
     if match := re.fullmatch(r"laws\[(\d+)\]\.(.+)", name):
         return int(match[1]), match[2]
     raise ValueError(f"a parameter of one of several laws is called laws[0].NAME, got {name!r}.")
@@ -64,7 +64,7 @@ class Parallel(Law):
         object.__setattr__(self, "laws", laws)
 
     def kernel_parameters(self) -> Array:
-        """Return how many laws there are, number, first parameter and first state of each, and their parameters."""
+        """Return the number of laws; number, first parameter and first state of each; and all their parameters."""
         parameters = [law.kernel_parameters() for law in self.laws]
         first = accumulate((p.size for p in parameters[:-1]), initial=self.parameters_before)
         state = accumulate((law.n_states for law in self.laws[:-1]), initial=0)
@@ -113,7 +113,7 @@ class Parallel(Law):
 
     @property
     def needs_rating(self) -> bool:  # type: ignore[override]
-        """True if one of them that ends somewhere asks for a rated travel."""
+        """True if a component of limited travel requires a rated travel."""
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
     def certainly_valid(self, columns: Entries) -> bool:
@@ -163,7 +163,7 @@ class Parallel(Law):
         return {"laws": varied.laws}
 
     def composed(self, values: Entries) -> list[Entries]:
-        """Compose the new parameters of each law from values of single parameters and of factors on all laws."""
+        """Compute the new parameters of each law from single values and from factors on all laws."""
         changes: list[Entries] = [{} for _ in self.laws]
         for name, value in values.items():
             if name not in self.factors:

@@ -48,11 +48,11 @@ class PlaneLaw(ABC):
         """The two laws."""
 
     def coupling_parameters(self) -> Array:
-        """Return those of an elastic energy between the axes, as a loop has them: of none."""
+        """Return the parameters of the elastic coupling energy: here those of none."""
         return np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0])
 
     def mount_parameters(self) -> Array:
-        """Return what the kernel of a mount takes: those of the rates, of the energy, and of what stands on brackets."""
+        """Return the parameters of the mount's kernel: rates, elastic energy, and laws on brackets."""
         parameters = [self.rate_parameters(), self.coupling_parameters()]
         if self.brackets is not None:
             pairs = zip(*(law.components for law in self.laws), strict=True)
@@ -69,7 +69,7 @@ class PlaneLaw(ABC):
 
     @property
     def scales(self) -> Sequence[Self]:
-        """The laws that this one is the sum of, each with one hysteretic force for each axis; itself where it has no more."""
+        """Laws with one hysteretic force per axis of which this one is the sum; itself where it is one."""
         return (self,)
 
     def rate_parameters(self) -> Array:
@@ -194,5 +194,4 @@ class BiaxialBoucWen(PlaneLaw):
 
     @property
     def laws(self) -> tuple[Law, Law]:
-        """The two laws."""
         return self.roll, self.shear

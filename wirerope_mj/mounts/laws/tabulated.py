@@ -98,7 +98,7 @@ class Tabulated(AsCall, Law):
             raise ValueError(f"the force must not fall at zero deflection, got a slope of {self.initial_stiffness:.6g} N/m.")
 
     def _validate_width(self) -> None:
-        """Raise ValueError unless the width of the loop is well stated."""
+        """Raise ValueError unless the width of the loop is stated completely and consistently."""
         if len(self.amplitudes) != len(self.areas):
             raise ValueError(
                 f"`areas` must have one entry for each of `amplitudes`, {len(self.amplitudes)}, got {len(self.areas)}."
@@ -141,7 +141,18 @@ class Tabulated(AsCall, Law):
             z_max = float(half.max())
             fraction = monotone(x, half / z_max if z_max > 0.0 else half)
         else:
-            widths = self._widths()
+            widths: list[float] = []
+            for number, (amplitude, area) in enumerate(zip(self.amplitudes, self.areas, strict=True)):
+                # What the next amplitude's knot changes lies beyond this cycle: the areas are met one after the other.
+                parts = np.eye(number + 1)
+                areas = [cycle_area(self.amplitudes[: number + 1], part, amplitude, self.yield_deflection) for part in parts]
+                width = (area - float(np.dot(areas[:-1], widths))) / areas[-1]
+                if width < 0.0:
+                    raise ValueError(
+                        f"`areas`: the smaller cycles make {area - width * areas[-1]:.6g} J of a cycle of {amplitude:.6g} m "
+                        f"already, more than its {area:.6g} J."
+                    )
+                widths.append(width)
             z_max = max(widths, default=0.0)
             fraction = level_cubics(self.amplitudes, widths, z_max)
             mean = self._mirrored(np.array(self.force), odd=True)
@@ -159,22 +170,6 @@ class Tabulated(AsCall, Law):
             return values
         values = values - values[0] if odd else values
         return np.concatenate([-values[:0:-1] if odd else values[:0:-1], values])
-
-    def _widths(self) -> list[float]:
-        """Return the half widths of the loop at the amplitudes that give the areas [N]; ValueError if there are none."""
-        widths: list[float] = []
-        for number, (amplitude, area) in enumerate(zip(self.amplitudes, self.areas, strict=True)):
-            # What the next amplitude's knot changes lies beyond this cycle: the areas are met one after the other.
-            parts = np.eye(number + 1)
-            areas = [cycle_area(self.amplitudes[: number + 1], part, amplitude, self.yield_deflection) for part in parts]
-            width = (area - float(np.dot(areas[:-1], widths))) / areas[-1]
-            if width < 0.0:
-                raise ValueError(
-                    f"`areas`: the smaller cycles make {area - width * areas[-1]:.6g} J of a cycle of {amplitude:.6g} m "
-                    f"already, more than its {area:.6g} J."
-                )
-            widths.append(width)
-        return widths
 
     def kernel_parameters(self) -> Array:
         return self._parameters.copy()

@@ -232,7 +232,7 @@ def trace(
 
 
 def _last_finite(law: Law, start: float, stop: float, states: Array) -> float:
-    """Return how far a rate-independent law leads from `start` towards `stop` with a finite force [m]."""
+    """Return the deflection up to which a rate-independent law, from `start` towards `stop`, has a finite force [m]."""
     if not law.rate_independent:
         return stop
     low, high = 0.0, 1.0

@@ -54,7 +54,7 @@ def compare(path: str | Path, isolator: Isolator) -> list[ComparedValue]:
 
 
 def _axis_values(axis: str, stated: AxisValues, law: Law, amplitude: float) -> list[ComparedValue]:
-    """Return the values of one axis; the negative side is compression, and symmetric laws do not mind."""
+    """Compare the values of one axis with its law; the negative side is compression."""
     rows = []
     for value in stated.stated:
         about = 0.0
@@ -84,7 +84,7 @@ class Band:
 
 
 def left_out(name: str, isolator: Isolator) -> Band:
-    """Predict each value of a part from the rest, by the name of its file in the catalogue or in a vendor's table."""
+    """Predict each value of a part from its others, by the name of its file in the catalogue or in a vendor's table."""
     path = catalogue_folder() / "datasheets" / f"{name}.toml"
     part = next(
         (candidate for candidate in vendor_parts() if name.lower() in (candidate.name.lower(), shipped_file(candidate))), None
@@ -103,7 +103,7 @@ def left_out(name: str, isolator: Isolator) -> Band:
 
 
 def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
-    """Return each of an axis' fitted values as the law without it has it; nothing where two are all there are."""
+    """Predict each fitted value of an axis by the law fitted without it; none where there are only two."""
     stated: AxisValues | None = getattr(sheet, axis)
     if stated is None or len(stated.fitted) < 3:
         return []
@@ -121,7 +121,7 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
 
 
 def _of_table(part: VendorPart, axis: str) -> list[ComparedValue]:
-    """Return both stiffnesses of an axis as the other one and the median ratio of the table's other parts give them."""
+    """Predict both stiffnesses of an axis from each other by the median ratio of the table's other parts."""
     stated = part.modes[axis]
     if stated.vibration is None or stated.shock is None or stated.vibration == stated.shock:  # one number, printed twice
         return []
@@ -136,7 +136,7 @@ def _of_table(part: VendorPart, axis: str) -> list[ComparedValue]:
 
 
 def _ratios(file: str, axis: str, without: str = "") -> list[float]:
-    """Return shock over vibration stiffness of a table's parts that state both, but for one part."""
+    """Return shock over vibration stiffness of a table's parts that state both, without one part."""
     modes = [part.modes[axis] for part in vendor_parts() if part.series.file == file and part.name != without]
     both = [(mode.shock, mode.vibration) for mode in modes if mode.shock is not None and mode.vibration is not None]
     return [shock / vibration for shock, vibration in both if shock != vibration]

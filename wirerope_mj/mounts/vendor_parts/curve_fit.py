@@ -88,12 +88,12 @@ class CurveSheet:
 
 
 def read_curve_sheet(content: Entries, path: Path) -> CurveSheet:
-    """Return the sheet of a file's content; ModelError names file, line, table, key and rule."""
+    """Read a curve sheet from a file's content; ModelError names file, line, table, key and rule."""
     return structure(CurveSheet, content, Place(path), {Side: _side})
 
 
 def _side(table: Entries, place: Place) -> Side:
-    """Return the curves of a table, those of CSV files read."""
+    """Return the curves of one side from its table, read from CSV files where it names them."""
     side = structure(Side, table, place)
     for kind in KINDS:
         if file := getattr(side, f"{kind}_file"):
@@ -157,7 +157,7 @@ def fit_curves(content: Entries, path: Path) -> Isolator:
 
 
 def curve_values(sheet: CurveSheet, isolator: Isolator) -> list[ComparedValue]:
-    """Return every point, area and damping ratio of the sheet beside the law's."""
+    """Compare every point, area and damping ratio of the sheet with the law."""
     rows = []
 
     def add(name: str, text: str, unit: str, stated: float, fitted: float) -> None:

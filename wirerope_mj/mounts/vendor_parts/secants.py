@@ -57,7 +57,7 @@ class FitRule:
     shear_yield: float
 
     def friction(self, deflection: float, yielding: float, *, steady: bool) -> float:
-        """Return the friction force in parts of d, on the virgin path or at the end of the steady loop of an amplitude [m]."""
+        """Return the friction force over d, on the virgin path or at the end of the steady loop of an amplitude [m]."""
         reaches = [(share, deflection / (part * yielding)) for share, part in self.scales]  # in yield deflections
         if steady:
             return sum(share * _steady(self.n, reach) for share, reach in reaches)
@@ -114,7 +114,7 @@ RULES = {
 
 
 def first_state(law: NiLaw | Parallel) -> NiLaw:
-    """Return the law that has the polynomial and the first hysteretic state."""
+    """Return the component that has the polynomial and the first hysteretic state."""
     law = law.components[0]  # type: ignore[assignment]
     assert isinstance(law, NiLaw)
     return law
@@ -148,7 +148,7 @@ _REACH = (0.02, 20.0)
 
 
 def fit_secants(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule: FitRule = RULES[1]) -> NiLaw | Parallel:
-    """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
+    """Fit the law to the stated secants; of more than two the largest relative error is minimised.
 
     `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule. ConvergenceError: the
     secants ask for friction or a spring that is not positive.
@@ -158,7 +158,7 @@ def fit_secants(secants: Sequence[Secant], curve: ElasticShape, yielding: float,
 
 
 def _sizes(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
-    """Return friction [N] and spring [N/m] of these secants; ConvergenceError unless both are positive."""
+    """Solve for friction [N] and spring [N/m] of these secants; ConvergenceError unless both are positive."""
     exponent, rows = curve.asymmetry or 0.0, []  # secants of 1 N of friction and of 1 N/m of the spring, over the stated ones
     for secant in secants:
         a, steady = secant.deflection, secant.steady
@@ -178,7 +178,7 @@ def _sizes(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule
 def fit_damped(
     secants: Sequence[Secant], curve: ElasticShape, *, damping: float, amplitude: float, rule: FitRule = RULES[1]
 ) -> NiLaw | Parallel:
-    """Return the law with these secants and this damping ratio of the steady loop of an amplitude [m].
+    """Fit the law to these secants and this damping ratio of the steady loop of an amplitude [m].
 
     ConvergenceError: no yield deflection gives that damping; says what can be reached.
     """
@@ -212,7 +212,7 @@ def fit_damped(
 
 
 def _nearest(rows: Array) -> tuple[float, float]:
-    """Return the two scales with which all rows come nearest to 1: their largest distance is the least."""
+    """Return the friction and spring scales that bring all rows nearest to 1: the largest distance is minimal."""
     if len(rows) == 2:
         friction, spring = np.linalg.solve(rows, np.ones(2)).tolist()
         return friction, spring

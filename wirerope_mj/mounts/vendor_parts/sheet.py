@@ -37,7 +37,7 @@ class StatedValue(Secant):
         return self.name.replace(" ", "_")
 
     def shown(self, stiffness: float) -> float:
-        """Return the value that a secant stiffness [N/m] gives, in its unit."""
+        """Convert a secant stiffness [N/m] to the stated quantity, in its unit."""
         if self.unit == "N":
             return stiffness * self.deflection
         if self.unit == "Hz":
@@ -120,7 +120,7 @@ class AxisValues:
 
     @cached_property
     def stated(self) -> tuple[StatedValue, ...]:
-        """The values as secant stiffnesses."""
+        """Stated values as secant stiffnesses."""
         vibration, shock = self.vibration_stiffness, self.shock_stiffness
         both = two_stiffnesses(self.travel, vibration or 0.0, shock or 0.0, self.vibration_amplitude)
         stated = [value for value in both if value.stiffness > 0.0]

@@ -89,7 +89,7 @@ def fit_sheet(sheet: DataSheet) -> Isolator:
 
 
 def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves: AxisCurves) -> Entries:
-    """Return the laws of shear and roll and the coupling of roll and axial, as arguments of the isolator."""
+    """Fit the laws of shear and roll and the coupling of roll and axial, as arguments of the isolator."""
     curve, rule = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * shear.hardening), RULES[sheet.scales]
     yielding = rule.shear_yield * first_state(axial).normalised.x_y
     law = _fit(shear, curve, yielding, sheet.damping_amplitude, rule)
@@ -101,12 +101,19 @@ def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves
         spring, beside = first_state(axial).k1 * curves.roll_stiffness / curves.axial_stiffness, first_state(law)
         friction, reach = beside.normalised.z_max * spring / beside.k1, beside.normalised.x_y
         roll = rule.law(friction, reach, spring, ElasticShape(asymmetry=None, cubic=curves.roll_cubic))
-    loop = _coupling(sheet, (sheet.roll or shear).travel, axial, roll, curves)
+    # The geometric mean of both axes' EI: with it the stiffness at 45 degrees is nearest to Enidine's tables.
+    sizes = first_state(axial).k1 / curves.axial_stiffness, first_state(roll).k1 / curves.roll_stiffness
+    travel, size = sheet.compression.travel, math.sqrt(sizes[0] * sizes[1])
+    coupling = fit_coupling(
+        sheet.shape, bending_stiffness=size, loops=1, roll=(sheet.roll or shear).travel, compression=travel, tension=travel
+    )
+    ends = {name: float(f"{getattr(coupling, name):.9g}") for name in ("roll", "compression", "tension")}
+    loop = LoopCoupling(**ends, coefficients=tuple(tuple(float(f"{c:.9g}") for c in row) for row in coupling.coefficients))
     return {"shear": law, "roll": roll, "coupling": "loop", "loop": loop}
 
 
 def _fit(stated: AxisValues, curve: ElasticShape, yielding: float | None, amplitude: float, rule: FitRule) -> NiLaw | Parallel:
-    """Return the law of one axis; a damping ratio that is aimed at comes before a yield deflection."""
+    """Fit the law of one axis; a damping target takes precedence over a yield deflection."""
     if stated.damping_target is not None:
         return fit_damped(stated.fitted, curve, damping=stated.damping_target, amplitude=amplitude, rule=rule)
     if yielding is None:
@@ -129,19 +136,6 @@ def _rotation(sheet: DataSheet, axial: NiLaw | Parallel, roll: NiLaw | Parallel 
     return Rotation(roll=about_roll, shear=about_shear, axial=about_axial)
 
 
-def _coupling(
-    sheet: DataSheet, range_of_roll: float, axial: NiLaw | Parallel, roll: NiLaw | Parallel, curves: AxisCurves
-) -> LoopCoupling:
-    """Return the loop's coupling energy with the geometric mean of both axes' EI, by which 45 degrees is nearest to Enidine."""
-    sizes = first_state(axial).k1 / curves.axial_stiffness, first_state(roll).k1 / curves.roll_stiffness
-    travel, size = sheet.compression.travel, math.sqrt(sizes[0] * sizes[1])
-    coupling = fit_coupling(
-        sheet.shape, bending_stiffness=size, loops=1, roll=range_of_roll, compression=travel, tension=travel
-    )
-    ends = {name: float(f"{getattr(coupling, name):.9g}") for name in ("roll", "compression", "tension")}
-    return LoopCoupling(**ends, coefficients=tuple(tuple(float(f"{c:.9g}") for c in row) for row in coupling.coefficients))
-
-
 def _fitted_to(sheet: DataSheet) -> str:
     axes = []
     for name, axis in {"axial": sheet.compression, **sheet.across}.items():
@@ -159,7 +153,7 @@ def _fitted_to(sheet: DataSheet) -> str:
 
 
 def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
-    """Return the assumptions that no source gives, one text each."""
+    """List the assumptions that no source gives, one text each."""
     if sheet.scales == 1:
         shape = [
             f"axial: c ln b and k3 / k1 from the rope loop, to {100.0 * curves.misfit:.2g} % of its secants; nobody measured "
@@ -196,7 +190,7 @@ DIAGONAL = "45 degrees"
 
 
 def diagonal_values(stated: AxisValues | None, isolator: Isolator) -> list[ComparedValue]:
-    """Return the values at 45 degrees between compression and roll, which nothing was fitted to, beside the coupled laws'."""
+    """Compare the values at 45 degrees between compression and roll, which were not fitted, with the coupled laws."""
     law = isolator.coupled
     if stated is None or not isinstance(law, LoopBoucWen):
         return []

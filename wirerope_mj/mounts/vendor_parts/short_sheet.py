@@ -100,7 +100,7 @@ _FACTORS = {
 
 @cache
 def ratios() -> Mapping[str, Array]:
-    """Return ratios of figures of the tables' parts, each of all parts that state both."""
+    """Collect ratios of stated figures over all parts of the vendors' tables that state both."""
 
     def all_of(ratio: Sequence[float | None]) -> Array:
         return np.array([value for value in ratio if value is not None])
@@ -122,7 +122,7 @@ def ratios() -> Mapping[str, Array]:
 
 
 def assumptions(sheet: ShortSheet) -> dict[str, Assumption]:
-    """Return the figures that a sheet leaves open and that matter, by name; with the values that are tried first."""
+    """Return the relevant figures that a sheet leaves open, by name, with the values to be tried first."""
     tables, ends = ratios(), ((1.0 - INSIDE) / 2.0, (1.0 + INSIDE) / 2.0)
     assumed: dict[str, Assumption] = {}
     for key, name in _NAMES.items():
@@ -147,7 +147,7 @@ def read_short_sheet(path: Path) -> ShortSheet | None:
 
 
 def completed(sheet: ShortSheet, **assumed: float) -> DataSheet:
-    """Return the sheet with all that it leaves open; `assumed` are other values than the tables' medians."""
+    """Complete a sheet by the tables' medians, or by the `assumed` values."""
     values = {name: assumption.value for name, assumption in assumptions(sheet).items()} | assumed
     median = {name: float(np.median(values)) for name, values in ratios().items()}
     height = sheet.height or median["height"] * sheet.travel
@@ -184,7 +184,7 @@ class ShortFit:
     ends: Mapping[str, tuple[BandEnd, BandEnd]]  # by assumption
 
     def bands(self) -> list[tuple[ComparedValue, float, float]]:
-        """Return what the isolator does, and the ends of each figure's band: deviations of all assumptions, added squared."""
+        """Compute the isolator's figures with their bands: deviations of all assumptions, added squared."""
         nominal = _figures(self.sheet, self.isolator)
         end_figures = [
             [(end.part, _figures(self.sheet, end.isolator, end=True)) for end in pair] for pair in self.ends.values()
@@ -200,7 +200,7 @@ class ShortFit:
 
 
 def _figures(sheet: ShortSheet, isolator: Isolator, *, end: bool = False) -> list[ComparedValue]:
-    """Return what is asked of an isolator: sag, frequency, damping, force at the travel.
+    """Compute sag, frequency, damping, and force at the travel of an isolator.
 
     At the end of a band one that does not carry the rated load counts as sagging through its travel.
     """
@@ -261,7 +261,7 @@ def fit_short(sheet: ShortSheet) -> ShortFit:
 
 
 def _first(sheet: ShortSheet) -> tuple[Isolator, dict[str, Assumption]]:
-    """Return the isolator with the values nearest to those that are tried first, and what is assumed."""
+    """Fit the isolator with the values nearest to those to be tried first, and return it with the assumptions."""
     assumed, failed = assumptions(sheet), list[ConvergenceError]()
     free: list[str] = [name for name in ("shock", "damping") if name in assumed]
     for parts in product(_TRIED, repeat=len(free)):

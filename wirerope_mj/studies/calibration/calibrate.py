@@ -116,7 +116,7 @@ class Calibrated(Summarised):
 
     @cached_property
     def learned(self) -> Array:
-        """Standard deviation after the tests over that of the prior, (d,): 1 where the tests tell nothing."""
+        """Ratio of standard deviations after and before the tests, (d,): 1 where the tests tell nothing."""
         evenly = np.repeat((np.arange(1000)[:, None] + 0.5) / 1000, len(self.names), axis=1)
         return np.asarray(np.std(self.samples, axis=0) / np.std(self.problem.prior.quantiles(evenly), axis=0))
 
@@ -138,7 +138,7 @@ class Calibrated(Summarised):
 
     @property
     def not_identified(self) -> tuple[str, ...]:
-        """A message for each unknown that the tests hardly narrow, and for each pair that is known together only."""
+        """Messages on each unknown that the tests hardly narrow, and each pair of which they determine a combination only."""
         texts = [
             f"the tests say little of {name}: its standard deviation is {100.0 * ratio:.0f} % of that stated before"
             for name, ratio in zip(self.names, self.learned, strict=True)
@@ -173,7 +173,7 @@ class Calibrated(Summarised):
 
     @property
     def message(self) -> str:
-        """Summary of how the calibration ended."""
+        """One sentence on how the calibration ended."""
         ended = "converged" if self.fit.converged else "NOT CONVERGED"
         emulator = self.posterior.emulator_error
         error = 100.0 * self.discrepancies.max()

@@ -132,7 +132,7 @@ class SystemForward:
         return self._maker.system(self._row(values))
 
     def isolators_at(self, values: Array) -> Mapping[str, Isolator]:
-        """Return the isolators that values of the unknowns (d,) change, by mount; equal ones are one object."""
+        """Return the isolators that change at values of the unknowns (d,), by mount; equal ones are one object."""
         return self._maker.changes(self._row(values)).isolators
 
     def moves_at(self, values: Array) -> Changes:
@@ -144,7 +144,7 @@ class SystemForward:
 
 
 def travel_of(names: Sequence[str], measures: Array) -> dict[tuple[str, str], float]:
-    """Return the largest deflections among measures (n_measures,), by mount and axis [m]; 0 where they are not known."""
+    """Return the largest deflections from measures (n_measures,), by mount and axis [m]; 0 where they are unknown."""
     travels: dict[tuple[str, str], float] = {}
     for name, value in zip(names, measures.tolist(), strict=True):
         if name.startswith("deflection/"):

@@ -16,7 +16,7 @@ _MOVED = 1e-9  # relative standard deviation below which a parameter is constant
 
 
 def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict[str, Isolator]:
-    """Return the isolators that a calibration from tests changed, by mount, with the spread that the tests leave.
+    """Return the isolators that a calibration changed, by mount, with the spread that the tests leave.
 
     The spread is the covariance of the laws' parameters over draws of the posterior, so that a study with
     `"mount/NAME/spread": Specimens()` draws from it.

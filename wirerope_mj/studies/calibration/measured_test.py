@@ -42,7 +42,7 @@ class MeasuredTest:
 
     @classmethod
     def of(cls, measured: Measured, motion: BaseMotion | None = None, *, initial: str = "settled") -> "MeasuredTest":
-        """Make a test of measured channels, moved by `motion`, or by what was measured at the base.
+        """Make a test of measured channels under `motion`, or under the motion measured at the base.
 
         Raises:
             RecordError: there is no motion, or nothing but the base was measured.
@@ -173,7 +173,7 @@ class TransientRuns:
         ]
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
-        """Return the series of a history as a chain with gain [-], delay [s] and offset [SI] shows it."""
+        """Return the series that measuring chains with gain [-], delay [s] and offset [SI] record of a history."""
         samples = gain * self.channels[number].of_response(self._time, raw, delay) + offset
         return self._spectra[number].of_samples(samples) if self._spectra else samples
 
@@ -192,7 +192,7 @@ def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
 
 
 def _from_start(test: MeasuredTest, channel: MeasuredChannel) -> MeasuredChannel:
-    """Take the level before the base moves off a channel of displacements, deflections or forces.
+    """Subtract the level before the base moves from a channel of displacements, deflections or forces.
 
     Raises:
         RecordError: it moves before the base does: it is on another clock.

@@ -121,7 +121,7 @@ def _with_terms(isolator: Isolator, added: Mapping[str, tuple[Law, Law]]) -> Iso
 
 
 def _renamed(name: str, alone: set[str]) -> str:
-    """Return the name of a quantity where laws that stood alone have become the first of several."""
+    """Rename a quantity of laws that stood alone and have become the first of several."""
 
     def first(match: re.Match[str]) -> str:
         pattern, axis, parameter = match.groups()

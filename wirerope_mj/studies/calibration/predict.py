@@ -56,7 +56,6 @@ class Travel:
 
     @property
     def text(self) -> str:
-        """Sentence on a deflection beyond the tested one."""
         return (
             f"beyond the tested {1e3 * self.tested:.3g} mm: mount {self.mount!r} deflects {1e3 * self.reached:.3g} mm "
             f"{'axially' if self.axis == 'axial' else f'along its {self.axis} axis'}, and no test says what its law does there"
@@ -189,7 +188,7 @@ def predict(
 
 
 def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tuple[str, str], float]) -> bool:
-    """Return whether the forces of isolators rise over their travel [m], except where the system's own isolator falls, too."""
+    """Tell whether forces of isolators rise over their travel [m], except where those of the system fall, too."""
     judged: set[tuple[int, str, float]] = set()  # mounts that vary together share their isolators
     for (mount, axis), reached in travel.items():
         law, before = (

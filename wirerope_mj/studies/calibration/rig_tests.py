@@ -170,7 +170,7 @@ class LoopRuns:
             self.series.append(Series(name=name, at=along, values=values, size=size, unit="N", across="loop"))
 
     def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
-        """Return the forces of the laws of each row along every loop [N]; None where one is not finite or cannot be."""
+        """Return the forces of each row's laws along every loop [N]; None where a law is invalid or a force not finite."""
         found: list[list[Array] | None] = []
         for row in rows:
             try:

@@ -64,7 +64,7 @@ def schema(work: Work) -> pa.Schema:
 
 
 def compute(work: Work, chunk: Chunk) -> Part:
-    """Return what comes of a chunk, the same in any process; variants that fail have rows, too."""
+    """Compute a chunk, with the same result in any process; variants that fail have rows, too."""
     responses: dict[int, bytes] = {}
     alone = chunk.responses or needs_samples(work.system)  # responses are those of single systems
     done = NONE if alone else _side_by_side(partial(together, work, chunk.rows))
@@ -83,7 +83,7 @@ def _side_by_side(go: Callable[[], Together]) -> Together:
 
 
 def died(work: Work, chunk: Chunk, message: str) -> Part:
-    """Return what there is of a chunk whose process died each time."""
+    """Return the part of a chunk whose process died each time."""
     return Part(number=chunk.number, table=_table(work, chunk, dict.fromkeys(range(len(chunk.rows)), message)), died=True)
 
 
@@ -103,7 +103,7 @@ Outcome = Measured | str  # What came of a variant, or why it failed
 
 
 def _outcomes(work: Work, rows: Sequence[Entries], responses: dict[int, bytes] | None) -> list[Outcome]:
-    """Return measures or message of every row; `responses` takes the variants' responses unless it is None."""
+    """Return measures or error message of every row; `responses`, if given, collects the responses."""
     make = Maker(work.system, work.motions, work.columns)
     outcomes: dict[int, Outcome] = {}
     systems, motions, indices = [], [], []
@@ -132,7 +132,7 @@ def _outcomes(work: Work, rows: Sequence[Entries], responses: dict[int, bytes] |
 
 
 def nominal(work: Work) -> Mapping[str, float] | str:
-    """Return the measures of the system as it stands, under the first of the motions, or why there are none."""
+    """Return the measures of the nominal system under the first motion, or the reason why there are none."""
     try:
         (result,) = go_alone(work, [work.system], [work.motions[0]], threads=1, responses=needs_samples(work.system))
     except _RESULTS as error:
@@ -142,7 +142,7 @@ def nominal(work: Work) -> Mapping[str, float] | str:
 
 
 def why_not(error: Exception) -> str:
-    """Return the message of an error: an Accident if it is none that the variant's own numbers lead to."""
+    """Return the message of an error, as an Accident unless the variant's own numbers lead to it."""
     if isinstance(error, WireRopeError):
         return str(error)
     quoted = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
@@ -199,7 +199,7 @@ def _grown(
 
 
 def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Together = NONE) -> pa.Table:
-    """Return the rows of a chunk: of some outcomes by their index, and of those that were computed side by side."""
+    """Return the rows of a chunk, from single outcomes by their index and from those computed side by side."""
     n, lengths = len(chunk.rows), Lengths(work)
     values, ends = _values(work, n, outcomes, done)
     slowest = np.full(n, NAN)

@@ -39,7 +39,7 @@ _SILENT: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subproces
 def run_dask(
     work: Work, chunks: Iterable[Chunk], *, workers: int | None, address: str | None = None
 ) -> Generator[Part, None, None]:
-    """Yield the part of each chunk as they are ready, in any order.
+    """Compute chunks with Dask, and yield their parts as they are ready, in any order.
 
     A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its
     workers also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed
@@ -61,7 +61,7 @@ def run_dask(
 
 
 def check_cluster(workers: int | None, address: str | None) -> None:
-    """Raise ValueError or SimulationError unless chunks can be computed: Dask is there, and so is the scheduler."""
+    """Raise ValueError or SimulationError if Dask is not installed or the scheduler does not answer."""
     if find_spec("distributed") is None:
         raise ValueError("engine 'dask' needs Dask: pip install 'wirerope-mj[dask]'.")
     if address is not None and workers is not None:
@@ -72,7 +72,7 @@ def check_cluster(workers: int | None, address: str | None) -> None:
 
 @contextmanager
 def _gone(where: str) -> Iterator[None]:
-    """Say in one message that the scheduler cannot be reached any more."""
+    """Report in one message that the scheduler cannot be reached any more."""
     try:
         yield
     except (CancelledError, OSError) as error:
@@ -87,7 +87,7 @@ class _Cluster:
         self._client, self._work, self._where, self._versions = client, work, where, versions()
 
     def parts(self, chunks: Iterator[Chunk], suspect: Callable[[Chunk], None]) -> Iterator[Part]:
-        """Yield the parts of chunks as they are ready; those that were there when a worker died are suspect."""
+        """Yield the parts of chunks as they are ready; chunks computed where a worker died are reported as suspects."""
         from distributed import as_completed
 
         shared, done = self._shared(), as_completed(loop=self._client.loop)
@@ -114,12 +114,12 @@ class _Cluster:
             hand_over()
 
     def alone(self, chunk: Chunk) -> Part:
-        """Return the part of a chunk while nothing else is computed; one that says so if its workers die again."""
+        """Compute a chunk while nothing else runs; its part says so if workers die again."""
         part = self._part(self._submit(self._shared(), chunk))
         return died(self._work, chunk, _DEATH) if part is None else part
 
     def _shared(self) -> "Future":
-        """A task, not scattered data: what a dead worker alone held is then made again."""
+        """Task instead of scattered data: what only a dead worker held is then computed again."""
         return self._client.submit(_handed_over, self._work, pure=False)
 
     def _submit(self, shared: "Future", chunk: Chunk) -> "Future":
@@ -141,7 +141,7 @@ class _Cluster:
 
 @contextmanager
 def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
-    """Lend a client of the cluster at `address`, or of one that lives as long as the block."""
+    """Lend a client of the cluster at `address`, or of one that exists during the block."""
     import dask.config
     from distributed import Client, LocalCluster
 
@@ -180,7 +180,7 @@ def _workers(scheduler_at: str, number: int) -> Iterator["subprocess.Popen[bytes
 
 
 def _has_worker(client: "Client", patience: float, processes: "subprocess.Popen[bytes] | None" = None) -> bool:
-    """Wait for the first worker of a cluster, for some time [s] and while its processes live; returns whether there is one."""
+    """Wait for the first worker of a cluster for some time [s] while its processes live; tells whether there is one."""
     began = time.monotonic()
     while not client.nthreads():
         if time.monotonic() - began > patience or (processes is not None and processes.poll() is not None):
@@ -190,7 +190,7 @@ def _has_worker(client: "Client", patience: float, processes: "subprocess.Popen[
 
 
 def _warn_if_idle(client: "Client", address: str) -> None:
-    """Warn if a cluster that exists has no worker: those of a batch system may come much later."""
+    """Warn if a cluster has no worker: those of a batch system may come much later."""
     if not _has_worker(client, PATIENCE):
         warnings.warn(f"the cluster at {address} has no workers yet; the study waits for them.", ClusterWarning, 2)
 
@@ -221,7 +221,7 @@ def _handed_over(work: Work) -> Work:
 
 
 def _computed(work: Work, chunk: Chunk, asked: dict[str, str]) -> Part:
-    """Return the part of a chunk, on a worker whose packages are those of who asks."""
+    """Compute a chunk on a worker with the same package versions as the requesting process."""
     here = versions()
     differences = [f"{name} {here[name]} instead of {wanted}" for name, wanted in asked.items() if here[name] != wanted]
     if differences:

@@ -24,7 +24,7 @@ _ending = threading.Event()
 
 
 def _end_all() -> None:
-    """End the workers with this process: one that is still starting would not notice for seconds that it is alone."""
+    """End the workers with this process: one that is still starting would notice only seconds later."""
     _ending.set()
     for process in list(_started):
         process.kill()
@@ -43,7 +43,7 @@ class WorkerDiedError(Exception):
 def run_local(
     work: Work, chunks: Iterable[Chunk], *, workers: int | None = None, address: str | None = None
 ) -> Generator[Part, None, None]:
-    """Yield the part of every chunk as they are ready; one worker is this process itself, and `address` of no use here."""
+    """Compute chunks in this process and others, and yield their parts as they are ready; `address` is ignored."""
 
     def lost(chunk: Chunk, reason: str) -> Part:
         return died(
@@ -60,7 +60,7 @@ def in_processes(
     function: Callable[[Question], Answer], questions: Iterable[Question], *, lost: Callable[[Question, str], Answer],
     workers: int | None = None,
 ) -> Generator[Answer, None, None]:  # fmt: skip
-    """Yield what a function of a module makes of each question as they are ready, in any order; all must be pickled.
+    """Yield the answers of a module's function to questions as they are ready, in any order; all are pickled.
 
     Questions are read as processes become free; one worker calls the function here. `lost` answers a question during which a
     process died `TRIES` times; its second argument says how.
@@ -166,7 +166,6 @@ class _Process:
             ) from None
 
     def compute(self, question: object) -> Any:
-        """Return the answer to a question; WorkerDiedError if the process is gone."""
         return self._asked(pickle.dumps(question, protocol=pickle.HIGHEST_PROTOCOL))
 
     def _asked(self, question: bytes) -> object:
@@ -185,7 +184,7 @@ class _Process:
         raise WorkerDiedError(f"died{ending}") from None
 
     def end(self) -> None:
-        """End the process; whoever waits for it finds it dead."""
+        """End the process; a thread that waits for it finds it dead."""
         self._process.kill()
 
     def kill(self) -> None:

@@ -46,7 +46,7 @@ NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={}, late=np.zeros(0
 
 
 def together(work: Work, rows: Sequence[Entries]) -> Together:
-    """Return the measures of those variants that can be computed side by side; the others are for `simulate_batch`.
+    """Return the measures of the variants that can be computed side by side; `simulate_batch` computes the others.
 
     Which they are, and what comes of each, does not depend on the variants that share a call. Their systems are the same to the
     last bit as those that `wirerope_mj.studies.vary.variants.Maker` makes, and are not made.
@@ -56,7 +56,7 @@ def together(work: Work, rows: Sequence[Entries]) -> Together:
 
 
 def together_again(work: Work, done: Together, rows: Sequence[int]) -> Together:
-    """Return the measures of some rows once more, over another duration; indices are those among `rows`."""
+    """Compute some rows again over another duration, and return their measures; indices are those among `rows`."""
     if done.ready is None:
         return NONE
     place = {row: number for number, row in enumerate(rows)}
@@ -68,7 +68,7 @@ def together_again(work: Work, done: Together, rows: Sequence[int]) -> Together:
 
 
 def _measured(work: Work, ready: "_Ready") -> Together:
-    """Step variants to the end, and return what is measured of those that hold."""
+    """Step variants to the end, and return the measures of those that hold."""
     _, extremes, good = _stepped(work, ready)
     columns = measures_together(work.system, extremes, ready.forces, ready.isolators)
     return Together(
@@ -80,7 +80,7 @@ def _measured(work: Work, ready: "_Ready") -> Together:
 def histories_together(
     work: Work, rows: Sequence[Entries], columns: Sequence[str], threads: int
 ) -> tuple[Array, dict[int, Array]]:
-    """Return instants (n_t,) and columns, as `histories` does, of those variants that can be computed side by side."""
+    """Return instants (n_t,) and columns as `histories` does, of the variants that can be computed side by side."""
     plan = column_plan(work.system)
     wanted = [plan.names.index(name) - plan.first_sensor for name in columns]
     parts_of_variants: dict[int, dict[int, Array]] = {}
@@ -112,7 +112,6 @@ class _Ready:
     slowest: Array  # period of the slowest mode of each [s], (n,); NaN where mounts stand elsewhere or resist turning
 
     def taken(self, some: Sequence[int]) -> "_Ready":
-        """Return some of them."""
         forces = None if self.forces is None else self.forces[some]
         return _Ready(
             indices=self.indices[some], motions=[self.motions[k] for k in some],
@@ -122,7 +121,7 @@ class _Ready:
 
 
 def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
-    """Return those variants that can be computed side by side where they begin; None if none can."""
+    """Return the start of the variants that can be computed side by side; None if none can."""
     system = work.system
     if not rows or work.duration / work.timestep > MOST_STEPS or unsupported_system(system):
         return None
@@ -200,13 +199,13 @@ def _unloaded(system: System) -> State:
 
 @once_per_system
 def _ends(system: System) -> Array:
-    """Return the deflections below and above zero up to which laws hold [m], (n_mounts, 3, 2)."""
+    """Return the deflections [m], below and above zero, up to which laws hold, (n_mounts, 3, 2)."""
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
     return np.array([(np.inf, np.inf) if law is None else law.travel_ends for law in laws]).reshape(-1, 3, 2)
 
 
 def _lawful(system: System, lowest: Array, highest: Array) -> Booleans:
-    """Return which variants' mounts stayed where the laws hold, as `beyond_law` has it; deflections (n, n_mounts, 3) [m]."""
+    """Tell for which variants all laws hold at deflections (n, n_mounts, 3) [m], as `beyond_law` does."""
     below, above = _ends(system)[:, :, 0], _ends(system)[:, :, 1]
     beyond = (-lowest > below + ROUNDING) | (highest > above + ROUNDING)
     return np.asarray(~beyond.any(axis=(1, 2)))

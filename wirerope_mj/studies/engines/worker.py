@@ -23,7 +23,7 @@ def main() -> None:
 
 
 def serve(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Answer every question; before them comes the function that makes the answers."""
+    """Answer every question with the function that precedes them."""
     asked: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(questions, asked), daemon=True).start()
     function = asked.get()
@@ -33,7 +33,7 @@ def serve(questions: BinaryIO, answers: BinaryIO) -> None:
 
 
 def _read(questions: BinaryIO, asked: "queue.SimpleQueue[Any]") -> None:
-    """Hand on what is asked, and end the process when nobody asks any more."""
+    """Queue the questions, and end the process when the asking process has gone."""
     try:
         while True:
             asked.put(pickle.load(questions))

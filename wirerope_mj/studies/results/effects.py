@@ -19,7 +19,7 @@ _GAP = 1.5  # Ratio to all other gaps between azimuths above which nobody looked
 
 
 def sphere_areas(azimuth: Array, elevation: Array) -> Array:
-    """Return the fraction of the sphere that each direction [deg] stands for, of the part that they span, (n,), 1 in all.
+    """Return the fraction of the spanned part of the sphere for which each direction [deg] stands, (n,), 1 in all.
 
     Directions of one elevation share a belt that reaches halfway to their neighbours above and below, sin(upper) - sin(lower)
     of the sphere's area 2 pi (Archimedes), and along it what lies halfway to their neighbours: points of equal angle crowd at
@@ -44,7 +44,7 @@ def sphere_areas(azimuth: Array, elevation: Array) -> Array:
 
 
 def _arcs(angles: Array) -> tuple[Array, float]:
-    """Return the fraction of its circle's part that each of some angles [deg] stands for, and how wide that part is [deg]."""
+    """Return the fraction of the spanned arc for which each angle [deg] stands, and the width of that arc [deg]."""
     # They go around unless there is a gap wider than all others by half: then they are a fan.
     if angles.size < 2:
         return np.ones(angles.size), 0.0
@@ -59,7 +59,7 @@ def _arcs(angles: Array) -> tuple[Array, float]:
 
 
 def whole_sphere(table: pa.Table) -> bool:
-    """Return whether the directions of a study go all around and from pole to pole."""
+    """Tell whether the directions of a study go all around and from pole to pole."""
     azimuth, elevation = (np.asarray(table[name], dtype=np.float64) for name in (AZIMUTH, ELEVATION))
     if (elevation.min(), elevation.max()) != (-90.0, 90.0):
         return False
@@ -68,7 +68,7 @@ def whole_sphere(table: pa.Table) -> bool:
 
 
 def directions_text(table: pa.Table) -> str:
-    """Return of which directions a fraction is: all, or those that a study spans."""
+    """Name the directions to which a fraction refers: all, or those that a study spans."""
     return "all directions" if whole_sphere(table) else "the directions looked at"
 
 
@@ -105,7 +105,7 @@ class Effect:
 
 
 def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effect, ...]:
-    """Return the effect of each input on a measure, the strongest first; nothing of too few variants.
+    """Return the effect of each input on a measure, the strongest first; empty for too few variants.
 
     The index is estimated from the variants as they are (given data): the input is cut into classes with as many variants
     each, and eta^2 = variance between classes / variance. What classes without any effect would give by accident is taken
@@ -146,7 +146,7 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
 
 
 def _effect(classes: Integers, values: Array) -> tuple[float, float]:
-    """Return the sum of squares that classes explain beyond accident, and the probability that accident gives as much."""
+    """Return the sum of squares that classes explain beyond chance, and the p-value of that."""
     n, m = values.size, int(classes.max()) + 1
     whole = float(np.sum((values - values.mean()) ** 2))
     inside = float(np.sum((values - _class_means(classes, values)[classes]) ** 2))
@@ -161,7 +161,7 @@ def _class_means(classes: Integers, values: Array) -> Array:
 
 
 def _classes(column: AnyArray) -> Integers:
-    """Return the class of each variant: its value, or of many different numbers one of some intervals of as many variants."""
+    """Return the class of each variant: its value, or one of some intervals that hold equally many variants."""
     _, classes = np.unique(column, return_inverse=True)
     if column.dtype.kind not in "fiu":  # strings and booleans
         return np.asarray(classes, dtype=np.int64)
@@ -212,7 +212,7 @@ class SobolIndices:
 
     @property
     def too_few(self) -> bool:
-        """True if the rows are too few to say anything: intervals of total indices are wide, or indices are none."""
+        """True if the rows are too few for the indices: intervals of total indices are wide, or values no indices."""
         return any(factor.reach > _WIDE for factor in self.factors) or any(
             not -_BEYOND <= index <= 1.0 + _BEYOND for factor in self.factors for index in (factor.first, factor.total)
         )

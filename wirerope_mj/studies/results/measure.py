@@ -70,7 +70,7 @@ class Measure:
 
 
 def measure_of(name: str, limits: Mapping[str, float] = MappingProxyType({})) -> Measure:
-    """Return the measure of a column; one that has no limit of its own takes it from `limits`, SI by name."""
+    """Return the measure of a column, with its own limit, or one of `limits`, SI by name."""
     quantity, _, rest = name.partition("/")
     text, unit, factor, limit_of_quantity = _QUANTITIES[quantity]
     text += {ALL: " of bodies and points", "acceleration": " of a body"}.get(name, "")
@@ -96,7 +96,7 @@ def measures_of(table: pa.Table) -> list[str]:
 
 
 def checked_measure(table: pa.Table, name: str) -> str:
-    """Return `name`; ValueError names the measures if it is none, or was not judged."""
+    """Return `name`; ValueError lists the measures if it is none, or was not judged."""
     names = measures_of(table)
     if name not in (*names, ALL):
         raise ValueError(unknown_measure(name, names))
@@ -119,7 +119,7 @@ def drawn_measures(table: pa.Table) -> list[str]:
 
 
 def most_critical(table: pa.Table, limits: Mapping[str, float] = MappingProxyType({})) -> tuple[str, float] | None:
-    """Find the measure that is nearest to its limit in any variant, or farthest beyond, and its utilisation; None without any.
+    """Find the measure with the largest utilisation in any variant, and that utilisation; None without limits.
 
     Limits are those of the quantities, and `limits` by name, SI.
     """
@@ -133,7 +133,7 @@ def most_critical(table: pa.Table, limits: Mapping[str, float] = MappingProxyTyp
 
 
 def known_measures(table: pa.Table, names: Sequence[str]) -> list[str]:
-    """Return those of some measures that have values: older tables know less; `ALL` only where a point is beyond all bodies."""
+    """Return those of some measures that have values, older tables have fewer; `ALL` only if a point exceeds all bodies."""
     points_matter = ALL in names and any(name.startswith(ALL[:-1]) for name in table.column_names)
     points_matter = points_matter and bool((values_of(table, ALL) > values_of(table, ALL[:-2])).any())
     present = [name for name in names if name in table.column_names or (name == ALL and points_matter)]
@@ -148,7 +148,7 @@ def values_of(table: pa.Table, name: str) -> Array:
 
 
 def unknown_measure(name: str, known: Sequence[str]) -> str:
-    """Return what is wrong with a name or pattern that is of no measure, and what there is, as a sentence without a capital."""
+    """Describe why a name or pattern matches no measure, and what exists, as a clause."""
     first = name.partition("/")[0].rstrip("*?")
     alike = [measure for measure in known if first and measure.startswith(first)]
     alike.sort(key=lambda candidate: -SequenceMatcher(None, candidate, name).ratio())
@@ -158,7 +158,7 @@ def unknown_measure(name: str, known: Sequence[str]) -> str:
 
 
 def kinds_of(known: Sequence[str]) -> str:
-    """Return measures as a list with NAME in place of mounts, bodies and points."""
+    """List measures with NAME in place of mounts, bodies and points."""
     kinds = dict[str, None]()
     for name in known:
         first, *rest = name.split("/")
@@ -188,12 +188,12 @@ class Exceedance:
 
     @property
     def ratio(self) -> float:
-        """Ratio to the variants that were counted, 0 to 1; NaN if there are none."""
+        """Ratio to the counted variants, 0 to 1; NaN if there are none."""
         return self.count / self.n if self.n else math.nan
 
     @property
     def at_most(self) -> float:
-        """Ratio to all variants, if every one that is not counted were beyond the limit."""
+        """Ratio to all variants if every one that is not counted exceeded the limit."""
         total = self.n + self.failed
         return (self.count + self.early + self.failed) / total if total else math.nan
 
@@ -208,7 +208,7 @@ def finite(values: Array) -> Array:
 
 
 def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
-    """Return quantiles; NaN for those beyond which, away from the median, fewer than five variants lie: nobody knows them."""
+    """Return quantiles; NaN with fewer than five variants beyond, away from the median: too few to tell."""
     known = finite(values)
     beyond = [known.size * min(q, 1.0 - q) for q in probabilities]
     # 50 (1 - 0.9) is a little less than 5 in floating point.
@@ -218,7 +218,7 @@ def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
 
 
 def exceedance(values: Array, limit: float, *, failed: int = 0, early: int = 0) -> Exceedance:
-    """Return the exceedance of a limit by values; `failed` more variants have none, and `early` of them are not judged."""
+    """Return the exceedance of a limit by values, of variants besides which `failed` have none and `early` are not judged."""
     known = finite(values)
     k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
     low = float(scipy.stats.beta.ppf(tail, k, n - k + 1)) if k else 0.0
@@ -254,5 +254,5 @@ def row_of(table: pa.Table, number: int) -> Entries:
 
 
 def struck_variants(table: pa.Table) -> int | None:
-    """Return in how many variants stops were struck; None of older tables, which do not say it."""
+    """Count the variants in which stops were struck; None for older tables, which do not tell."""
     return int(np.count_nonzero(values_of(table, STRUCK) > 0.0)) if STRUCK in table.column_names else None

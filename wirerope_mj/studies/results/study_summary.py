@@ -85,19 +85,19 @@ class StudySummary:
 
     @cached_property
     def measures(self) -> tuple[Measure, ...]:
-        """The measures that are displayed: `by` first, then those that are looked at first anyway, then those limited here."""
+        """Measures to be displayed: `by` first, then the headlines of the table, then those limited here."""
         names = dict.fromkeys([self.by, *headlines(self.result.table), *self.limits])
         return tuple(measure_of(name, self.limits) for name in names)
 
     @cached_property
     def limits(self) -> dict[str, float]:
-        """Limits that were stated on one measure alone, and on the one that is looked at most, SI, by its name."""
+        """Limits that were stated on one measure alone, and that of the most displayed one, SI by name."""
         alone = {limit.measures[0]: limit.limit for limit in reversed(self.stated) if len(limit.measures) == 1}
         return {name: limit for name, limit in limits_of(self.stated).items() if name == self.by} | alone
 
     @cached_property
     def beyond(self) -> dict[str, Booleans]:
-        """Variants beyond each limit, (n,), by what the limit is on: those of parts, of the model, and stated ones."""
+        """Variants beyond each limit, (n,), by its subject: limits of parts, of the model, and stated ones."""
         table = self.result.independent
         limited_measures = {
             statistic.measure.name: statistic.measure for statistic in self.statistics if statistic.measure.limit is not None
@@ -113,7 +113,7 @@ class StudySummary:
 
     @property
     def ratio_beyond(self) -> float | None:
-        """The fraction of the variants beyond any limit if they were sampled, or of all directions if these vary; else None."""
+        """Fraction of sampled variants, or of all directions where they vary, beyond any limit; else None."""
         done = np.asarray(self.result.independent["status"]) == DONE
         return self._ratio(np.where(done, np.any(list(self.beyond.values()), axis=0), np.nan), 0.5)
 
@@ -141,7 +141,7 @@ class StudySummary:
 
     @cached_property
     def ranked_inputs(self) -> tuple[str, ...]:
-        """The inputs in the order in which they are displayed of a variant, those that matter most first.
+        """Inputs in the order in which a variant's are displayed, the most influential first.
 
         Of a study for Sobol's indices they are those of the factors with the largest total indices, as long as a factor is one
         number or two. Of others those that certainly matter come first, then what all mounts share, then what each mount has
@@ -183,7 +183,7 @@ class StudySummary:
         return {name: columns[name] for name in dict.fromkeys([*order, *columns])}
 
     def _ratio(self, values: Array, limit: float) -> float | None:
-        """Return the fraction of the variants beyond a limit if they were sampled, or of all directions if these vary."""
+        """Return the fraction of sampled variants, or of all directions where they vary, beyond a limit."""
         if self.result.is_sampled:
             return exceedance(values, limit).ratio
         table = self.result.independent
@@ -206,7 +206,7 @@ def _of_one_mount(name: str) -> bool:
 
 
 def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
-    """Summarise a study by a measure; by default by the one that is most critical, without any limit by acceleration.
+    """Summarise a study by a measure: by default the most critical one, or acceleration without limits.
 
     ValueError if there is no such measure, or it has no value in any variant; RecordError if the limits that were stated
     cannot be read.

@@ -60,7 +60,7 @@ class Varied:
         return distribution_text(self.distribution)
 
     def to_dict(self) -> Entries:
-        """Return it as plain values for `summary.json`."""
+        """Return the entry for `summary.json`."""
         content: Entries = {"name": self.name, "kind": self.kind}
         if self.unit:
             content["unit"] = self.unit
@@ -72,7 +72,7 @@ class Varied:
 
 
 def varied_of(study: StudyDefinition) -> list[Varied]:
-    """Return what varies in a study, in the order of `vary`."""
+    """Return the varied quantities of a study, in the order of `vary`."""
     varied = []
     for quantity in study.quantities:
         column = quantity.columns[0]
@@ -111,7 +111,7 @@ def distribution_text(distribution: Distribution) -> str:
 
 
 def value_text(value: object) -> str:
-    """Write the value of an input; of the mount that fails "none" where none does."""
+    """Format the value of an input; "none" where no mount fails."""
     return f"{value:.4g}" if isinstance(value, float) else str(value) or "none"
 
 
@@ -151,7 +151,7 @@ def summary(result: StudyResult) -> Entries:
 
 
 def head(result: StudyResult) -> Entries:
-    """Return what the summaries of studies and of searches begin with."""
+    """Return the entries with which summaries of studies and searches begin."""
     return {
         "format": result.inputs["format"], "name": result.inputs["name"], "id": result.inputs["id"],
         "variants": result.table.num_rows, "failed": len(result.failed),
@@ -204,7 +204,7 @@ class StatedLimit:
 
 
 def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
-    """Return the limit of a text such as `deflection/*/roll = 35 mm`.
+    """Parse a limit such as `deflection/*/roll = 35 mm`.
 
     ValueError if the text is no limit, or there is no such measure among those that are known.
     """
@@ -231,7 +231,7 @@ def limits_of(stated: Sequence[StatedLimit]) -> dict[str, float]:
 
 
 def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
-    """Write how often limits are exceeded into the summary of a study, in place of those that were stated before.
+    """Write how often limits are exceeded into the summary of a study; limits stated before are replaced.
 
     RecordError if the summary is damaged.
     """
@@ -250,7 +250,7 @@ def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
 
 
 def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
-    """Return the limits that stand in the summary of a study; nothing if there is no summary yet.
+    """Read the limits in the summary of a study; empty if there is no summary yet.
 
     RecordError if the summary is damaged.
     """

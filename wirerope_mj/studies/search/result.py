@@ -52,7 +52,7 @@ class Evolution:
         self, variables: Mapping[str, distributions.Uniform | distributions.Choice], first: Sequence[Design], *,
         n_objectives: int, n_limits: int, seed: int,
     ) -> None:  # fmt: skip
-        """Begin with the designs of the first generation; later ones have as many, or fewer where no new designs are found."""
+        """Begin with the designs of the first generation; later ones have as many, or fewer if no new designs are found."""
         from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
         from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating
         from pymoo.core.population import Population
@@ -158,7 +158,7 @@ def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) ->
 
 
 def nearest(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> tuple[int, str, float] | None:
-    """Return the row with the least excess over its limits, the limit exceeded most, and the excess; None without a row."""
+    """Return the row with the least excess over its limits, its limit exceeded most, and the excess; None without rows."""
     rows = nearest_first(table, names, limits)
     if not limits or not rows:
         return None
@@ -168,7 +168,7 @@ def nearest(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) 
 
 
 def nearest_first(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> list[int]:
-    """Return the rows of designs that can be judged, in the order of their largest excess over a limit."""
+    """Return the rows of judged designs in the order of their largest excess over a limit."""
     over = violations(table, limits).max(axis=1, initial=-math.inf)
     worst = np.where(np.isfinite(objectives(table, names)).all(axis=1), over, np.inf)
     return [int(row) for row in np.argsort(worst, kind="stable") if worst[row] < np.inf]
@@ -230,7 +230,7 @@ class SearchResult(StudyResult):
         return f"{text}none within the limits. {self._nearest()}{self.missing}"
 
     def scene(self, variant: int) -> Scene:
-        """Return the modelled geometry of a design, to be drawn."""
+        """Return the modelled geometry of a design for drawing."""
         return scene_of(self.study.system(variant))
 
     def absent(self, variant: int) -> list[str]:
@@ -267,7 +267,7 @@ class SearchResult(StudyResult):
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """The measures that are displayed of a design: what was minimised, what is limited, and the number of mounts."""
+        """Measures displayed of a design: the minimised ones, the limited ones, and the number of mounts."""
         return tuple(dict.fromkeys([*self.minimise, *self.limits, "mounts"]))
 
     def remark(self, variant: int) -> str:

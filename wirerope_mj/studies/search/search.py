@@ -100,7 +100,7 @@ class Search:
 
     @property
     def base(self) -> System:
-        """The system as the model says it."""
+        """System without changes."""
         return self.study.base
 
     @property
@@ -174,7 +174,7 @@ class Search:
         address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
         when_done: Callable[[SearchResult], object] = lambda result: None,
     ) -> SearchResult:  # fmt: skip
-        """Evolve all generations and return the result, which stands in `folder`; arguments are those of `Study.run`.
+        """Compute all generations and return the result, which is stored in `folder`; arguments are those of `Study.run`.
 
         The folder is that of a study whose variants are the designs, no design twice. A search that was killed goes on: the
         optimiser begins again, and is given what the finished parts hold.
@@ -194,7 +194,7 @@ class Search:
             when_done(_loaded(place, study))
 
         def summary() -> Entries:
-            """Return the front, SI, and its knee; percentiles of designs that an evolution has chosen mean nothing."""
+            """Return the front, SI, and its knee; percentiles of selected designs would be meaningless."""
             result = _loaded(place, study)
             names = ["variant", GENERATION, *result.shown]
             return {
@@ -264,7 +264,7 @@ class Evolving:
         return tuple(design[name] for name in self._search.variables)
 
     def _tables(self, designs: Sequence[Design], generation: int) -> list[pa.Table]:
-        """Return the rows of new designs: of the parts that are done already, and of those that are computed now."""
+        """Return the rows of new designs: of parts already finished, and of those computed now."""
         rows, size = self._search.rows(designs, len(self._known)), chunk_size(self._search.study, self._keep)
         blocks = {self.parts + n: rows.slice(first, size) for n, first in enumerate(range(0, len(designs), size))}
         tables = {}
@@ -289,7 +289,7 @@ class Evolving:
         return [tables[number] for number in sorted(blocks)]
 
     def _computed_by_engine(self, missing: Sequence[Chunk]) -> Iterator[Part]:
-        """Yield the parts of some chunks; processes of this machine wait for the chunks of later generations."""
+        """Yield the parts of some chunks; processes of this machine stay alive for later generations."""
         work = self._search.study.work
         if self._engine is not run_local:
             with closing(self._engine(work, missing, **self._options)) if missing else nullcontext(()) as results:

@@ -23,7 +23,7 @@ from wirerope_mj.studies.vary.quantity import (
 
 
 def bodies_of(system: System) -> list[str]:
-    """Return the moving bodies; the mass of the base drives nothing."""
+    """Return the moving bodies without the base, whose mass has no effect."""
     return [body for body in moving_bodies(system.model) if body != system.base]
 
 
@@ -121,7 +121,7 @@ class Centre(BodyColumn):
 
 
 def check_centres(quantities: Sequence[Quantity], system: System) -> None:
-    """Raise ValueError if centres of mass are said in two ways, or positions of them look like shifts."""
+    """Raise ValueError if centres of mass are stated in two ways, or positions of them look like shifts."""
     columns = [(part, quantity.distribution) for quantity in quantities for column in quantity.columns for part in column.parts]
     absolute = {body: column.name for column, _ in columns if isinstance(column, Centre) for body in column.targets}
     for column, distribution in columns:
@@ -136,7 +136,7 @@ def check_centres(quantities: Sequence[Quantity], system: System) -> None:
 
 
 def _as_other_kind(column: Centre | CentreShift, system: System, noun: str) -> str:
-    """Return the name of a centre of mass as the other kind; without its axis where the body's axes are not the world's."""
+    """Return a centre's name in the other way of stating it; without its axis if the body's axes are not the world's."""
     start, _, axis = column.name.rpartition("/")
     parallel = all(np.allclose(body_axes(system, body), np.eye(3), atol=1e-9) for body in column.targets)
     return f"{start.rpartition('/')[0]}/{noun}/{axis if parallel else 'AXIS'}"

@@ -50,7 +50,7 @@ class LawParameter(MountColumn, ValueOrFactor):
 
     @classmethod
     def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> object:
-        """Return the parameter in the model; ModelError says what there is."""
+        """Return the parameter in the model; ModelError lists those that exist."""
         law = isolator.axes[axis]
         if law is None:
             present = [axis for axis, law in isolator.axes.items() if law is not None]

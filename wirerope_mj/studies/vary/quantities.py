@@ -196,7 +196,7 @@ class SharedDraw(InputColumn):
 
 
 def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[SharedDraw, ...]:
-    """Return the columns of names that share a draw: one, or with `each` as many as every name has targets."""
+    """Return the columns of names that share a draw: one, or with `each` as many as each name has targets."""
     # ValueError if they cannot share one.
     every = [column for group in columns for column in group]
     if any(not column.targets or column.type != pa.float64() for column in every):

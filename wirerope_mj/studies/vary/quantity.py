@@ -59,7 +59,7 @@ class Entry:
     motions: Sequence[BaseMotion]
 
     def chooses_among(self, *kinds: type) -> bool:
-        """Return whether the distribution is a Choice whose values are exactly of these types."""
+        """Tell whether the distribution is a Choice whose values are exactly of these types."""
         return isinstance(self.distribution, Choice) and all(type(value) in kinds for value in self.distribution.choices)
 
 
@@ -99,12 +99,12 @@ class InputColumn:
 
     @property
     def parts(self) -> "tuple[InputColumn, ...]":
-        """The columns that share one draw; by itself, if it shares none."""
+        """Columns that share one draw; itself if it shares none."""
         return (self,)
 
     @property
     def nature(self) -> str:
-        """How the numbers act: "value", "shift", "factor", "index" or "choice"."""
+        """Effect of the numbers: "value", "shift", "factor", "index" or "choice"."""
         return "factor" if self.relative else self.acts
 
     @property
@@ -120,7 +120,7 @@ class InputColumn:
 
     @classmethod
     def existing(cls, system: System) -> dict[str, bool]:
-        """Return what there is of what varies: by name, whether it is a stop, which * leaves out where it means others."""
+        """Return the names that can vary, each with whether it is a stop, which * leaves out if other names match."""
         raise NotImplementedError
 
     @classmethod
@@ -133,7 +133,7 @@ class InputColumn:
 
     @classmethod
     def matching(cls, entry: Entry, pattern: str) -> list[str]:
-        """Return what the parts of a pattern match; a part that matches isolators as well as stops, as * does, means those."""
+        """Return the names that match a pattern's parts; one that matches isolators and stops, as * does, means isolators."""
         matches: list[str] = []
         existing = cls.existing(entry.system)
         for part in parts_of(pattern, existing):
@@ -157,7 +157,7 @@ class InputColumn:
         return tuple(cls(name=name, targets=part, key=entry.key, relative=distribution.relative) for name, part in groups)
 
     def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
-        """Return what the model says of the quantity, one value for each target; empty where it says nothing.
+        """Return the values in the model, one for each target; empty where it has none.
 
         Of a shift it is the position that is shifted, of a factor the value that is multiplied: [m], [kg], SI, [deg].
         """
@@ -165,28 +165,28 @@ class InputColumn:
         return [value for value in values if value is not None]
 
     def nominal_of(self, system: System, target: str) -> Any:
-        """Return what the model says of one target; None where it says no one number."""
+        """Return the value of one target in the model; None where it is not one number."""
         return None
 
     def nominal_text(self, system: System) -> str:
         return nominal_text(self.nominal(system), self.model_unit)
 
     def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value of the column into a variant; ValueError if it can be none."""
+        """Apply a value of the column to a variant; ValueError if it is invalid."""
         raise NotImplementedError
 
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
-        """Return whether all values are valid; False says nothing. Parameters of laws go into `draft`, which checks them."""
+        """Tell whether all values are valid; False means unknown. Law parameters go into `draft`, which checks them."""
         if not self.bounds:
             return False
         return bool(np.isfinite(values).all()) and (self.bounds == "finite" or bool(values.min() > 0.0))
 
     def moved(self, system: System, values: AnyArray) -> Booleans:
-        """Return in which variants something stands elsewhere than in the model."""
+        """Tell in which variants something has another position than in the model."""
         return np.zeros(len(values), dtype=np.bool_)
 
     def warnings(self, system: System, values: Array) -> list[str]:
-        """Return messages if the sampled values look like another kind than the name says."""
+        """Return warnings if the sampled values look like another kind than the name says."""
         return []
 
 
@@ -288,12 +288,12 @@ def without_force(isolator: Isolator) -> Isolator:
 
 
 def parts_of(pattern: str, existing: Collection[str]) -> list[str]:
-    """Return the parts of a pattern "m01,m04"; a name that exists is one part whatever is in it."""
+    """Split a pattern "m01,m04" into its parts; an existing name is one part whatever it contains."""
     return [pattern] if pattern in existing else pattern.split(",")
 
 
 def nominal_text(values: Sequence[Any], unit: str) -> str:
-    """Return nominal values as a cell: "0.35 m", "0.2 to 0.9 m", "True"; "-" where there are none."""
+    """Format nominal values for a cell: "0.35 m", "0.2 to 0.9 m", "True"; "-" where there are none."""
     numbers = np.concatenate([np.ravel(value) for value in values]) if values else np.empty(0)
     if numbers.size == 0:
         return "-"

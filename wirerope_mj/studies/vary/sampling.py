@@ -75,7 +75,7 @@ def _require_memory(variants: int, columns: int) -> None:
 
 
 def values_at(quantity: Quantity, points: Array) -> list[AnyArray]:
-    """Return the values of a quantity's columns from numbers between 0 and 1, (n, n_columns)."""
+    """Return the values of a quantity's columns at numbers between 0 and 1, (n, n_columns)."""
     distribution = quantity.distribution
     if not isinstance(distribution, Specimens):
         return [distribution.values(column) for column in points.T]
@@ -88,7 +88,7 @@ def values_at(quantity: Quantity, points: Array) -> list[AnyArray]:
 
 
 def sampled(isolator: Isolator, normals: Array) -> Array:
-    """Return the parameters of specimens from an isolator's spread, (n, n_parameters), from as many standard normals."""
+    """Draw specimens' parameters from an isolator's spread, (n, n_parameters), by as many standard normals."""
     mean, root = _joint(isolator)
     # Sums in one order, so that a value has the same bits however many variants there are, and those of its twin.
     return np.asarray(mean + sum(normals[:, [k]] * root[k] for k in range(mean.size)))
@@ -143,7 +143,7 @@ def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str)
 
 
 def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
-    """Return the factors, whose indices are found, with the indices of their columns among all columns.
+    """Return the factors for which indices are computed, with the indices of their columns among all columns.
 
     A factor is one quantity with all its columns, or what bears the same `group`.
     """
@@ -157,7 +157,7 @@ def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
 
 
 def base_rows(variants: int, n_factors: int) -> int:
-    """Return the number n of base rows of n (factors + 2) variants.
+    """Return the number n of base rows in n (factors + 2) variants.
 
     ValueError if n is not a power of two; says which numbers of variants are near.
     """
@@ -204,7 +204,7 @@ _UNTESTED = ("catalogue", "estimated")  # kinds of isolators whose scatter is no
 
 
 def rank(spread: Spread) -> int:
-    """Return in how many independent directions the parameters scatter; of n specimens that is n - 1 at most."""
+    """Return the number of independent directions in which parameters scatter; of n specimens at most n - 1."""
     covariance = np.array(spread.covariance)
     sizes = np.sqrt(np.diag(covariance))
     kept = sizes > 0.0
@@ -213,13 +213,13 @@ def rank(spread: Spread) -> int:
 
 
 def known_specimens(spread: Spread) -> int | None:
-    """Return of how many specimens the covariance is; None if of full rank, so of any number above that, or calibrated."""
+    """Return the number of specimens behind a covariance; None if calibrated or of full rank, hence of any larger number."""
     directions = rank(spread)
     return directions + 1 if directions < len(spread.parameters) and not spread.calibrated else None
 
 
 def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float, float]:
-    """Return by which factors the true standard deviation may differ from that of some specimens, lower and upper bound.
+    """Return the lower and upper bound of the true standard deviation over that of some specimens.
 
     (n - 1) s^2 / sigma^2 of n normal specimens is chi-squared with n - 1 degrees of freedom.
     """
@@ -230,7 +230,7 @@ def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float
 
 
 def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
-    """Return for every isolator whose specimens vary how well their scatter is known at all."""
+    """Return for every isolator with varied specimens how accurately their scatter is known."""
     isolators = {
         isolator.name: isolator
         for quantity in quantities
@@ -261,7 +261,7 @@ def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
 
 
 def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> Isolator:
-    """Return the isolator that as many other specimens of the same make might have given.
+    """Draw the isolator that as many other specimens of the same make might have given.
 
     They are sampled from the isolator's own spread; their mean and covariance replace parameters and spread. Studies with
     several seeds show how far a result hangs on the specimens that happened to be tested (a parametric bootstrap).

@@ -36,12 +36,12 @@ class Variants:
 
 @once_per_system
 def _writer(system: System) -> Numbers:
-    """Make the writer of the numbers of a system's variants; once."""
+    """Make the writer of the numbers of a system's variants, once per system."""
     return Numbers(system, equations(system))
 
 
 def variants_of(work: Work, rows: Sequence[Entries]) -> Variants:
-    """Return the variants that have the structure of the study's system and are valid."""
+    """Return the valid variants that have the structure of the study's system."""
     system, make = work.system, Maker(work.system, work.motions, work.columns)
     table = pa.table({column.name: [row[column.name] for row in rows] for column in work.columns})
     valid = systems_valid(system, work.columns, table)
@@ -93,7 +93,7 @@ _Laws = dict[object, tuple[Array, tuple[float, ...], _Forms]]
 
 
 def _plain(draft: Draft) -> bool:
-    """Return whether only parameters of laws vary, of isolators that act as written."""
+    """Tell whether only parameters of laws vary, of isolators that act as written."""
     mounts = draft.system.mounts
     return not draft.isolators and all(
         mounts[mount].written.conditioned is mounts[mount].written and all(part in AXES for part, _ in parameters)
@@ -102,7 +102,7 @@ def _plain(draft: Draft) -> bool:
 
 
 def _write_isolator(system: System, mount: str, isolator: Isolator, numbers: Array, rates: Array, written: _Written) -> bool:
-    """Write an isolator to the numbers of the equations and to the laws' rates; returns whether it has their structure."""
+    """Write an isolator to the numbers of the equations and to the laws' rates; tells whether it has their structure."""
     key = (mount, id(isolator))
     if key not in written:
         acting, first = isolator.conditioned, 3 * list(system.mounts).index(mount)
@@ -117,7 +117,7 @@ def _write_isolator(system: System, mount: str, isolator: Isolator, numbers: Arr
 
 
 def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None:
-    """Write other parameters of laws, known to be valid, to the numbers of the equations and to the laws' rates."""
+    """Write new, valid parameters of laws to the numbers of the equations and to the laws' rates."""
     system, writer, gone = draft.system, _writer(draft.system), draft.gone
     for number, (mount, written) in enumerate(system.mounts.items()):
         if mount not in draft.parameters or mount in gone:

@@ -159,7 +159,7 @@ Check = Callable[[Row], object]  # Raises an error if one variant is not valid
 def check_variants(
     name: str, system: System, motions: Sequence[BaseMotion], columns: Sequence[InputColumn], inputs: pa.Table
 ) -> None:
-    """Raise ModelError for the first variant of the study `name` that is not valid; says why.
+    """Raise ModelError for the first invalid variant of the study `name`, with the reason.
 
     A StudyWarning says which values look like factors on the model's, or factors and shifts like values.
     """
@@ -192,7 +192,7 @@ def check_variants(
 
 
 def systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Table) -> bool:
-    """Return whether all systems are certainly valid; False says nothing."""
+    """Tell whether all systems are certainly valid; False means unknown."""
     draft = Draft(system=system)
     if not all(column.certainly_valid(draft, block[column.name].to_numpy()) for column in columns if column.targets):
         return False
@@ -212,7 +212,7 @@ def systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Tabl
 
 
 def _motions_valid(system: System, columns: Sequence[InputColumn], block: pa.Table, check: Check) -> bool:
-    """Return whether all base motions are certainly valid, one of each record among them checked; False says nothing."""
+    """Tell whether all base motions are certainly valid, by checking one of each record; False means unknown."""
     values, draft = {column.name: block[column.name].to_numpy() for column in columns}, Draft(system=system)
     if not all(column.certainly_valid(draft, values[column.name]) for column in columns if not column.targets):
         return False

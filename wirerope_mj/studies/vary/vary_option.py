@@ -171,7 +171,7 @@ def _value(name: str, node: ast.expr) -> object:
 
 
 def _signature(kind: str) -> str:
-    """Return how a distribution is written: `Normal(mean, deviation, relative, each, low=, high=)`."""
+    """Return the notation of a distribution: `Normal(mean, deviation, relative, each, low=, high=)`."""
     flags, parts = _flags(kind), []
     for name, parameter in inspect.signature(_KINDS[kind]).parameters.items():
         if parameter.kind is parameter.VAR_POSITIONAL:
