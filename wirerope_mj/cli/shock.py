@@ -45,6 +45,7 @@ def shock(
     unit: str | None = None,
     rotation: Literal["base", "world"] | None = None,
     fade: float | None = None,
+    sensors_at: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     start: float = 0.0,
     duration: float | None = None,
     initial: Literal["settled", "relaxed", "unloaded"] | None = None,
@@ -89,6 +90,7 @@ def shock(
         rotation: of a record with columns of angular rates or accelerations, which then turn the base: base, sensors are fixed
             to it and turn with it, or world.
         fade: of a record: length of a smooth rise at its beginning and fall at its end [s].
+        sensors_at: "0 0 300 mm", place of the sensors of a record that turns the base, from the base's own origin.
         start: instant at which a record begins [s].
         duration: simulated time [s]; by default until ten periods of the slowest mode after the motion, with a sweep until
             its end.
@@ -112,7 +114,7 @@ def shock(
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.quantities import values_with_unit
     from wirerope_mj.foundation.resources import model_source
-    from wirerope_mj.foundation.units import TEMPERATURE_UNITS
+    from wirerope_mj.foundation.units import LENGTH_UNITS, TEMPERATURE_UNITS
     from wirerope_mj.mounts.isolator import at_temperature
     from wirerope_mj.runs.said_motion import listed_phrases, said_motion, with_dwells_found
     from wirerope_mj.runs.scenario import Scenario
@@ -127,7 +129,7 @@ def shock(
     played = {
         "scale": scale, "baseline": baseline, "start": start, "highpass": highpass, "resample": resample, "gaps": gaps,
         "unit": unit, "rotation": rotation, "fade": fade,
-    }  # fmt: skip
+    } | ({} if sensors_at is None else {"sensors_at": values_with_unit(sensors_at, "length", LENGTH_UNITS)})  # fmt: skip
     system = load_system(model_source(model, asker="wirerope shock"))
     devices = None
     if temperature is not None:

@@ -59,6 +59,8 @@ class Played(Simulated):
     unit: Annotated[str | None, example("g")] = None  #: of its samples
     rotation: Annotated[str | None, example("base")] = None  #: axes of columns that turn the base: "base" or "world"
     fade: Annotated[float | None, example(1.0)] = None  #: length of a smooth rise and fall [s]
+    #: place of its sensors from the base's own origin [m], where the base turns
+    sensors_at: Annotated[tuple[float, float, float] | None, example([0.0, 0.0, 0.3])] = None
 
 
 @dataclass(frozen=True, kw_only=True)

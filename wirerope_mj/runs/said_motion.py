@@ -19,7 +19,7 @@ from wirerope_mj.motions.records.record import record_channels
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS, motion_from_phrase, motion_of_levels
 
 # What is said of how a record is played, beside its channels and their directions, as `load_record` takes it.
-PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit", "rotation", "fade")
+PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit", "rotation", "fade", "sensors_at")
 
 
 def listed_phrases(text: str) -> list[str]:

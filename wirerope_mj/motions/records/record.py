@@ -58,6 +58,7 @@ class Record(BaseMotion):
     unit: str | None = None
     rotation: str | None = None
     fade: float | None = None
+    sensors_at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     turning: Turning | None = field(default=None, repr=False)  # how the base turns; None where nothing does
     # what had to be done to the samples, and what looks wrong about them; each begins with the file's name
     warnings: tuple[str, ...] = field(default=(), repr=False)
@@ -68,7 +69,9 @@ class Record(BaseMotion):
 
     @property
     def directions(self) -> Array:
-        """Axes of the world in which a sample is not zero, (n, 3)."""
+        """Axes of the world in which a sample is not zero, all of a base that turns about another point, (n, 3)."""
+        if self.rotates and any(self.sensors_at):
+            return np.eye(3)
         return np.eye(3)[[bool(column.any()) for column in self.samples.T]]
 
     def _derivative(self, t: Array, order: int) -> Array:
@@ -80,6 +83,10 @@ class Record(BaseMotion):
     @property
     def rotates(self) -> bool:
         return self.turning is not None
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        return self.sensors_at
 
     @property
     def end(self) -> float:
@@ -122,6 +129,7 @@ class Record(BaseMotion):
             values["gaps"] = self.gaps
         names = "highpass", "resample", "unit", "rotation", "fade"
         optional = {name: getattr(self, name) for name in names}
+        optional["sensors_at"] = list(self.sensors_at) if any(self.sensors_at) else None
         return values | {name: value for name, value in optional.items() if value is not None}
 
     @cached_property
@@ -134,9 +142,12 @@ class Record(BaseMotion):
             measured = load_record(
                 self.path, channels=self.channels, scale=self.scale, start=self.start, resample=self.resample,
                 gaps=self.gaps, unit=self.unit, rotation=self.rotation, fade=self.fade,
+                sensors_at=self.sensors_at,
             )  # fmt: skip
         start = float(self.time[(self.time.size - measured.time.size) // 2])
-        return replace(measured, start=start, time=measured.time + (start - measured.start))
+        later = start - measured.start
+        turning = measured.turning and replace(measured.turning, time=measured.turning.time + later)
+        return replace(measured, start=start, time=measured.time + later, turning=turning)
 
     @cached_property
     def _piecewise(self) -> PiecewiseLinear:
@@ -147,6 +158,7 @@ def load_record(
     path: str | Path, *, channels: Mapping[str, str | Sequence[float]] | None = None, scale: float = 1.0,
     baseline: str = "none", start: float = 0.0, highpass: float | None = None, resample: float | None = None,
     gaps: str = "refuse", unit: str | None = None, rotation: str | None = None, fade: float | None = None,
+    sensors_at: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> Record:  # fmt: skip
     """Return the base motion that a table or a universal file (dataset 58) holds, on up to three axes at once.
 
@@ -183,9 +195,11 @@ def load_record(
         unit: of the accelerations, in place of what the file says; for a file that does not say it, or says it wrong.
         rotation: of a table, whose columns of angular rates [deg/s, rad/s] or angular accelerations [deg/s^2, rad/s^2] turn the
             base: `"base"`: sensors were fixed to the base and turn with it, accelerometers too, so that gravity in their
-            signals is a constant along z of the world, which a baseline takes off; `"world"`: all axes are the world's. The
-            accelerations are those of the base's own origin. None: as `"base"` if `channels` names a rotation, else without.
+            signals is a constant along z of the world, which a baseline takes off; `"world"`: all axes are the world's. None:
+            as `"base"` if `channels` names a rotation, else without.
         fade: length of a smooth rise at the beginning and fall at the end [s], for a record that was cut out of a longer one.
+        sensors_at: place of the accelerometers from the base's own origin, along its axes as modelled [m]; it matters where the
+            base turns.
 
     Raises:
         RecordError: the file does not hold a usable record; the message names the line.
@@ -201,6 +215,13 @@ def load_record(
     rotation = _checked_rotation(rotation, directions)
     if fade is not None and highpass is not None:
         raise ValueError('`fade` and the baseline "highpass" exclude each other: the filter lengthens the record by rest.')
+    place = tuple(finite("sensors_at", value) for value in sensors_at)
+    if len(place) != 3:
+        raise ValueError(f"`sensors_at` must be three lengths, got {place!r}.")
+    if rotation is None and any(place):
+        raise ValueError(
+            '`sensors_at` matters where the base turns, and no channel turns it: rotation="base" (--rotation base).'
+        )
     file = Path(path).absolute()
 
     fill = gaps == "fill"
@@ -248,6 +269,7 @@ def load_record(
     return Record(
         path=file, time=time, samples=samples, channels=directions, scale=scale, baseline=baseline, start=start,
         highpass=highpass, resample=rate, gaps=gaps, unit=unit, rotation=rotation, fade=fade, turning=turning,
+        sensors_at=(place[0], place[1], place[2]),
         warnings=tuple(f"{file.name}: {message}" for message in messages),
     )  # fmt: skip
 
