@@ -19,10 +19,9 @@ from wirerope_mj.motions.spectrum_match import FINE_PER_OCTAVE, interpolated
 SAMPLES_PER_PERIOD = 20.0  # samples in a period of the highest frequency: twice what ISO 18431-4 asks for
 STRONG = 0.25  # of the peak: strong motion lasts from the first to the last instant above, as IEEE 344 has it
 ENERGY = 0.05, 0.95  # of the integral of the squared acceleration (Arias), between which the motion is significant
-SEGMENTS = 10  # that the strong motion is cut into, end to end, for the coherence
-# of a segment by which the next one is later. Of motions made of lines the relative phase of two lines turns from segment to
-# segment: at a tenth it turns by less than half a turn for lines up to five resolutions apart, and averages out.
-ADVANCE = 0.1
+# lengths of a segment in the strong motion: the largest coherence of noise that is independent is then about 0.3. Fewer
+# averages read a chance coherence: of one segment it is 1, whatever the motions.
+SEGMENTS = 12
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -86,8 +85,8 @@ def achieved_spectra(motion: BaseMotion, *, until: float = math.inf) -> tuple[Ac
 def axis_pairs(motion: BaseMotion, spectra: Sequence[AchievedSpectrum], *, until: float = math.inf) -> tuple[AxisPair, ...]:
     """Compute how far the directions of the required spectra are independent; `spectra` are those of `achieved_spectra`.
 
-    Coherence by Welch's method: Hann windows over a tenth of the time while both are significant, nine tenths overlapping.
-    A motion that is too short for ten periods of its lowest frequency tells nothing, and has no pair.
+    Coherence by Welch's method: Hann windows over a twelfth of the time while both are significant, half overlapping.
+    A motion that is too short for twelve periods of its lowest frequency tells nothing, and has no pair.
     """
     pairs = []
     histories = list(zip(_histories(motion, until), spectra, strict=True))
@@ -103,8 +102,7 @@ def axis_pairs(motion: BaseMotion, spectra: Sequence[AchievedSpectrum], *, until
             continue
         a, b = x[rows] - x[rows].mean(), y[rows] - y[rows].mean()
         function = scipy.signal.correlate(a, b, method="fft") / math.sqrt(float(a @ a) * float(b @ b))
-        overlap = length - max(round(ADVANCE * length), 1)
-        frequency, coherence = scipy.signal.coherence(a, b, fs=1.0 / step, nperseg=length, noverlap=overlap)
+        frequency, coherence = scipy.signal.coherence(a, b, fs=1.0 / step, nperseg=length)
         band = np.flatnonzero((frequency >= low) & (frequency <= high))
         row = band[int(np.argmax(coherence[band]))]
         pairs.append(AxisPair(

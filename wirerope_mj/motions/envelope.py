@@ -83,7 +83,7 @@ def random_phases(seed: int, count: int) -> Array:
 
     They are made here from the raw bits of PCG64, whose stream is fixed; NumPy's distributions may change.
     """
-    return 2 * np.pi * _uniform(seed, count)
+    return 2 * np.pi * uniform_numbers(seed, count)
 
 
 def random_amplitudes(seed: int, count: int) -> Array:
@@ -92,9 +92,10 @@ def random_amplitudes(seed: int, count: int) -> Array:
     With phases of `random_phases` they make sines and cosines of normal distribution: A = sqrt(-ln(1 - U)), U from 0 to 1
     being the numbers of the stream that follow those of the phases.
     """
-    return np.sqrt(-np.log1p(-_uniform(seed, 2 * count)[count:]))
+    return np.sqrt(-np.log1p(-uniform_numbers(seed, 2 * count)[count:]))
 
 
-def _uniform(seed: int, count: int) -> Array:
+def uniform_numbers(seed: int, count: int) -> Array:
+    """Draw numbers from 0 to 1, (count,)."""
     bits = np.random.PCG64(seed).random_raw(count)
     return 2.0**-53 * (bits >> np.uint64(11)).astype(float)

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
+from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, uniform_numbers, usual_ramp
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, lasting
 from wirerope_mj.motions.psd_lines import Points, checked_points, spectrum_points
@@ -31,15 +31,22 @@ LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies a
 SPACING_PER_DAMPING = 1.2
 LEAST_DAMPING = 0.01  # smallest damping ratio of a spectrum that is matched; those of earthquakes are for 2 % to 10 %
 SAMPLES_PER_PERIOD = 20  # samples in a period of the highest frequency: twice what the spectrum asks for
-OF_A_SAMPLE = 48  # bytes of a line at an instant: its sine and cosine, both lines and what they are made of
+OF_A_SAMPLE = 16  # bytes of a line at an instant: its sine and cosine
 ITERATIONS = 60  # corrections after which the search ends; most targets take 2 to 22
 # added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
 # ten times as much or a tenth the search was seen to take two or three times as many corrections.
 REGULARISATION = 1e-3
-# lines of different seeds lie apart by these fractions of the distance between two, so that motions along different axes have
-# no line in common: lines of one frequency would be coherent whatever their phases. Seed 1 has the first, 2 the second.
+# largest distance of the lines in units of 1 over the length of the motion, ramps counted half. Lines that are much farther
+# apart than a coherence resolves keep their relative phases from segment to segment: axes look coherent which are not.
+APART = 6.0
+# lines of different seeds lie at random in different thirds of the distance between two, so that motions along different axes
+# have no line in common: lines of one frequency would be coherent whatever their phases. Seed 1 has the first, 2 the second.
 SHIFTS = (0.0, 1 / 3, -1 / 3)
-FORGOTTEN = 1e-6  # fraction of an impulse response below which it does not matter for a correction
+SCALINGS = 6  # corrections at the beginning by which every line is scaled as the oscillators beside it need
+LARGEST_CORRECTION = 0.3  # relative excess that is removed at once: beyond, the response is not linear enough
+FORGOTTEN = 1e-3  # fraction of an impulse response below which it does not matter for a correction
+RIGID = 1e6  # natural frequency that stands for a rigid oscillator, over the highest of the comparison
+AMPLIFIED = 1.25  # least highest level over the last one of a spectrum that states its zero-period acceleration
 
 
 def too_steep(frequencies: Array, target: Array, damping: float) -> str:
@@ -65,6 +72,12 @@ def too_steep(frequencies: Array, target: Array, damping: float) -> str:
         f"steady sine of {frequencies[high]:.4g} Hz sets oscillators there no more than {possible_db:.3g} dB apart. Make that "
         "flank less steep."
     )
+
+
+def zero_period_level(points: Points) -> float:
+    """Find the zero-period acceleration [m/s^2] of a spectrum that ends level, below its highest; 0: it states none."""
+    (_, before), (_, last) = points[-2:]
+    return last if math.isclose(before, last, rel_tol=1e-3) and AMPLIFIED * last <= max(level for _, level in points) else 0.0
 
 
 _PHRASE: Entries = {
@@ -128,17 +141,19 @@ def match_spectrum(
 ) -> SpectrumMatch:  # fmt: skip
     """Return a base motion whose response spectrum is the target within the tolerance.
 
-    The motion is a sum of sines, twelve to an octave (more for damping below 5 %), with random phases between a smooth
-    rise and fall, so that base velocity and displacement start and end at zero. Of three consecutive seeds no two have a line
-    in common, so that motions along x, y and z are independent. Sines and cosines are corrected together
+    The motion is a sum of sines with random phases between a smooth rise and fall, so that base velocity and displacement start
+    and end at zero: at least twelve to an octave (more for damping below 5 %), and so many more that they lie closer than six
+    over the motion's length, each at random within its part of the band. Of three consecutive seeds no two have a line in
+    common, so that motions along x, y and z are independent. Sines and cosines are corrected together
     by the smallest change that, to first order, moves the largest response of every oscillator to its target at the
     instant where it occurs, until all spectral values are within the tolerance (the idea of Lilhanand and Tseng, with the
-    motion's own lines for wavelets).
+    motion's own lines for wavelets). A target that ends level, below its highest level, states its zero-period acceleration:
+    the motion's peak is then corrected as well, to no less than that; where both cannot be met, the spectrum alone.
     The tolerance holds at the frequencies of the comparison and on both sides of the target; between them the spectrum of the
     motions seen left it by up to 10 %, a few by 15 %. So this is no envelope: where a standard asks for one, scale the motion
     by 1/(1 - largest_mismatch), or by more where it judges between those frequencies too.
-    Above the last frequency the spectrum falls to the motion's largest acceleration, 0.6 to 0.7 of a rigid plateau that
-    ends there. Let the target go on to the highest frequency that matters.
+    Above the last frequency the spectrum falls to the motion's largest acceleration. Let the target go on to the highest
+    frequency that matters.
 
     Args:
         target: points (frequency [Hz], absolute acceleration [m/s^2]), straight on logarithmic axes between them.
@@ -167,19 +182,32 @@ def match_spectrum(
     integer("seed", seed, least=0)
     length = ranges.length("duration", duration)
     frequencies, wanted = interpolated(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * float(damping))))
-    shift = SHIFTS[(seed - 1) % len(SHIFTS)]
-    lines = frequencies * (frequencies[1] / frequencies[0]) ** shift if shift else frequencies
+    octave = math.log(frequencies[1] / frequencies[0])
+    first, last = (usual_ramp(n, v, lowest=float(frequencies[0]), duration=length) for n, v in (("rise", rise), ("fall", fall)))
+    spacing = APART / (length - 0.5 * (first + last))
+    # number of a line from the lowest frequency on, ln(f) / octave + f / spacing, which Wright's omega function inverts
+    ends = np.log(frequencies[[0, -1]]) / octave + frequencies[[0, -1]] / spacing
+    number = np.linspace(*ends, math.ceil(ends[1] - ends[0]) + 1)
+    number += SHIFTS[(seed - 1) % len(SHIFTS)] + (uniform_numbers(seed, 2 * number.size)[number.size :] - 0.5) / len(SHIFTS)
+    lines = spacing / octave * scipy.special.wrightomega(octave * number + math.log(octave / spacing))
     first, last = (usual_ramp(n, v, lowest=float(lines[0]), duration=length) for n, v in (("rise", rise), ("fall", fall)))
     check_room(length, first, last)
 
     count = (length + 1 / frequencies[0]) * SAMPLES_PER_PERIOD * frequencies[-1]
     require_memory(
-        f"matching a spectrum of {frequencies.size} lines over {length:.4g} s up to {frequencies[-1]:.4g} Hz",
-        OF_A_SAMPLE * count * frequencies.size,
+        f"matching a spectrum by {lines.size} lines over {length:.4g} s up to {frequencies[-1]:.4g} Hz",
+        OF_A_SAMPLE * count * lines.size,
         "Use a shorter `duration`: an earthquake lasts some 20 s; or end the target at a lower frequency.",
     )
     envelope = Envelope(start=0.0, stop=length, rise=first, fall=last)
-    amplitudes, achieved, iterations = _Matching(frequencies, wanted, float(damping), envelope, lines).run(seed, tolerance)
+    try:
+        peak = zero_period_level(points)
+        found = _Matching(frequencies, wanted, float(damping), envelope, lines, peak).run(seed, tolerance)
+    except ConvergenceError:
+        if not peak:
+            raise
+        found = _Matching(frequencies, wanted, float(damping), envelope, lines, 0.0).run(seed, tolerance)
+    amplitudes, achieved, iterations = found
     phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * lines * ranges.start("start", start)
     motion = VibrationLines(
         acceleration=list(zip(lines.tolist(), np.hypot(*amplitudes).tolist(), strict=True)),
@@ -211,62 +239,87 @@ class _Matching:
     than these sums take.
     """
 
-    def __init__(self, frequencies: Array, target: Array, damping: float, envelope: Envelope, lines: Array) -> None:
-        self.frequencies, self.target, self.damping = frequencies, target, damping
+    def __init__(
+        self, frequencies: Array, target: Array, damping: float, envelope: Envelope, lines: Array, peak: float
+    ) -> None:
+        """`peak` is the least acceleration that the base must reach [m/s^2]; 0: it need reach none."""
+        self.frequencies, self.damping, self.lines, self.rigid = frequencies, damping, lines, peak > 0.0
+        # the base itself is an oscillator of a frequency so high that its filter is 1
+        self.target = np.append(target, peak) if self.rigid else target
+        naturals = np.append(frequencies, RIGID * frequencies[-1]) if self.rigid else frequencies
         step = 1 / (SAMPLES_PER_PERIOD * frequencies[-1])
         # Oscillators may answer most after the end: they are watched for a period of the lowest.
         self.time = step * np.arange(math.ceil((envelope.stop + 1 / frequencies[0]) / step) + 1.0)
         # of unit sines and of unit cosines, as `VibrationLines` makes them, (2 n, n_t)
         factor, first, second = envelope.derivatives(self.time)
-        omega = 2 * np.pi * lines[:, np.newaxis]
-        sine, cosine = np.sin(omega * self.time), np.cos(omega * self.time)
-        of_sines = factor * sine - 2 * first * cosine / omega - second * sine / omega**2
-        of_cosines = factor * cosine + 2 * first * sine / omega - second * cosine / omega**2
-        self.lines = np.concatenate([of_sines, of_cosines])
+        self.units = np.empty((2, lines.size, self.time.size))
+        for of_sine, of_cosine, omega in zip(*self.units, 2 * np.pi * lines, strict=True):
+            sine, cosine = np.sin(omega * self.time), np.cos(omega * self.time)
+            of_sine[:] = factor * sine - 2 * first * cosine / omega - second * sine / omega**2
+            of_cosine[:] = factor * cosine + 2 * first * sine / omega - second * cosine / omega**2
+        self.units = self.units.reshape(2 * lines.size, -1)
         self.filters = []  # ramp-invariant, of the oscillators' absolute acceleration (Smallwood 1981, ISO 18431-4)
-        for natural in (2 * math.pi * frequencies).tolist():
+        for natural in (2 * math.pi * naturals).tolist():
             decay, angle = math.exp(-damping * natural * step), natural * step * math.sqrt(1 - damping**2)
             c, s = decay * math.cos(angle), decay * math.sin(angle) / angle
             self.filters.append(([1 - s, 2 * (s - c), decay**2 - s], [1.0, -2 * c, decay**2]))
         impulse = np.zeros(self.time.size)
         impulse[0] = 1.0
-        reach = -math.log(FORGOTTEN) / (2 * np.pi * frequencies * damping * step)
+        reach = -math.log(FORGOTTEN) / (2 * np.pi * naturals * damping * step)
         lengths = [math.ceil(length) + 1 for length in reach]
         pairs = zip(self.filters, lengths, strict=True)
         self.impulses = [scipy.signal.lfilter(*coefficients, impulse[:length]) for coefficients, length in pairs]
 
     def run(self, seed: int, tolerance: float) -> tuple[Array, Array, int]:
         """Return the amplitudes of sine and cosine (2, n), the spectrum (n,) and the number of corrections."""
-        phases = random_phases(seed, self.frequencies.size)
-        q = np.concatenate([self.target * np.cos(phases), self.target * np.sin(phases)])
+        phases = random_phases(seed, self.lines.size)
+        amplitudes = self.at_lines(self.target[: self.frequencies.size]) * np.sqrt(np.gradient(np.log(self.lines)))
+        q = np.concatenate([amplitudes * np.cos(phases), amplitudes * np.sin(phases)])
         q *= np.median(self.target / np.abs(self.peaks(q)[1]))
         best = math.inf
         for iteration in range(ITERATIONS + 1):
             instants, values = self.peaks(q)
-            excess = np.abs(values) / self.target - 1
+            excess = self.excess(values)
             worst = int(np.argmax(np.abs(excess)))
             if abs(excess[worst]) <= tolerance:
                 achieved = self.spectrum(q)
-                if np.abs(achieved / self.target - 1).max() <= tolerance:
-                    return q.reshape(2, -1), achieved, iteration
+                if np.abs(self.excess(achieved)).max() <= tolerance:
+                    return q.reshape(2, -1), achieved[: self.frequencies.size], iteration
             if abs(excess[worst]) < best:
                 best, farthest, reached = float(abs(excess[worst])), worst, float(abs(values[worst]))
-            q -= self.correction(q, instants, np.sign(values), excess)
-        steep = too_steep(self.frequencies, self.target, self.damping)
+            if iteration < SCALINGS:
+                q *= np.tile(self.at_lines(1 / (1 + excess[: self.frequencies.size])), 2)
+            else:
+                limited = np.clip(excess, -LARGEST_CORRECTION, LARGEST_CORRECTION)
+                q -= self.correction(q, instants, np.sign(values), limited)
+        steep = too_steep(self.frequencies, self.target[: self.frequencies.size], self.damping)
+        where = f"at {self.frequencies[farthest]:.4g} Hz" if farthest < self.frequencies.size else "in its peak"
         raise ConvergenceError(
             f"no motion of these lines meets the target within {100 * tolerance:.3g} %; the best of {ITERATIONS} corrections "
-            f"was {100 * best:.3g} % away, farthest at {self.frequencies[farthest]:.4g} Hz: {reached:.4g} m/s^2 instead of "
+            f"was {100 * best:.3g} % away, farthest {where}: {reached:.4g} m/s^2 instead of "
             f"{self.target[farthest]:.4g}. " + (steep or "Try another `seed`, a longer `duration` or a larger `tolerance`.")
         )
 
+    def at_lines(self, values: Array) -> Array:
+        """Interpolate values at the frequencies of the comparison (n,) to the lines, (n_lines,)."""
+        return np.interp(np.log(self.lines), np.log(self.frequencies), values)
+
+    def excess(self, values: Array) -> Array:
+        """Compute the relative excess of responses over the target, (n,); of the base's peak only what it lacks."""
+        excess = np.abs(values) / self.target - 1
+        if self.rigid:
+            excess[-1] = min(excess[-1], 0.0)
+        return excess
+
     def acceleration(self, q: Array) -> Array:
         """Return the base's acceleration for the amplitudes (2 n,), (n_t,)."""
-        return np.einsum("j,jt->t", q, self.lines)
+        return np.einsum("j,jt->t", q, self.units)
 
     def spectrum(self, q: Array) -> Array:
-        """Return the response spectrum of the amplitudes (2 n,), (n,)."""
-        quality = 1 / (2 * self.damping)
-        return shock_response_spectrum(self.time, self.acceleration(q), self.frequencies, q=quality).maximax
+        """Return the response spectrum of the amplitudes (2 n,), and the base's peak behind it where that counts, (n,)."""
+        history = self.acceleration(q)
+        spectrum = shock_response_spectrum(self.time, history, self.frequencies, q=1 / (2 * self.damping)).maximax
+        return np.append(spectrum, np.abs(history).max()) if self.rigid else spectrum
 
     def peaks(self, q: Array) -> tuple[list[int], Array]:
         """Return the sample of the largest response of every oscillator, and that response, refined by a parabola, (n,)."""
@@ -285,12 +338,12 @@ class _Matching:
 
     def correction(self, q: Array, instants: list[int], signs: Array, excess: Array) -> Array:
         """Return the smallest change of the amplitudes (2 n,) that removes the relative excess (n,), to first order."""
-        gains = np.empty((self.frequencies.size, q.size))
+        gains = np.empty((self.target.size, q.size))
         for row, impulse, instant, sign in zip(gains, self.impulses, instants, signs, strict=True):
             first = max(instant + 1 - impulse.size, 0)
             kernel = impulse[: instant + 1 - first][::-1].copy()
-            row[:] = sign * np.einsum("jt,t->j", self.lines[:, first : instant + 1], kernel)
+            row[:] = sign * np.einsum("jt,t->j", self.units[:, first : instant + 1], kernel)
         size = np.tile(np.hypot(*q.reshape(2, -1)), 2)
         gains *= size / self.target[:, np.newaxis]
-        normal = np.einsum("ij,kj->ik", gains, gains) + REGULARISATION * np.eye(self.frequencies.size)
+        normal = np.einsum("ij,kj->ik", gains, gains) + REGULARISATION * np.eye(self.target.size)
         return size * np.einsum("ij,i->j", gains, np.linalg.solve(normal, excess))
