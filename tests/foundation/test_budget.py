@@ -113,7 +113,7 @@ def test_a_study_is_refused_by_the_time_of_its_variants():
 
 
 def test_matching_a_spectrum_is_refused_by_lines_and_samples():
-    with pytest.raises(BudgetError, match="matching a spectrum of 60 lines over 1e.07 s"):
+    with pytest.raises(BudgetError, match=r"matching a spectrum by \d+ lines over 1e.07 s"):
         match_spectrum([(1.0, 3.0), (30.0, 3.0)], duration=1e7, seed=1, direction="z")
 
 

@@ -112,6 +112,7 @@ def test_a_flank_that_no_motion_has_is_named_with_its_figures():
         ({"damping": 1.0}, "`damping` must be at least 0.01 .* and below 1, got 1.0"),
         ({"tolerance": 0.0}, "`tolerance` must be > 0, got 0.0"),
         ({"duration": 0.5}, "`duration` must leave room for rise and fall"),
+        ({"duration": 0.3}, "`duration` must leave room for rise and fall"),
         ({"rise": 0.1}, "`rise` must be at least one period"),
         ({"seed": -1}, "`seed` must be an integer"),
         ({"direction": "w"}, "`direction` must be"),

@@ -72,7 +72,8 @@ def random_blocks(run: JudgedRun) -> Iterator[Block]:
     yield Table(
         "transmissibility", "Transmissibility under random vibration", columns, rows,
         note="Transmissibility: root of the ratio of the densities of payload and base along the axis; it isolates from where "
-        "the ratio falls below 1 and stays there, up to the highest frequency of the base.",
+        "the ratio falls below 1 and stays there, up to the highest frequency of the base, interpolated between lines that are "
+        f"{with_unit(next(iter(run.spectra.densities.values()))[BASE].resolution, 'Hz')} apart.",
     )  # fmt: skip
     yield _bands(run)
     yield Chart(

@@ -182,23 +182,23 @@ def match_spectrum(
     integer("seed", seed, least=0)
     length = ranges.length("duration", duration)
     frequencies, wanted = interpolated(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * float(damping))))
-    octave = math.log(frequencies[1] / frequencies[0])
-    first, last = (usual_ramp(n, v, lowest=float(frequencies[0]), duration=length) for n, v in (("rise", rise), ("fall", fall)))
-    spacing = APART / (length - 0.5 * (first + last))
-    # number of a line from the lowest frequency on, ln(f) / octave + f / spacing, which Wright's omega function inverts
-    ends = np.log(frequencies[[0, -1]]) / octave + frequencies[[0, -1]] / spacing
-    number = np.linspace(*ends, math.ceil(ends[1] - ends[0]) + 1)
-    number += SHIFTS[(seed - 1) % len(SHIFTS)] + (uniform_numbers(seed, 2 * number.size)[number.size :] - 0.5) / len(SHIFTS)
-    lines = spacing / octave * scipy.special.wrightomega(octave * number + math.log(octave / spacing))
-    first, last = (usual_ramp(n, v, lowest=float(lines[0]), duration=length) for n, v in (("rise", rise), ("fall", fall)))
+    ramps = ("rise", rise), ("fall", fall)
+    first, last = (usual_ramp(name, value, lowest=float(frequencies[0]), duration=length) for name, value in ramps)
     check_room(length, first, last)
-
+    # number of a line, ln(f) / ratio + f / spacing, which Wright's omega function inverts
+    ratio, spacing = math.log(frequencies[1] / frequencies[0]), APART / (length - 0.5 * (first + last))
+    begin, end = (math.log(f) / ratio + f / spacing for f in (float(frequencies[0]), float(frequencies[-1])))
+    size = math.ceil(end - begin) + 1
     count = (length + 1 / frequencies[0]) * SAMPLES_PER_PERIOD * frequencies[-1]
     require_memory(
-        f"matching a spectrum by {lines.size} lines over {length:.4g} s up to {frequencies[-1]:.4g} Hz",
-        OF_A_SAMPLE * count * lines.size,
+        f"matching a spectrum by {size} lines over {length:.4g} s up to {frequencies[-1]:.4g} Hz",
+        OF_A_SAMPLE * count * size,
         "Use a shorter `duration`: an earthquake lasts some 20 s; or end the target at a lower frequency.",
     )
+    number = np.linspace(begin, end, size) + SHIFTS[(seed - 1) % len(SHIFTS)]
+    number += (uniform_numbers(seed, 2 * size)[size:] - 0.5) / len(SHIFTS)
+    lines = spacing / ratio * scipy.special.wrightomega(ratio * number + math.log(ratio / spacing))
+    first, last = (usual_ramp(name, value, lowest=float(lines[0]), duration=length) for name, value in ramps)
     envelope = Envelope(start=0.0, stop=length, rise=first, fall=last)
     try:
         peak = zero_period_level(points)
