@@ -12,8 +12,9 @@ from shown import cells_of, cells_to_show, missing_rows, printed_by
 
 from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.blocks import Chart, Statement, short
+from wirerope_mj.content.first_sheet import panel_over_frequency
 from wirerope_mj.content.numbers import number
-from wirerope_mj.content.run import panel_over_frequency, run_content
+from wirerope_mj.content.run import run_content
 from wirerope_mj.content.selection import main_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.scenario import shipped_scenarios

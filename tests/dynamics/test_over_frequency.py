@@ -6,8 +6,8 @@ from house import sdof
 from recordings import column, entities
 
 import wirerope_mj as wr
+from wirerope_mj.content.first_sheet import panel_over_frequency
 from wirerope_mj.content.judged_run import judged_run
-from wirerope_mj.content.run import panel_over_frequency
 from wirerope_mj.views.recording.record import record_run
 
 G = wr.STANDARD_GRAVITY

@@ -5,7 +5,7 @@ import itertools
 import pytest
 
 from wirerope_mj.content.selection import numbered
-from wirerope_mj.views.colours import DARK, LIGHT, Colours
+from wirerope_mj.views.colours import DARK, LIGHT, Colours, hexadecimal, used_colour
 from wirerope_mj.views.recording.drawn_runs import COLORS
 
 coloraide = pytest.importorskip("coloraide")
@@ -49,3 +49,10 @@ def test_a_name_has_one_colour_and_those_of_one_group_differ():
     assert [numbers[name] for name in "abc"] == [0, 1, 2]
     for group in ("abc", "cde", "afg", "hab"):
         assert len({numbers[name] for name in group}) == 3
+
+
+def test_utilisations_are_blue_up_to_their_limit_and_red_beyond():
+    colours = [used_colour(value) for value in (0.0, 0.5, 1.0, 1.001, 7.0)]
+    assert len(set(colours)) == 4
+    assert colours[2] == hexadecimal(LIGHT.series[0])
+    assert colours[3] == colours[4] == hexadecimal(LIGHT.limit)

@@ -54,7 +54,7 @@ def test_the_report_reads_its_curves_at_the_pointer_and_fits_the_screen(browser,
         chart = page.locator("svg.chart").first
         chart.scroll_into_view_if_needed()
         box = chart.bounding_box()
-        page.mouse.move(box["x"] + 0.4 * min(box["width"], width), box["y"] + 0.4 * box["height"])
+        page.mouse.move(box["x"] + 0.2 * min(box["width"], width), box["y"] + 0.4 * box["height"])
         assert reading.is_visible()
         assert len(reading.inner_text().splitlines()) >= 2
 

@@ -145,13 +145,30 @@ def test_every_run_folder_holds_a_report_of_well_formed_html(page):
     assert schemes == ["light dark"]
 
 
+def test_the_first_sheet_draws_each_criterion_as_a_bar_and_the_worst_instant(page, finished):
+    content = run_content(finished)
+    (table,) = [block for block in content.blocks("headline") if getattr(block, "id", "") == "criteria"]
+    used = [row[2].content for row in table.rows]
+    assert used == sorted(used, reverse=True)
+    assert max(used) > 1.0
+    bars = [attributes["style"] for attributes in page.all("span") if "style" in attributes]
+    assert bars == [f"--used: {min(value, 1.25):.4g}" for value in used]
+    ids = [block.id for block in content.blocks("headline")]
+    assert ids.index("passage") < ids.index("criteria") < ids.index("worst-instant") < ids.index("first-charts")
+    (chart,) = [block for block in content.blocks("headline") if block.id == "first-charts"]
+    acceleration, deflection, _ = chart.rows[0]
+    assert {name for name, _ in deflection.limits} == {"rated travel of m1"}
+    assert acceleration.curves[0].kind != deflection.curves[0].kind  # one colour for one subject
+
+
 def test_the_page_needs_nothing_but_itself(page):
     assert not {"link", "iframe", "object", "base"} & {tag for tag, _ in page.elements}
     assert all(attributes.get("src") is None for attributes in page.all("script"))
     assert page.all("img") == []
     charts = [attributes["aria-label"] for attributes in page.all("svg")]
-    # worst instant (2), model (2), key; base, its spectrum, accelerations, spectra, limits, deflections, forces, loops, stops
-    assert len(charts) == 5 + 9
+    # worst instant (2), charts of the first sheet, model (2), key;
+    # base, its spectrum, accelerations, spectra, limits, deflections, forces, loops, stops
+    assert len(charts) == 6 + 9
     assert all(charts)
     style = page.words[: page.words.index("Shock and vibration report")]
     assert "url(" not in style

@@ -229,6 +229,7 @@ class SceneView:
     moved: Scene | None = None
     ring: tuple[str, Array] | None = None  # name and position (3,) [m] of the ringed part; None without a ring
     exceeded: bool = False  # whether the ring is red
+    used: Mapping[str, float] = field(default_factory=dict)  # largest utilisation of mounts, by which they are coloured
     # names of mounts that are not fitted, drawn as crosses; None to label all mounts
     absent: tuple[str, ...] | None = None
     id: str = ""  # the same in every output

@@ -16,42 +16,34 @@ from wirerope_mj.assessment.criteria.verdict import RMS, SIGMA, Criterion, paylo
 from wirerope_mj.content.base import base_acceleration, base_blocks, warnings_of
 from wirerope_mj.content.blocks import (
     BASE,
-    OTHERS,
     Block,
     Chart,
     Content,
-    Curve,
     Depth,
-    Panel,
     Section,
     Statement,
-    crest,
-    short,
     stacked,
 )
 from wirerope_mj.content.credibility import credibility_blocks
 from wirerope_mj.content.decks import deck_blocks, decks_blocks
+from wirerope_mj.content.first_sheet import brief_blocks
 from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel, subject_called
 from wirerope_mj.content.judged_run import STILL, JudgedRun, RunResult
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import contact_blocks, contact_history_blocks, mount_blocks, mount_history_blocks
-from wirerope_mj.content.numbers import fixed, listed, number, paragraphs, several, with_unit
+from wirerope_mj.content.numbers import listed, number, paragraphs, several, with_unit
 from wirerope_mj.content.random_vibration import random_blocks
-from wirerope_mj.content.required_spectra import required_curve, required_spectrum_blocks, required_statement
-from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
-from wirerope_mj.content.scene_outline import worst_instant
-from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
-from wirerope_mj.content.spectrum_charts import densities_chart, rms_along, shock_chart, spectra_blocks
+from wirerope_mj.content.required_spectra import required_spectrum_blocks
+from wirerope_mj.content.selection import MOST, kind_of, worst_names
+from wirerope_mj.content.spectrum_charts import spectra_blocks, sweep_chart
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import (
     acceleration_limits,
     answer_blocks,
-    criteria_blocks,
     full_table,
     grounds_blocks,
     headline,
-    untested,
     used_mark,
 )
 from wirerope_mj.engine.response import Numerics, Response
@@ -94,7 +86,7 @@ def run_content(run: JudgedRun) -> Content:
             section("warnings", "", warnings, "headline"),
             section("brief", "", brief_blocks, "headline"),
             section("answer", "", lambda judged: [*answer_blocks(judged)][:1], "headline"),
-            section("grounds", "", lambda judged: (worst_instant(judged), *grounds_blocks(judged))),
+            section("grounds", "", grounds_blocks),
             section("accelerations", "Peak accelerations", acceleration_blocks, "summary"),
             section("mounts", "Peaks of the mounts", mount_blocks, "summary"),
             section("contacts", "Stops and contacts", contact_blocks, "summary"),
@@ -114,30 +106,6 @@ def run_content(run: JudgedRun) -> Content:
             section("verdicts", "All verdicts", lambda run: [full_table(run.verdicts)]),
         ),
     )
-
-
-def brief_blocks(run: JudgedRun) -> Iterator[Block | None]:
-    """Yield what went in and what came out, the criteria as bars, and what is not judged."""
-    yield passage(run)
-    if run.achieved:
-        yield replace(required_statement(run), id="required", items=())
-    yield from criteria_blocks(run.verdicts)
-    yield untested(run)
-
-
-def passage(run: JudgedRun) -> Statement | None:
-    """State the base's motion and the largest acceleration of the payload; of random vibration the largest rms."""
-    base, *others = body_peaks(run.response)
-    if not others:
-        return None
-    where, out, into, measure = others[0].name, others[0].value, base.value, ""
-    if run.random and not isinstance(run.random, Absent):
-        most = max((row for row in run.random if row.criterion.kind == RMS), key=lambda row: row.value)
-        axis = most.criterion.axis
-        where, out, into, measure = most.subject, most.value, float(run.base_rms["xyz".index(axis)]), f" rms along {axis}"
-    of_base = f", {out / into:.0%} of the base's {with_unit(into, 'g')}".replace("%", " %") if into > STILL else ""
-    text = f"{run.acting} → {with_unit(out, 'g')}{measure} at {where}{of_base}"
-    return Statement("passage", text, values={"base_m_s2": into, "payload_m_s2": out, "where": where})
 
 
 def numerics_statement(numerics: Numerics) -> Statement:
@@ -278,7 +246,7 @@ def _payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
         alt=f"Histories of the accelerations of {listed(worst)} and the base along x, y and z.",
     )
     if isinstance(run.motion, Sweep):
-        yield _sweep_chart(run, run.motion)
+        yield sweep_chart(run, run.motion)
     yield from spectra_blocks(run)
 
 
@@ -290,54 +258,3 @@ def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
         lines.append(Line(response=run.response, subject=part, name=name, kind=kind_of(run.selection, name, rank)))
     lines.append(Line(response=run.response, subject=THE_BASE, name="base", kind=BASE, history=base))
     return stacked([history_panel("acceleration", along, lines, run.selection.window) for along in DIRECTIONS])
-
-
-def _sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
-    """Draw accelerations along the base's motion over the frequency of the sweep, as maxima of short intervals."""
-    response, curves, tops = run.response, [], list[str]()
-    frequency, peaks = sweep.frequency(response.time), {row.name: row for row in body_peaks(response)}
-    for rank, name in enumerate((*worst_names(response), BASE)):
-        size = np.zeros(response.time.size)
-        for axis in moving_axes(response):
-            size += acceleration_along(response, name, axis) ** 2
-        x, y = crest(frequency, in_unit(np.sqrt(size), "g"))
-        top = peaks[response.scene.base if name == BASE else name]  # of every step, as in the table
-        peak = float(sweep.frequency([top.time])[0]), in_unit(top.value, "g")
-        if name != BASE:
-            tops.append(f"{short(name)} {with_unit(top.value, 'g')} at {fixed(peak[0], 2)} Hz")
-        curves.append(Curve(x, y, name=short(name), kind=BASE if name == BASE else rank, peak=peak))
-    panel = Panel(curves, "acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz")
-    return Chart(
-        id="over-frequency", rows=[[panel]], height=210.0,
-        caption=f"Accelerations along the base's motion over the frequency of the sweep; largest: {listed(tops)}.",
-        alt="Accelerations over the frequency of the sweep.",
-    )  # fmt: skip
-
-
-def panel_over_frequency(run: JudgedRun) -> Panel | None:
-    """Draw the panel over frequency: of a sweep, densities or shock response spectra; None without spectra."""
-    if isinstance(run.motion, Sweep):
-        chart = _sweep_chart(run, run.motion)
-        ends = sorted((run.motion.start, run.motion.stop))
-        return replace(chart.rows[0][0], xlim=(ends[0], ends[1]))
-    axis = main_direction(run.response)
-    if run.spectra.densities:
-        axes = list(run.spectra.densities)
-        panel, axis = _panel_along(densities_chart(run), axes, axis), axis if axis in axes else axes[0]
-        rms = {short(name): in_unit(rms_along(run, name, axis), "g") for name in run.spectra.densities[axis]}
-        curves = [replace(curve, name=f"{curve.name}, {number(rms[curve.name])} g rms") for curve in panel.curves]
-        return replace(panel, curves=curves)
-    if isinstance(run.spectra.shock, Absent):
-        return None
-    panel = _panel_along(shock_chart(run), list(run.spectra.shock), axis)
-    tops = [(curve, int(curve.y.argmax())) for curve in panel.curves]
-    curves = [replace(curve, peak=(float(curve.x[top]), float(curve.y[top]))) for curve, top in tops]
-    curves += [required_curve(one, OTHERS) for one in run.achieved if one.direction == axis]
-    return replace(panel, curves=curves)
-
-
-def _panel_along(chart: Chart, axes: list[str], axis: str) -> Panel:
-    """Choose the panel of an axis, with the label and the title of the row."""
-    row = chart.rows[0]
-    panel = row[axes.index(axis) if axis in axes else 0]
-    return replace(panel, ylabel=f"{row[0].ylabel} {panel.title}")

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.assessment.criteria import EXCEEDED
-from wirerope_mj.assessment.criteria.verdict import against_limit, most_used
+from wirerope_mj.assessment.criteria.verdict import against_limit, by_use, most_used
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import with_unit
@@ -204,7 +204,11 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
         if mount.name == worst.subject:
             body = bodies[mount.payload_body]
             ring = mount.name, np.asarray(body.position + rotation_matrices(body.orientation) @ mount.payload_point)
-    return replace(view, id="worst-instant", ring=ring, exceeded=worst.verdict == EXCEEDED)
+    used = {name: row.utilisation or 0.0 for name, row in by_use(run.verdicts).items()}
+    key = " Mounts: the deeper blue, the more of their limits is used; red beyond them." if used else ""
+    return replace(
+        view, id="worst-instant", ring=ring, exceeded=worst.verdict == EXCEEDED, used=used, caption=view.caption + key
+    )
 
 
 def scene_at(response: Response, instant: float, *, title: str = "") -> SceneView | None:

@@ -7,19 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria import Criterion
+from wirerope_mj.assessment.criteria import Criterion, body_peaks
 from wirerope_mj.assessment.criteria.random import SIGMAS
 from wirerope_mj.assessment.criteria.verdict import RMS
-from wirerope_mj.content.blocks import BASE, LEFT, OTHERS, RIGHT, WIDTH, Block, Chart, Curve, Note, Panel, short
+from wirerope_mj.content.blocks import BASE, LEFT, OTHERS, RIGHT, WIDTH, Block, Chart, Curve, Note, Panel, crest, short
 from wirerope_mj.content.judged_run import STILL, JudgedRun
-from wirerope_mj.content.numbers import listed, several
+from wirerope_mj.content.numbers import fixed, listed, several, with_unit
 from wirerope_mj.content.run_spectra import BASE as THE_BASE
-from wirerope_mj.content.run_spectra import held_text
-from wirerope_mj.content.selection import COLOURS, Selection, kind_of
+from wirerope_mj.content.run_spectra import acceleration_along, held_text, moving_axes
+from wirerope_mj.content.selection import COLOURS, Selection, kind_of, worst_names
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Table, left
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
+from wirerope_mj.motions import Sweep
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 
 _DECADES, POWER_DECADES = 2.5, 4.0  # decades below the largest value that are drawn
@@ -271,3 +272,25 @@ def _round_numbers(low: float, high: float, *, scale: float) -> Sequence[float]:
     first, last = math.floor(math.log10(low / scale)), math.ceil(math.log10(high / scale))
     numbers = [scale * m * 10.0**e for e in range(first, last + 1) for m in (1.0, 2.0, 5.0)]
     return [number for number in numbers if low < number < high]
+
+
+def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
+    """Draw accelerations along the base's motion over the frequency of the sweep, as maxima of short intervals."""
+    response, curves, tops = run.response, [], list[str]()
+    frequency, peaks = sweep.frequency(response.time), {row.name: row for row in body_peaks(response)}
+    for rank, name in enumerate((*worst_names(response), BASE)):
+        size = np.zeros(response.time.size)
+        for axis in moving_axes(response):
+            size += acceleration_along(response, name, axis) ** 2
+        x, y = crest(frequency, in_unit(np.sqrt(size), "g"))
+        top = peaks[response.scene.base if name == BASE else name]  # of every step, as in the table
+        peak = float(sweep.frequency([top.time])[0]), in_unit(top.value, "g")
+        if name != BASE:
+            tops.append(f"{short(name)} {with_unit(top.value, 'g')} at {fixed(peak[0], 2)} Hz")
+        curves.append(Curve(x, y, name=short(name), kind=BASE if name == BASE else rank, peak=peak))
+    panel = Panel(curves, "acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz")
+    return Chart(
+        id="over-frequency", rows=[[panel]], height=210.0,
+        caption=f"Accelerations along the base's motion over the frequency of the sweep; largest: {listed(tops)}.",
+        alt="Accelerations over the frequency of the sweep.",
+    )  # fmt: skip

@@ -277,7 +277,8 @@ def _scenario_text(scenario: Scenario, response: Response, folder: Path, *, mode
 
 def _write_views(scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool) -> None:
     # Here, because the page, and rerun even more, take longer to import than a small simulation takes.
-    from wirerope_mj.content.run import panel_over_frequency, run_content
+    from wirerope_mj.content.first_sheet import panel_over_frequency
+    from wirerope_mj.content.run import run_content
     from wirerope_mj.runs.page import REPORT
     from wirerope_mj.views.pictures import save_pictures
     from wirerope_mj.views.plots.letters import fonts_for

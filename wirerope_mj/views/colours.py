@@ -69,6 +69,11 @@ def field_key(field: Field) -> list[tuple[str, str]]:
     return [(_shade(level, low, high, field.limit), text) for level, text in zip(levels, texts, strict=True)]
 
 
+def used_colour(utilisation: float) -> str:
+    """Colour a utilisation: blue, the deeper the larger; red beyond 1."""
+    return hexadecimal(LIGHT.limit) if utilisation > 1.0 else _shade(utilisation, 0.0, 1.0, None)
+
+
 def _shade(value: float, low: float, high: float, limit: float | None) -> str:
     """Mix the colour of a value between `low` and `high`; "" for NaN, red beyond the limit."""
     if not math.isfinite(value):

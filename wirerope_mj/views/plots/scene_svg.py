@@ -19,7 +19,7 @@ from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.ticks import linear_ticks
-from wirerope_mj.views.colours import LIGHT, hexadecimal
+from wirerope_mj.views.colours import LIGHT, hexadecimal, used_colour
 from wirerope_mj.views.plots.svg_chart import number_text, safe_text
 
 # Disc, square, diamond, triangles and cross about the origin.
@@ -60,8 +60,9 @@ def scene_svgs(view: SceneView) -> list[str]:
                 payload = bodies[mount.payload_body]
                 end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
                 (x, y), (to_x, to_y) = place(side.seen(np.stack([mount_position(moved, mount), end]))).tolist()
-                shown.append(f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{_COLOURS[0]}" stroke-width="1.4"/>')
-                shown.append(f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="1.6" fill="{_COLOURS[0]}"/>')
+                colour = used_colour(view.used[mount.name]) if mount.name in view.used else _COLOURS[0]
+                shown.append(f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{colour}" stroke-width="1.4"/>')
+                shown.append(f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="{2.6 if view.used else 1.6}" fill="{colour}"/>')
             if view.ring is not None:
                 (x, y), colour = place(side.seen(view.ring[1])).tolist(), _RATED if view.exceeded else _INK
                 aside, anchor = (8.0, "start") if x < WIDTH / 4.0 - _LEFT else (-8.0, "end")

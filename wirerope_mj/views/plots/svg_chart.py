@@ -19,6 +19,7 @@ from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 _GAP = 66.0  # between two panels
 _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0  # heights of titles, lines of the legend, axis texts, gaps
+_FILLED = "filled: lowest to highest"  # said beside a title that leaves room for it
 _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
 _MARK = 3.6  # diameter of a dot
@@ -101,7 +102,8 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
             numbers = paths[1][1:].split(" ")
             back = " ".join(f"{a} {b}" for a, b in zip(numbers[-2::-2], numbers[::-2], strict=True))
             drawn.append(f'<path fill="{hexadecimal(_color(curve))}" fill-opacity="0.3" d="{paths[0]}L{back}Z"/>')
-            filled = _text(left + width, top - 3.0, "filled: lowest to highest", anchor="end")
+            if _LETTER * (len(panel.title) + len(_FILLED)) < width:
+                filled = _text(left + width, top - 3.0, _FILLED, anchor="end")
     parts += reversed(drawn)  # the first in front
     parts.append(filled)
     for name, level in panel.limits:

@@ -16,9 +16,9 @@ from wirerope_mj.content.blocks import Panel
 from wirerope_mj.content.comparison import Inputs
 from wirerope_mj.content.correlation import with_ghosts
 from wirerope_mj.content.events import events_of, main_instants
+from wirerope_mj.content.first_sheet import panel_over_frequency
 from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
-from wirerope_mj.content.run import panel_over_frequency
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError

@@ -1,0 +1,119 @@
+"""The first sheet of a run: what went in and out, the criteria as bars, the worst instant, and three charts."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from wirerope_mj.assessment.comparison import BASE as THE_BASE
+from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RMS
+from wirerope_mj.content.base import base_acceleration
+from wirerope_mj.content.blocks import BASE, OTHERS, Block, Chart, Panel, Statement, short
+from wirerope_mj.content.histories import Line, history_panel, subject_called
+from wirerope_mj.content.judged_run import STILL, JudgedRun
+from wirerope_mj.content.numbers import with_unit
+from wirerope_mj.content.required_spectra import required_curve, required_statement
+from wirerope_mj.content.scene_outline import worst_instant
+from wirerope_mj.content.selection import kind_of, main_direction, worst_names
+from wirerope_mj.content.spectrum_charts import densities_chart, rms_along, shock_chart, sweep_chart
+from wirerope_mj.content.verdicts import criteria_blocks, untested
+from wirerope_mj.foundation.errors import Absent
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.motions import Sweep
+from wirerope_mj.mounts.isolator.travel import SIDES
+
+
+def brief_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield what went in and what came out, the criteria as bars, and what is not judged."""
+    yield passage(run)
+    if run.achieved:
+        yield replace(required_statement(run), id="required", items=())
+    criteria, *others = criteria_blocks(run.verdicts)
+    yield from (criteria, worst_instant(run), *others, untested(run), first_charts(run))
+
+
+def passage(run: JudgedRun) -> Statement | None:
+    """State the base's motion and the largest acceleration of the payload; of random vibration the largest rms."""
+    base, *others = body_peaks(run.response)
+    if not others:
+        return None
+    where, out, into, measure = others[0].name, others[0].value, base.value, ""
+    if run.random and not isinstance(run.random, Absent):
+        most = max((row for row in run.random if row.criterion.kind == RMS), key=lambda row: row.value)
+        axis = most.criterion.axis
+        where, out, into, measure = most.subject, most.value, float(run.base_rms["xyz".index(axis)]), f" rms along {axis}"
+    of_base = f", {out / into:.0%} of the base's {with_unit(into, 'g')}".replace("%", " %") if into > STILL else ""
+    text = f"{run.acting} → {with_unit(out, 'g')}{measure} at {where}{of_base}"
+    return Statement("passage", text, values={"base_m_s2": into, "payload_m_s2": out, "where": where})
+
+
+def first_charts(run: JudgedRun) -> Chart | None:
+    """Draw side by side the most critical acceleration and deflection over time, and the payload's spectra."""
+    response, selection, panels = run.response, run.selection, list[Panel]()
+    mount = selection.governing
+    colour: int | str = 0
+    if names := worst_names(response)[:1]:
+        along = main_direction(response)
+        taken = kind_of(selection, mount, 0) if mount else 0
+        colour = next(kind for kind in (kind_of(selection, names[0], 1), 1, 2) if kind != taken)
+        lines = [
+            Line(
+                response=response,
+                subject=subject_called(response, names[0]),
+                name=names[0],
+                kind=colour,
+            ),
+            Line(response=response, subject=THE_BASE, name="base", kind=BASE, history=base_acceleration(response, run.motion)),
+        ]
+        panel = history_panel("acceleration", along, lines, selection.window)
+        rows = [row for row in run.verdicts if row.criterion.kind == ACCELERATION and row.subject == names[0]]
+        limits = {in_unit(row.limit, "g") for row in rows if row.limit is not None and row.criterion.axis in ("", along)}
+        panels.append(replace(panel, limits=[("limit", sign * limit) for limit in limits for sign in (1.0, -1.0)]))
+    if mount:
+        used = next(row for row in mount_peaks(response) if row.name == mount)
+        axis = next((axis for axis, senses in SIDES.items() if used.governing in senses), selection.axes[0])
+        line = Line(response=response, subject=mount, name=mount, kind=kind_of(selection, mount, 0))
+        panels.append(history_panel("deflection", axis, [line], selection.window))
+    panels = [replace(panel, xlabel="time [s]") for panel in panels]
+    if over := panel_over_frequency(run):
+        first = {short(name) for name in names}  # of several bodies the one beside it alone, in its colour
+        curves = [
+            replace(curve, kind=colour if curve.name.partition(", ")[0] in first else curve.kind)
+            for curve in over.curves
+            if curve.name.partition(", ")[0] in first or not isinstance(curve.kind, int)
+        ]
+        panels.append(replace(over, curves=curves, title=over.ylabel.replace("peak acceleration ", ""), ylabel=""))
+    return Chart(
+        id="first-charts", rows=[panels], height=150.0,
+        caption="Acceleration of the most critical part of the payload and of the base, deflection of the most critical mount, "
+        "and spectra; limits and ratings dashed.",
+        alt="Acceleration, deflection and spectra of the most critical parts.",
+    ) if panels else None  # fmt: skip
+
+
+def panel_over_frequency(run: JudgedRun) -> Panel | None:
+    """Draw the panel over frequency: of a sweep, densities or shock response spectra; None without spectra."""
+    if isinstance(run.motion, Sweep):
+        chart = sweep_chart(run, run.motion)
+        ends = sorted((run.motion.start, run.motion.stop))
+        return replace(chart.rows[0][0], xlim=(ends[0], ends[1]))
+    axis = main_direction(run.response)
+    if run.spectra.densities:
+        axes = list(run.spectra.densities)
+        panel, axis = _panel_along(densities_chart(run), axes, axis), axis if axis in axes else axes[0]
+        rms = {short(name): with_unit(rms_along(run, name, axis), "g") for name in run.spectra.densities[axis]}
+        curves = [replace(curve, name=f"{curve.name}, {rms[curve.name]} rms") for curve in panel.curves]
+        return replace(panel, curves=curves)
+    if isinstance(run.spectra.shock, Absent):
+        return None
+    panel = _panel_along(shock_chart(run), list(run.spectra.shock), axis)
+    tops = [(curve, int(curve.y.argmax())) for curve in panel.curves]
+    curves = [replace(curve, peak=(float(curve.x[top]), float(curve.y[top]))) for curve, top in tops]
+    curves += [required_curve(one, OTHERS) for one in run.achieved if one.direction == axis]
+    return replace(panel, curves=curves)
+
+
+def _panel_along(chart: Chart, axes: list[str], axis: str) -> Panel:
+    """Choose the panel of an axis, with the label and the title of the row."""
+    row = chart.rows[0]
+    panel = row[axes.index(axis) if axis in axes else 0]
+    return replace(panel, ylabel=f"{row[0].ylabel} {panel.title}")
