@@ -2,6 +2,7 @@
 
 import os
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -311,3 +312,45 @@ def test_the_path_that_is_stored_does_not_depend_on_the_current_folder(record_fi
     stored = load_record(path.name).to_dict()
     monkeypatch.chdir(os.sep)
     assert motion_from_dict(stored).samples[1, 0] == 2.0
+
+
+NUMBERS = np.sin(np.linspace(0.0, 9.0, 40)).round(4)  # [g]
+
+
+@pytest.mark.parametrize(("text", "stated"), [
+    ("\n".join(f"{0.005 * i:.3f} {v}" for i, v in enumerate(NUMBERS)), {"columns": "time [s], z [g]"}),
+    ("\n".join(f"{5 * i},{v}" for i, v in enumerate(NUMBERS)), {"columns": "time [ms], z [g]"}),
+    ("\n".join(f"{5 * i};{v}".replace(".", ",") for i, v in enumerate(NUMBERS)), {"columns": "t [ms], z [g]"}),
+    ("\n".join(map(str, NUMBERS)), {"columns": "z [g]", "interval": 0.005}),
+    ("\n".join(str(v).replace(".", ",") for v in NUMBERS), {"columns": "z [g]", "interval": 0.005}),
+    ("# rig 7\n" + "\n".join(f"{v}, 0.0" for v in NUMBERS), {"columns": "z [g], x [g]", "interval": 0.005}),
+    ("40 0.005\n" + "\n".join(map(str, NUMBERS)), {"columns": "z [g]"}),
+    ("40 0.005\n" + "\n".join(" ".join(map(str, row)) for row in NUMBERS.reshape(5, 8)), {"columns": "z [g]"}),
+    ("40, 0.005\n" + "\n".join(f"{v},0" for v in NUMBERS), {"columns": "z [g], y [g]"}),
+    ("\n".join(map(str, NUMBERS)), {"interval": 0.005, "unit": "g", "channels": {"column 1": "z"}}),
+])  # fmt: skip
+def test_numbers_without_a_header_are_the_columns_that_are_stated(tmp_path, text, stated):
+    path = tmp_path / "r.txt"
+    path.write_text(text, encoding="utf-8")
+    with warnings.catch_warnings(action="ignore"):
+        record = load_record(path, **stated)
+        again = motion_from_dict(record.to_dict())  # as a run's folder holds it
+    np.testing.assert_allclose(record.samples[:, 2], G * NUMBERS, rtol=1e-12)
+    np.testing.assert_allclose(record.time, 0.005 * np.arange(40), atol=1e-12)
+    np.testing.assert_array_equal(again.samples, record.samples)
+
+
+@pytest.mark.parametrize(("text", "stated", "message"), [
+    ("0 1\n1 2", {}, r"say it by columns=\"time \[s\], z \[g\]\" \(--columns\), or without a time interval="),
+    ("1\n2\n3", {"columns": "z [g]"}, r"no column is the time. Say the seconds from sample to sample by interval="),
+    ("3 0.1\n1\n2\n3", {"columns": "z [g]", "interval": 0.2}, "3 samples 0.1 s apart, and interval= says 0.2 s"),
+    ("0 1\n1 2 3\n2 1", {"columns": "time [s], z [g]"}, "line 2: there are not 2 numbers here"),
+    ("t, z\n0, 1\n1, 2", {"columns": "time [s], z [g]"}, r"line 1: \"t, z\" is no row of numbers. columns= and interval="),
+    ("0 1\n1 2", {"columns": "time [s], z [g]", "interval": 1.0}, "holds a time, and interval= .* states another"),
+    ("1\n2", {"interval": 0.1, "channels": {"column 1": "z"}}, r"no unit. Say it with unit=\"g\" \(--unit g\)"),
+])  # fmt: skip
+def test_numbers_without_a_header_that_do_not_fit_what_is_stated_are_refused(tmp_path, text, stated, message):
+    path = tmp_path / "r.txt"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(RecordError, match=message):
+        load_record(path, **stated)

@@ -46,6 +46,8 @@ def shock(
     rotation: Literal["base", "world"] | None = None,
     fade: float | None = None,
     sensors_at: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    columns: str | None = None,
+    interval: float | None = None,
     start: float = 0.0,
     duration: float | None = None,
     initial: Literal["settled", "relaxed", "unloaded"] | None = None,
@@ -91,6 +93,8 @@ def shock(
             to it and turn with it, or world.
         fade: of a record: length of a smooth rise at its beginning and fall at its end [s].
         sensors_at: "0 0 300 mm", place of the sensors of a record that turns the base, from the base's own origin.
+        columns: of a record that is a text of numbers alone, such as "time [s], z [g]".
+        interval: of such a record without a time: seconds from row to row.
         start: instant at which a record begins [s].
         duration: simulated time [s]; by default until ten periods of the slowest mode after the motion, with a sweep until
             its end.
@@ -128,7 +132,7 @@ def shock(
         raise ValueError('say how the base moves, for instance --half-sine "15 g 11 ms z" or --record deck.csv.')
     played = {
         "scale": scale, "baseline": baseline, "start": start, "highpass": highpass, "resample": resample, "gaps": gaps,
-        "unit": unit, "rotation": rotation, "fade": fade,
+        "unit": unit, "rotation": rotation, "fade": fade, "columns": columns, "interval": interval,
     } | ({} if sensors_at is None else {"sensors_at": values_with_unit(sensors_at, "length", LENGTH_UNITS)})  # fmt: skip
     system = load_system(model_source(model, asker="wirerope shock"))
     devices = None

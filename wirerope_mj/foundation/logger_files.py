@@ -11,7 +11,8 @@ import numpy as np
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import encoding_of, regular
-from wirerope_mj.foundation.table_header import Header, is_missing
+from wirerope_mj.foundation.table_header import TIME_COLUMN, Header, is_missing
+from wirerope_mj.foundation.units import TIME_UNITS, find_unit, split_unit
 
 _REMEDY = "Export it again, or as CSV."
 _HEAD = 200  # lines in which a record says what it is
@@ -41,6 +42,70 @@ def columns_of_logger(path: Path) -> Header | None:
                 '"time [s], z [m/s^2]".'
             )
     return None
+
+
+def columns_as_stated(path: Path, columns: str | None, interval: float | None) -> Header:
+    """Read a text of numbers alone whose columns are stated, such as "time [s], z [g]"; all of them where None are.
+
+    Without a time among them rows are an `interval` [s] apart, or as the first line says, how many samples follow and their
+    interval: "4000 0.005". One column may stand in lines of several numbers.
+
+    Raises:
+        RecordError: the file holds something else.
+        OSError: the file cannot be read.
+    """
+    with regular(path).open(encoding=encoding_of(path), errors="replace") as file:
+        lines = [
+            (number, text)
+            for number, text in enumerate(map(str.strip, file), 1)
+            if text and not text.startswith(("#", "%", "//"))
+        ]
+    names, units = zip(*(split_unit(cell.strip()) for cell in columns.split(",")), strict=True) if columns else ((), ())
+    rows: list[tuple[int, list[float]]] = []
+    for number, text in lines:
+        if re.search(r"[;\s]", text) is None:  # commas alone separate cells, or stand in a number
+            cells = [text.replace(",", ".")] if len(names) == 1 == text.count(",") else text.split(",")
+        elif re.search(r",\s", text):
+            cells = re.split(r"\s*,\s*", text)
+        else:
+            cells = text.replace(",", ".").replace(";", " ").split()
+        try:
+            rows.append((number, [float(cell) for cell in cells]))
+        except ValueError:
+            raise RecordError(
+                f'{path}, line {number}: "{short(plain(text))}" is no row of numbers. columns= and interval= (--columns, '
+                "--interval) are for texts of numbers alone; leave them out where a file has a header."
+            ) from None
+    timed = any(
+        TIME_COLUMN.fullmatch(name) or find_unit(unit or "", TIME_UNITS) for name, unit in zip(names, units, strict=True)
+    )
+    if timed and interval is not None:
+        raise RecordError(f"{path}: {columns} holds a time, and interval= (--interval) states another: leave one of them out.")
+    head, size = rows[0][1] if rows else [], sum(len(cells) for _, cells in rows[1:])
+    if not timed and len(head) == 2 and head[0] * max(len(names), 1) == size:
+        if interval is not None and not math.isclose(interval, head[1], rel_tol=1e-6):
+            raise RecordError(
+                f"{path}, line {rows[0][0]}: {size} samples {head[1]:g} s apart, and interval= says {interval:g} s."
+            )
+        interval, rows = head[1], rows[1:]
+    if not timed and interval is None:
+        raise RecordError(
+            f"{path}: no column is the time. Say the seconds from sample to sample by interval= (--interval 0.005), or call a "
+            'column so, columns="time [s], z [g]" (--columns).'
+        )
+    widths = {len(cells) for _, cells in rows}
+    width = len(names) or (widths.pop() if len(widths) == 1 else 1)
+    if wrong := next((number for number, cells in rows if width > 1 and len(cells) != width), None):
+        raise RecordError(
+            f"{path}, line {wrong}: there are not {width} numbers here. Say each column once by columns= (--columns)."
+        )
+    values = np.array([value for _, cells in rows for value in cells]).reshape(-1, width)
+    if not names:
+        names, units = tuple(f"column {i}" for i in range(1, width + 1)), (None,) * width
+    if interval is None:
+        return Header(path, 0, names, units, content=values)
+    found = {name: (unit, column.tolist()) for name, unit, column in zip(names, units, values.T, strict=True)}
+    return _equally_spaced(path, found, len(values), interval, 0)
 
 
 _REFUSED = {

@@ -14,7 +14,7 @@ import numpy as np
 
 from wirerope_mj.foundation.array_files import columns_of_array_file
 from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.logger_files import columns_of_logger
+from wirerope_mj.foundation.logger_files import columns_as_stated, columns_of_logger
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import encoding_of, foreign_kind, regular
 from wirerope_mj.foundation.table_header import (
@@ -38,17 +38,22 @@ _DECIMAL = re.compile(r"[-+]?\d*([.,])\d+(?:[eE][-+]?\d+)?")
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:([ ',.\u00a0\u202f])\d{3})+(?:[.,]\d+)?")
 _ABOVE = 130  # lines in which a header and the first numbers stand below what a rig or a logger says of itself
 _LOOKED_AT = 300  # rows by which the decimal sign is known
+Stated = tuple[str | None, float | None]  # columns and interval [s] of a text without a header
 COMMENTS = ("#", "%", "//")
 _OPENS_CELL = re.compile(r'(?:^|[,;\t|])\s*"')  # a quotation mark elsewhere may be an inch
 
 
-def read_header(path: Path, *, kind: str, example: str, sheet: str = "", columns: Collection[str] = ()) -> Header:
+def read_header(
+    path: Path, *, kind: str, example: str, sheet: str = "", columns: Collection[str] = (), stated: Stated | None = None
+) -> Header:
     """Read the header of a table in any file format.
 
     It is the first row with two units, or that above a row of units, or the last one above as many numbers, else the first that
     is no comment (#, %); what a rig or a logger says of itself may stand above it. Where numbers begin at once it may be the
     last comment. Units stand as `split_unit` splits them. Of a workbook the `sheet` is read, in small letters, the first where
     none is called so, and of a file of arrays the columns that are as long as the `columns` that are asked for.
+
+    A text of numbers alone has the columns and the interval that are `stated`, as `columns_as_stated` takes them.
 
     Messages say what the file should be, `kind`, as "cyclic test", and show an `example` of its header.
 
@@ -59,6 +64,8 @@ def read_header(path: Path, *, kind: str, example: str, sheet: str = "", columns
     try:
         if not regular(path).exists():
             raise RecordError(f"{path}: no such file. {wanted}")
+        if stated is not None:
+            return _checked(columns_as_stated(path, *stated))
         if header := columns_of_array_file(path, columns):
             return _checked(header)
         if foreign := foreign_kind(path):
@@ -164,9 +171,10 @@ def _in_comments(path: Path, comments: Sequence[tuple[int, str]], rows: Rows) ->
 
 
 def _without_header(location: str, wanted: str) -> RecordError:
-    return RecordError(
-        f"{location}: numbers begin here and no header stands above them. {wanted} Write that line above the numbers."
-    )
+    remedy = "Write that line above the numbers"
+    if wanted.startswith("A record"):  # that is played
+        remedy += ', or say it by columns="time [s], z [g]" (--columns), or without a time interval=0.005 [s] (--interval)'
+    return RecordError(f"{location}: numbers begin here and no header stands above them. {wanted} {remedy}.")
 
 
 def _checked(header: Header) -> Header:

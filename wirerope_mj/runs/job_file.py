@@ -61,6 +61,9 @@ class Played(Simulated):
     fade: Annotated[float | None, example(1.0)] = None  #: length of a smooth rise and fall [s]
     #: place of its sensors from the base's own origin [m], where the base turns
     sensors_at: Annotated[tuple[float, float, float] | None, example([0.0, 0.0, 0.3])] = None
+    columns: Annotated[str | None, example("time [s], z [g]")] = None  #: of a text of numbers alone
+    #: time from row to row of a text of numbers alone without a time [s]
+    interval: Annotated[float | None, example(0.005)] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,10 +119,12 @@ class JobFile:
 
 _SIMULATE = tuple(item.name for item in fields(Simulated))
 # Columns of a sheet of cases besides their names.
-_IN_SHEETS = {"duration": "time", "start": "time", "scale": PURE} | dict.fromkeys(
-    ("note", *SPOKEN_MOTIONS, "levels", "record", "channels", "direction", "baseline", "gaps", "unit", "rotation", "initial"),
-    TEXT,
-)
+_IN_SHEETS = {"duration": "time", "start": "time", "interval": "time", "scale": PURE} | dict.fromkeys(
+    [
+        "note", *SPOKEN_MOTIONS, "levels", "record", "channels", "direction", "baseline", "gaps", "unit", "columns", "rotation",
+        "initial",
+    ], TEXT,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

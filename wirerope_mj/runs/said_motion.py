@@ -19,7 +19,10 @@ from wirerope_mj.motions.records.record import record_channels
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS, motion_from_phrase, motion_of_levels
 
 # What is said of how a record is played, beside its channels and their directions, as `load_record` takes it.
-PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit", "rotation", "fade", "sensors_at")
+PLAYED = (
+    "scale", "baseline", "start", "highpass", "resample", "gaps", "unit", "rotation", "fade", "sensors_at", "columns",
+    "interval",
+)  # fmt: skip
 
 
 def listed_phrases(text: str) -> list[str]:
@@ -44,7 +47,7 @@ def said_motion(
     motions = [motion_from_phrase(kind, phrase, folder=folder) for kind, phrase in phrases]
     motions += [motion_of_levels(file) for file in levels]
     if record is not None:
-        record_motion = load_record(record, channels=_channels(record, channels, direction), **(played or {}))
+        record_motion = load_record(record, channels=_channels(record, channels, direction, played or {}), **(played or {}))
         if not (record_motion.samples.any() or record_motion.rotates):
             zero = "all of its samples are zero" if record_motion.baseline == "none" else "nothing but zeros is left of it"
             text = f"{zero}, so that the base would not move. Is it the right file, and the right channel?"
@@ -65,7 +68,7 @@ def said_motion(
     return sum(motions[1:], start=motions[0])
 
 
-def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> Entries | None:
+def _channels(record: Path, channels: Sequence[str] | None, direction: str | None, played: Entries) -> Entries | None:
     """Return the channel that moves the base in each direction; None leaves it to the channels' names."""
     if channels is None and direction is None:
         return None
@@ -75,7 +78,8 @@ def _channels(record: Path, channels: Sequence[str] | None, direction: str | Non
             if not name:
                 raise ValueError(f"`channels` are NAME=DIRECTION, for instance ch3=z, got {item!r}.")
         return {name: text if text.lstrip("+-") in ROTATIONS else direction_in(text, "channels") for name, _, text in pairs}
-    names = tuple(channels) if channels is not None else record_channels(record, accelerations=True)
+    stated = {name: played[name] for name in ("columns", "interval") if name in played}
+    names = tuple(channels) if channels is not None else record_channels(record, accelerations=True, **stated)
     if len(names) != 1 or "=" in names[0]:
         raise ValueError(
             f"`direction` turns a record of one channel, and here are {', '.join(names) or 'none'}. Say where each one "

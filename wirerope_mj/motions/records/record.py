@@ -60,6 +60,8 @@ class Record(BaseMotion):
     fade: float | None = None
     sensors_at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     turning: Turning | None = field(default=None, repr=False)  # how the base turns; None where nothing does
+    columns: str | None = None
+    interval: float | None = None
     # what had to be done to the samples, and what looks wrong about them; each begins with the file's name
     warnings: tuple[str, ...] = field(default=(), repr=False)
     duration: float = field(init=False)
@@ -127,7 +129,7 @@ class Record(BaseMotion):
         values |= {"scale": self.scale, "baseline": self.baseline, "start": self.start}
         if self.gaps != "refuse":
             values["gaps"] = self.gaps
-        names = "highpass", "resample", "unit", "rotation", "fade"
+        names = "highpass", "resample", "unit", "rotation", "fade", "columns", "interval"
         optional = {name: getattr(self, name) for name in names}
         optional["sensors_at"] = list(self.sensors_at) if any(self.sensors_at) else None
         return values | {name: value for name, value in optional.items() if value is not None}
@@ -142,7 +144,7 @@ class Record(BaseMotion):
             measured = load_record(
                 self.path, channels=self.channels, scale=self.scale, start=self.start, resample=self.resample,
                 gaps=self.gaps, unit=self.unit, rotation=self.rotation, fade=self.fade,
-                sensors_at=self.sensors_at,
+                sensors_at=self.sensors_at, columns=self.columns, interval=self.interval,
             )  # fmt: skip
         start = float(self.time[(self.time.size - measured.time.size) // 2])
         later = start - measured.start
@@ -158,7 +160,7 @@ def load_record(
     path: str | Path, *, channels: Mapping[str, str | Sequence[float]] | None = None, scale: float = 1.0,
     baseline: str = "none", start: float = 0.0, highpass: float | None = None, resample: float | None = None,
     gaps: str = "refuse", unit: str | None = None, rotation: str | None = None, fade: float | None = None,
-    sensors_at: Sequence[float] = (0.0, 0.0, 0.0),
+    sensors_at: Sequence[float] = (0.0, 0.0, 0.0), columns: str | None = None, interval: float | None = None,
 ) -> Record:  # fmt: skip
     """Return the base motion that a table or a universal file (dataset 58) holds, on up to three axes at once.
 
@@ -200,6 +202,9 @@ def load_record(
         fade: length of a smooth rise at the beginning and fall at the end [s], for a record that was cut out of a longer one.
         sensors_at: place of the accelerometers from the base's own origin, along its axes as modelled [m]; it matters where the
             base turns.
+        columns: those of a text of numbers alone, such as "time [s], z [g]".
+        interval: time from row to row of a text of numbers alone that holds no time [s]; its first line may say it in place of
+            this, behind the number of samples, as "4000 0.005".
 
     Raises:
         RecordError: the file does not hold a usable record; the message names the line.
@@ -209,6 +214,11 @@ def load_record(
     highpass = _checked_cutoff(baseline, highpass)
     rate = None if resample is None else positive("resample", resample)
     one_of("gaps", gaps, ("refuse", "fill"))
+    stated = (
+        None
+        if columns is None and interval is None
+        else (columns, interval if interval is None else positive("interval", interval))
+    )
     if unit is not None:
         unit = find_unit(unit, ACCELERATION_UNITS) or one_of("unit", unit, ACCELERATION_UNITS)
     directions = None if channels is None else _checked_channels(channels)
@@ -225,12 +235,12 @@ def load_record(
     file = Path(path).absolute()
 
     fill = gaps == "fill"
-    if is_uff(file):
+    if is_uff(file) and stated is None:
         if rotation is not None:
             raise RecordError(f"{file}: rotation is read from tables alone: export this universal file as one.")
         reading = read_uff(file, directions, unit)
     else:
-        reading = read_record_table(file, directions, unit, fill=fill, turns=rotation is not None)
+        reading = read_record_table(file, directions, unit, fill=fill, turns=rotation is not None, stated=stated)
     reading = even(file, reading, gaps=gaps)
     if rotation is None:  # others are judged along the world's axes, below
         reading = reading.warned(*reading_warnings(reading, corrected=baseline != "none"))
@@ -270,6 +280,7 @@ def load_record(
         path=file, time=time, samples=samples, channels=directions, scale=scale, baseline=baseline, start=start,
         highpass=highpass, resample=rate, gaps=gaps, unit=unit, rotation=rotation, fade=fade, turning=turning,
         sensors_at=(place[0], place[1], place[2]),
+        columns=columns, interval=interval,
         warnings=tuple(f"{file.name}: {message}" for message in messages),
     )  # fmt: skip
 
@@ -293,15 +304,20 @@ def is_measurement(path: Path) -> bool:
     return path.suffix.lower() in _MEASURED or is_uff(path)
 
 
-def record_channels(path: str | Path, *, accelerations: bool = False) -> tuple[str, ...]:
+def record_channels(
+    path: str | Path, *, accelerations: bool = False, columns: str | None = None, interval: float | None = None
+) -> tuple[str, ...]:
     """Return the names of a record's channels, as `load_record` takes them; only those of `accelerations` if asked.
+
+    `columns` and `interval` are those of a text without a header, as there.
 
     RecordError: the file is no record.
     """
     file = Path(path).absolute()
     if is_uff(file):
         return uff_channels(file)
-    return acceleration_channels(file) if accelerations else table_channels(file)
+    stated = None if columns is None and interval is None else (columns, interval)
+    return acceleration_channels(file, stated) if accelerations else table_channels(file, stated)
 
 
 def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:

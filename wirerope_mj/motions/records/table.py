@@ -19,6 +19,7 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.table_files import (
     LARGEST,
+    Stated,
     find_column,
     is_comment,
     number_in,
@@ -139,28 +140,35 @@ def name_bad_line(header: Header, columns: Sequence[int], clock: Clock | None = 
         before = time
 
 
-def table_channels(path: Path) -> tuple[str, ...]:
-    header, time, _ = _opened(path)
+def table_channels(path: Path, stated: Stated | None = None) -> tuple[str, ...]:
+    header, time, _ = _opened(path, stated=stated)
     return tuple(name for column, name in enumerate(header.names) if column != time and column not in header.unnamed)
 
 
-def acceleration_channels(path: Path) -> tuple[str, ...]:
+def acceleration_channels(path: Path, stated: Stated | None = None) -> tuple[str, ...]:
     """Return the names of the columns whose unit is one of an acceleration; all but the time if no column has one."""
-    header, time, _ = _opened(path)
+    header, time, _ = _opened(path, stated=stated)
     found = [name for name, unit in zip(header.names, header.units, strict=True) if find_unit(unit or "", ACCELERATION_UNITS)]
-    return tuple(found) or table_channels(path)
+    return tuple(found) or table_channels(path, stated)
 
 
 def read_record_table(
-    path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False, turns: bool = False
+    path: Path,
+    channels: Mapping[str, Direction] | None,
+    unit: str | None,
+    *,
+    fill: bool = False,
+    turns: bool = False,
+    stated: Stated | None = None,
 ) -> Reading:
     """Return the accelerations in the columns of a table in any container, and what turns the base.
 
     Without `channels` they are in the columns named x, y and z, without a `unit` in the header's. With `fill` empty cells and
     NaN are filled with straight lines; else they are an error. With `turns` angular rates or accelerations are read, too: those
-    of the `channels`, else of the columns with such a unit that are named after an axis.
+    of the `channels`, else of the columns with such a unit that are named after an axis. A text without a header is as
+    `stated`, see `read_header`.
     """
-    header, time, clock = _opened(path, channels or ())
+    header, time, clock = _opened(path, channels or (), stated)
     messages: list[str] = []
     if channels is None:
         turning = turn_columns(header, time)
@@ -208,7 +216,7 @@ def require_within_range(location: str, samples: Array, limit: float) -> None:
 
 def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Reading, tuple[str | None, ...]]:
     """Read columns of a table as they are, (n, n_columns), and the unit of each in its header, None without a unit."""
-    header, time, clock = _opened(path, names)
+    header, time, clock = _opened(path, names, kind="test record")
     columns = [find_column(header, name, without=time) for name in names]
     instants, samples, messages = _in_si(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)
     units = tuple(header.units[column] for column in columns)
@@ -266,13 +274,15 @@ def _in_si(
     return time, samples, messages
 
 
-def _opened(path: Path, names: Iterable[str] = ()) -> tuple[Header, int, Clock | None]:
+def _opened(
+    path: Path, names: Iterable[str] = (), stated: Stated | None = None, kind: str = "record"
+) -> tuple[Header, int, Clock | None]:
     """Open a table: return its header, the index of the time column of some channels, and the parser of clock times, if any.
 
     RecordError: no column, or none alone, is the time.
     """
     asked = [name.rpartition("#")[0] or name for name in names]
-    header = read_header(path, kind="record", example='"time [s], z [g]"', columns=asked)
+    header = read_header(path, kind=kind, example='"time [s], z [g]"', columns=asked, stated=stated)
     _, first = next(iter(numbered_rows(header)), (0, [""] * len(header.names)))
     clocks = [column for column, cell in enumerate(first[: len(header.names)]) if is_clock_time(cell)]
     called = [column for column, name in enumerate(header.names) if TIME_COLUMN.fullmatch(name)]
