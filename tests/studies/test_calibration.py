@@ -14,11 +14,11 @@ from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.calibration import calibration_content
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.records.measured import MeasuredChannel
+from wirerope_mj.runs.calibration import calibrated_isolators, calibrated_system
 from wirerope_mj.studies.calibration import Prior, Series
 from wirerope_mj.studies.calibration.calibrate import Calibrated, calibrate_model
 from wirerope_mj.studies.calibration.fit import Fit, Posterior, Problem
 from wirerope_mj.studies.calibration.forward import SystemForward
-from wirerope_mj.studies.calibration.isolators import calibrated_isolators, calibrated_system
 from wirerope_mj.studies.calibration.noise import Noise
 from wirerope_mj.studies.calibration.open_law import open_laws, rises
 from wirerope_mj.studies.results.varied import limit_of_text

@@ -1,13 +1,13 @@
 """The header of a table among the rows that other programs write: names and units by position, in one row or in several."""
 
 import csv
+import datetime
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.clock_times import is_clock_time
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.units import find_unit, is_unit, split_unit, underscored_unit
@@ -30,6 +30,13 @@ TIME_COLUMN = re.compile(
     r"(?:_(?:s|sec|ms|us|min|h))?",
     re.IGNORECASE,
 )
+_CLOCK = re.compile(
+    r"(?:(?P<first>\d{1,4})(?P<sign>[-./])(?P<second>\d{1,2}|[A-Za-z]{3})(?P=sign)(?P<third>\d{2,4})[T ,]+)?"
+    r"(?:(?P<days>\d+) days?, )?(?P<hour>\d{1,2}):(?P<minute>\d{2})"
+    r"(?::(?P<whole>\d{2})(?:[.,](?P<parts>\d{1,9})|:(?P<ms>\d{3}))?)?"
+    r"\s*(?P<half>[AaPp]\.?[Mm]\.?)?(?:Z|\s*UTC|[+-]\d{2}:?\d{2})?"
+)
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _LONGEST_UNIT = 16  # characters: a cell that is longer says something else than a unit
 
 
@@ -231,3 +238,36 @@ def _joined(above: Sequence[str], below: Sequence[str]) -> list[tuple[str, str |
         name, unit = split_unit(cell)
         headings.append((f"{span[0]} {name}".strip(), unit or span[1]))
     return headings
+
+
+def is_clock_time(cell: str) -> bool:
+    """Tell whether a cell holds a time of day, with a date or without, such as 2026-01-31 12:00:00.001 or 12:00:00,5."""
+    return _CLOCK.fullmatch(cell) is not None
+
+
+def clock_time(cell: str, *, day_first: bool = False) -> tuple[int, float]:
+    """Return an instant as a clock shows it: the day, counted from year 1 or 0 without a date, and the second of that day.
+
+    Apart, since a double holds no microseconds of so many seconds. A date with slashes has its month first, or its day.
+
+    Raises:
+        ValueError: the cell holds no such instant.
+    """
+    match = _CLOCK.fullmatch(cell)
+    if match is None:
+        raise ValueError(cell)
+    hour, day = int(match["hour"]), int(match["days"] or 0)
+    if match["half"]:
+        hour = hour % 12 + 12 * (match["half"][0] in "pP")
+    if match["sign"]:
+        first, third = int(match["first"]), int(match["third"])
+        middle = _MONTHS.index(match["second"].lower()) + 1 if match["second"].lower() in _MONTHS else int(match["second"])
+        if len(match["first"]) > 2:
+            year, month, of_month = first, middle, third
+        elif match["sign"] == "/" and not day_first and not match["second"].isalpha():
+            year, month, of_month = third, first, middle
+        else:
+            year, month, of_month = third, middle, first
+        day += datetime.date(year + 2000 * (year < 100), month, of_month).toordinal()
+    second = 3600 * hour + 60 * int(match["minute"]) + int(match["whole"] or 0)
+    return day, second + float(f"0.{match['parts'] or match['ms'] or 0}")

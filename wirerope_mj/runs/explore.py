@@ -306,9 +306,7 @@ class Exploration:
             warnings.simplefilter("always")
             response = simulate(system, motion, **arguments)
             judged = judged_run(system, motion, response)
-        moved = {
-            slider.label: slider.text(values[slider.key]) for slider in self.sliders if values[slider.key] != slider.nominal
-        }
+        moved = {each.label: each.text(values[each.key]) for each in self.sliders if values[each.key] != each.nominal}
         return ShownRun(
             number=next(self._numbers), values=values, changes=moved,
             motion=motion.description, response=response, verdicts=judged.verdicts, random=judged.random,

@@ -86,9 +86,7 @@ class OptionFile:
             if option not in values:
                 raise ModelError(f"{self.path}: no option {option!r}; the options are {', '.join(values)}.")
             default = values[option]  # None says nothing of its kind
-            known, accepted, kind = next(
-                (option_kind for option_kind in _OPTION_KINDS if isinstance(default, option_kind[0])), (object, object, "")
-            )
+            known, accepted, kind = next((row for row in _OPTION_KINDS if isinstance(default, row[0])), (object, object, ""))
             if not isinstance(value, accepted) or (isinstance(value, bool) and known not in (bool, object)):
                 text = f"option `{option}` must be {kind}, as its default {default!r} is, got {value!r}."
                 raise ModelError(f"{self.path}: {text}")

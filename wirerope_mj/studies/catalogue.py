@@ -96,9 +96,7 @@ class TriedPart:
     def largest(self, pattern: str, case: str | None = None) -> float:
         """Find the largest of the measures of a pattern, under all load cases or one; NaN if there is none."""
         cases = self.measures if case is None else {case: self.measures.get(case, {})}
-        values = [
-            value for case_measures in cases.values() for name, value in case_measures.items() if fnmatchcase(name, pattern)
-        ]
+        values = [value for row in cases.values() for name, value in row.items() if fnmatchcase(name, pattern)]
         return max((value for value in values if not math.isnan(value)), default=math.nan)
 
 

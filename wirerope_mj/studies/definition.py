@@ -112,9 +112,7 @@ class StudyDefinition:
         model = check_inside(folder, content["model"])
         for motion in content["motions"]:
             check_records(motion, folder)
-        vary = {
-            quantity["name"]: {key: value for key, value in quantity.items() if key != "name"} for quantity in content["vary"]
-        }
+        vary = {row["name"]: {key: value for key, value in row.items() if key != "name"} for row in content["vary"]}
         return cls(
             model=model, changes=read_changes(folder / content["model"]["changes"]) if "changes" in content["model"] else (),
             motions=[motion_from_dict(motion, folder=folder) for motion in content["motions"]],

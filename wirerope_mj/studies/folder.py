@@ -47,10 +47,7 @@ def study_folder(
             when_done(folder)
         return
     failure: Exception | None = None
-    with (
-        worked_on_alone(folder, kind="study"),
-        atomic_folder(folder, force=True, kind="study", marks=MARKS) as temporary_path,
-    ):
+    with worked_on_alone(folder, kind="study"), atomic_folder(folder, force=True, kind="study", marks=MARKS) as temporary_path:
         _begin(study, temporary_path, keep, search)
         yield temporary_path
         check_whole(temporary_path, folder)

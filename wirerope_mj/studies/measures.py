@@ -239,11 +239,8 @@ def _ratings(system: System, names: Sequence[str], isolators: Sequence[Mapping[s
     def row(isolator: Isolator) -> list[float]:
         if id(isolator) not in rows:
             travel, load = isolator.limits.travel.stated, isolator.limits.static_load
-            rows[id(isolator)] = [
-                *(travel.get(rating, NAN) for rating in RATINGS),
-                NAN if load is None else load,
-                acts(isolator),
-            ]
+            travels = [travel.get(rating, NAN) for rating in RATINGS]
+            rows[id(isolator)] = [*travels, NAN if load is None else load, acts(isolator)]
         return rows[id(isolator)]
 
     nominal = np.array([row(system.mounts[name].isolator) for name in names]).reshape(-1, len(RATINGS) + 2)

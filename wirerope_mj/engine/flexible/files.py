@@ -135,7 +135,7 @@ def read_points(path: Path, units: Units, nodes: Collection[int] | None = None) 
     plain = (_POINTS, ("point", "x", "y", "z"))
     points: dict[str, tuple[str, dict[str, str], Array]] = {}
     rows = read_rows(
-        path, (*plain, *((*columns, "held") for columns in plain), *((columns[0], "node", *columns[1:]) for columns in plain))
+        path, (*plain, *((*names, "held") for names in plain), *((names[0], "node", *names[1:]) for names in plain))
     )
     _require_once([(where, f"point {row['point']}") for where, row in rows])
     for where, row in rows:

@@ -146,12 +146,10 @@ def simulate_batch(
         if first != last:
             raise ValueError(f"`initial` states must be of one instant, got {first:.6g} s and {last:.6g} s.")
         # Motions that are variants of one share their corners.
-        corners_of_motions = {
-            motion.corners.tobytes(): motion.corners for motion in {id(each): each for each in motions}.values()
-        }
+        own_corners = {motion.corners.tobytes(): motion.corners for motion in {id(each): each for each in motions}.values()}
         grid = time_grid(
             start=first, duration=duration, sample_rate=sample_rate, timestep=timestep,
-            motion=motions[0], corners=joined(checked_corners(corners), *corners_of_motions.values()),
+            motion=motions[0], corners=joined(checked_corners(corners), *own_corners.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
         if judged:

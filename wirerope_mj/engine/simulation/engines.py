@@ -182,14 +182,8 @@ def _run_apart(system: System, qvel: Array, step: float) -> float:
     kinds = np.array(["motion"] * (channels.shape[0] - 2 * n_mounts) + ["deflection", "force"] * n_mounts)
     worst = 0.0
     for kind in dict.fromkeys(kinds.tolist()):
-        expected_channels, computed_channels = (samples[:, kinds == kind] for samples in (expected, got))
-        worst = max(
-            worst,
-            float(
-                np.abs(expected_channels - computed_channels).max(initial=0.0)
-                / max(np.abs(expected_channels).max(initial=0.0), 1e-300)
-            ),
-        )
+        wanted, reached = (samples[:, kinds == kind] for samples in (expected, got))
+        worst = max(worst, float(np.abs(wanted - reached).max(initial=0.0) / max(np.abs(wanted).max(initial=0.0), 1e-300)))
     return worst
 
 

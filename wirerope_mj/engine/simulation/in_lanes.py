@@ -73,9 +73,7 @@ def go_in_lanes(
         run = pool.map if threads > 1 and len(groups) > 1 else map
         for block in grid.blocks():
             blocks = [block.with_events_of(motion) if motion is not grid.motion else block for motion in distinct]
-            for stages in zip(
-                *(table.blocks(grid_of_motion) for table, grid_of_motion in zip(tables, blocks, strict=True)), strict=True
-            ):
+            for stages in zip(*(table.blocks(part) for table, part in zip(tables, blocks, strict=True)), strict=True):
                 cut = slice(stages[0].first, stages[0].first + stages[0].ends.size)
                 grids = [np.array([getattr(grid, row)[cut] for row in _ROWS]) for grid in blocks]
                 moved = [np.array([getattr(stage, part) for stage in stages]) for part in _MOVED]
@@ -137,9 +135,7 @@ def _finish(
 ) -> None:  # fmt: skip
     """Observe the last instant with the bases as they are just before it, and pass its values on if it is sampled."""
     before = [base_before(motion, drive, stop) for motion in motions]
-    positions, rates = (
-        np.array([positions_and_rates[part] for positions_and_rates in before])[:, np.newaxis] for part in (0, 1)
-    )
+    positions, rates = (np.array([moves[part] for moves in before])[:, np.newaxis] for part in (0, 1))
     table = np.array([acceleration_before(motion, stop) for motion in motions])[:, np.newaxis]
     turns = [turning_before(motion, drive, stop) for motion in motions]
     if sites or turns[0].size:

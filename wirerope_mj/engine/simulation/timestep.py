@@ -112,13 +112,7 @@ def choose_timestep(
     hit: list[ChosenStep] = []  # of runs that hit a stop among the laws
     for halving in range(HALVINGS):
         fine = pilots.at(step / 2.0)
-        if (
-            coarse
-            and fine
-            and all(
-                coarse_pilot.run.steps == fine_pilot.run.steps for coarse_pilot, fine_pilot in zip(coarse, fine, strict=True)
-            )
-        ):
+        if coarse and fine and [pilot.run.steps for pilot in coarse] == [pilot.run.steps for pilot in fine]:
             step, coarse = step / 2.0, fine  # between samples and corners no step was cut: nothing is learned
             continue
         difference = _difference(coarse, fine)

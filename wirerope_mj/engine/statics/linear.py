@@ -127,18 +127,13 @@ def soft_equalities(system: System) -> tuple[str, ...]:
     rigid, shapes = _swinging(linear.motions, linear.stiffness, linear.mass)
     sentences = []
     for number in dict.fromkeys(linear.equalities.tolist()):
-        rows_of_equality = linear.equalities == number
-        motions, rows = (
-            left_by(linear.rows[~rows_of_equality]),
-            linear.rows[rows_of_equality],
-        )  # this one soft, and rigid what else there is
-        added, equality_stiffness = (
-            (rows.T * w) @ rows for w in (weight[rows_of_equality], (weight * stiffness)[rows_of_equality])
-        )
-        soft, others_frequencies = _swinging(motions, linear.stiffness + equality_stiffness, linear.mass + added)
+        of_it = linear.equalities == number
+        motions, rows = left_by(linear.rows[~of_it]), linear.rows[of_it]  # this one soft, and rigid what else there is
+        added, stiff = ((rows.T * w) @ rows for w in (weight[of_it], (weight * stiffness)[of_it]))
+        soft, soft_shapes = _swinging(motions, linear.stiffness + stiff, linear.mass + added)
         if not rigid.size or not soft.size:
             continue
-        moved = soft[np.argmax((shapes.T @ linear.mass @ others_frequencies) ** 2, axis=1)]  # each in the shape most like it
+        moved = soft[np.argmax((shapes.T @ linear.mass @ soft_shapes) ** 2, axis=1)]  # each in the shape most like it
         most = int(np.argmax(np.abs(np.log(moved / rigid))))
         if abs(moved[most] / rigid[most] - 1.0) > GIVES_WAY:
             sentences.append(

@@ -162,10 +162,8 @@ class Loading:
             self._accelerations(qpos)
             mujoco.mj_forward(model, self.data)  # sensors too
             rows = self._mounts().copy()
-            if message := beyond_laws(self.system, rows[:, 0]):
-                raise ConvergenceError(
-                    f"there is no equilibrium: mount {message[0]!r} would stand {message[1]}. {self._loads()}"
-                )
+            if fault := beyond_laws(self.system, rows[:, 0]):
+                raise ConvergenceError(f"there is no equilibrium: mount {fault[0]!r} would stand {fault[1]}. {self._loads()}")
             state = state_of(model, self.data)
             return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 

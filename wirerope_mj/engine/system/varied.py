@@ -247,11 +247,8 @@ def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
 def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, room: int) -> str:
     def size(isolator: Isolator) -> int:
         acting = isolator.conditioned
-        coupled, parameters = (
-            acting.coupled,
-            sum(law.kernel_parameters().size for law in acting.axes.values() if law is not None),
-        )
-        return parameters + (0 if coupled is None else coupled.mount_parameters().size)
+        parameters = sum(law.kernel_parameters().size for law in acting.axes.values() if law is not None)
+        return parameters + (0 if acting.coupled is None else acting.coupled.mount_parameters().size)
 
     old = max(system.mounts.values(), key=lambda mount: size(isolators[mount.name]) - size(mount.isolator))
     new = isolators[old.name]

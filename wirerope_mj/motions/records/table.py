@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.clock_times import clock_time, is_clock_time
 from wirerope_mj.foundation.directions import ROTATIONS, Direction
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain, short
@@ -30,7 +29,7 @@ from wirerope_mj.foundation.table_files import (
     require_cells,
     with_point,
 )
-from wirerope_mj.foundation.table_header import TIME_COLUMN, Header, holds, is_missing
+from wirerope_mj.foundation.table_header import TIME_COLUMN, Header, clock_time, holds, is_clock_time, is_missing
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY, TIME_UNITS, find_unit, range_of, underscored_unit
 from wirerope_mj.motions.records.reading import Reading, axes_of
 from wirerope_mj.motions.records.turning import TURN_UNITS, kind_of, turn_columns, turned_by

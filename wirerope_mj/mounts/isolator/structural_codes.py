@@ -150,7 +150,7 @@ def export_structural(
         raise ValueError("COMBIN39 has no damping, and COMBIN14 beside it is a damper: leave `--damping structural` out.")
     acting = isolator.conditioned
     tables: list[AxisTable] = []
-    natural_frequency = frequency
+    natural = frequency
     axes = [(axis, law) for axis in reversed(AXES) if (law := acting.axes[axis]) is not None]
     for axis, law in axes:
         below, above = _range(acting, axis, law)
@@ -159,27 +159,19 @@ def export_structural(
                 f"`amplitude` must be > 0 and within the range of each axis, {1e3 * min(below, above):.4g} mm along {axis}; "
                 f"got {1e3 * amplitude:.6g} mm."
             )
-        if natural_frequency is None:
+        if natural is None:
             load = isolator.limits.static_load
             if load is None:
                 raise ValueError(
                     "`frequency` must be given: no static load is rated, of which it could be the natural frequency."
                 )
             stiffness = cyclic_test(law, amplitude)[0].secant_stiffness
-            natural_frequency = math.sqrt(stiffness * STANDARD_GRAVITY / load) / (2.0 * math.pi)
-        tables.append(
-            _table(axis, law, (below, above), amplitude, natural_frequency, _ANSYS_POINTS if code == "Ansys" else None)
-        )
-    assert natural_frequency is not None  # an isolator has a law
+            natural = math.sqrt(stiffness * STANDARD_GRAVITY / load) / (2.0 * math.pi)
+        tables.append(_table(axis, law, (below, above), amplitude, natural, _ANSYS_POINTS if code == "Ansys" else None))
+    assert natural is not None  # an isolator has a law
     how: Damping = damping or ("viscous" if code == "Ansys" else "structural")
     return StructuralExport(
-        isolator=isolator,
-        code=code,
-        amplitude=amplitude,
-        frequency=natural_frequency,
-        damping=how,
-        units=units,
-        tables=tables[::-1],
+        isolator=isolator, code=code, amplitude=amplitude, frequency=natural, damping=how, units=units, tables=tables[::-1]
     )
 
 

@@ -167,8 +167,8 @@ class Parallel(Law):
         changes: list[Entries] = [{} for _ in self.laws]
         for name, value in values.items():
             if name not in self.factors:
-                number, key = part_of(name)
-                changes[number][key] = value
+                row, key = part_of(name)
+                changes[row][key] = value
         for name in set(values) & (set(self.factors) - set(FACTORS)):
             for law, change in zip(self.laws, changes, strict=True):
                 change[name] = values[name] * change.get(name, law.parameter(name))

@@ -9,11 +9,10 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.clock_times import is_clock_time
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.table_files import number_in, numbered_rows, read_header, rows_below
-from wirerope_mj.foundation.table_header import Header
+from wirerope_mj.foundation.table_header import Header, is_clock_time
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, find_unit
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_passive

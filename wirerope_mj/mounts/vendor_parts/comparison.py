@@ -86,9 +86,7 @@ class Band:
 def left_out(name: str, isolator: Isolator) -> Band:
     """Predict each value of a part from its others, by the name of its file in the catalogue or in a vendor's table."""
     path = catalogue_folder() / "datasheets" / f"{name}.toml"
-    part = next(
-        (candidate for candidate in vendor_parts() if name.lower() in (candidate.name.lower(), shipped_file(candidate))), None
-    )
+    part = next((part for part in vendor_parts() if name.lower() in (part.name.lower(), shipped_file(part))), None)
     values: list[ComparedValue] = []
     if path.is_file():
         sheet = read_datasheet(path)

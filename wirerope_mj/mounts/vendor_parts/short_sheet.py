@@ -186,13 +186,11 @@ class ShortFit:
     def bands(self) -> list[tuple[ComparedValue, float, float]]:
         """Compute the isolator's figures with their bands: deviations of all assumptions, added squared."""
         nominal = _figures(self.sheet, self.isolator)
-        end_figures = [
-            [(end.part, _figures(self.sheet, end.isolator, end=True)) for end in pair] for pair in self.ends.values()
-        ]
+        ends = [[(end.part, _figures(self.sheet, end.isolator, end=True)) for end in pair] for pair in self.ends.values()]
         rows = []
         for number, figure in enumerate(nominal):
             down = up = 0.0
-            for pair in end_figures:
+            for pair in ends:
                 changes = [(figures[number].fitted - figure.fitted) / part for part, figures in pair]
                 down, up = down + min(0.0, *changes) ** 2, up + max(0.0, *changes) ** 2
             rows.append((figure, max(0.0, figure.fitted - down**0.5), figure.fitted + up**0.5))

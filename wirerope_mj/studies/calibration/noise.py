@@ -127,17 +127,17 @@ def estimate_noise(
     Arguments as those of `information`, of each series.
     """
     known = [information(*arguments)[0] for arguments in zip(series, noises, jacobians, linear, strict=True)]
-    noises_found = list(noises)
-    for k, of_series in enumerate(series):
+    estimates = list(noises)
+    for k, single in enumerate(series):
         other_series = [info for i, info in enumerate(known) if i != k]
         size = jacobians[k].shape[1]
         precision = np.eye(size) + sum((info.precision for info in other_series), np.zeros((size, size)))
         projection = sum((info.projection for info in other_series), np.zeros(size))
-        noises_found[k] = _most_likely(
-            of_series, noises_found[k], jacobians[k], linear[k], Information(precision=precision, projection=projection)
+        estimates[k] = _most_likely(
+            single, estimates[k], jacobians[k], linear[k], Information(precision=precision, projection=projection)
         )
-        known[k] = information(of_series, noises_found[k], jacobians[k], linear[k])[0]
-    return noises_found
+        known[k] = information(single, estimates[k], jacobians[k], linear[k])[0]
+    return estimates
 
 
 def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, from_others: Information) -> Noise:

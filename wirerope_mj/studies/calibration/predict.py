@@ -191,9 +191,7 @@ def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tup
     """Tell whether forces of isolators rise over their travel [m], except where those of the system fall, too."""
     judged: set[tuple[int, str, float]] = set()  # mounts that vary together share their isolators
     for (mount, axis), reached in travel.items():
-        law, before = (
-            calibrated.axes[axis] if calibrated else None for calibrated in (isolators.get(mount), system.mounts[mount].written)
-        )
+        law, before = (device.axes[axis] if device else None for device in (isolators.get(mount), system.mounts[mount].written))
         if law is None or before is None or (id(law), axis, reached) in judged:
             continue
         judged.add((id(law), axis, reached))

@@ -83,19 +83,16 @@ def histories_together(
     """Return instants (n_t,) and columns as `histories` does, of the variants that can be computed side by side."""
     plan = column_plan(work.system)
     wanted = [plan.names.index(name) - plan.first_sensor for name in columns]
-    parts_of_variants: dict[int, dict[int, Array]] = {}
+    found_blocks: dict[int, dict[int, Array]] = {}
 
     def sink(number: int, first: int, values: Array) -> None:
-        parts_of_variants.setdefault(number, {})[first] = values[:, wanted].copy()
+        found_blocks.setdefault(number, {})[first] = values[:, wanted].copy()
 
     ready = _ready(work, rows)
     if ready is None:
         return np.zeros(0), {}
     time, _, good = _stepped(work, ready, sink, threads)
-    parts = {
-        number: np.concatenate([parts_by_start[first] for first in sorted(parts_by_start)])
-        for number, parts_by_start in parts_of_variants.items()
-    }
+    parts = {number: np.concatenate([blocks[first] for first in sorted(blocks)]) for number, blocks in found_blocks.items()}
     return time, {int(ready.indices[k]): parts[k] for k in np.flatnonzero(good).tolist()}
 
 

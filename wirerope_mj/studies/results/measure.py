@@ -124,11 +124,8 @@ def most_critical(table: pa.Table, limits: Mapping[str, float] = MappingProxyTyp
     Limits are those of the quantities, and `limits` by name, SI.
     """
     measures = [measure_of(name, limits) for name in [*headlines(table), *known_measures(table, [*limits])]]
-    used = [
-        (measure.name, float(np.nanmax(values_of(table, measure.name)) / measure.limit))
-        for measure in measures
-        if measure.limit
-    ]
+    limits = {measure.name: measure.limit for measure in measures if measure.limit}
+    used = [(name, float(np.nanmax(values_of(table, name)) / limit)) for name, limit in limits.items()]
     return max(used, key=itemgetter(1), default=None)
 
 

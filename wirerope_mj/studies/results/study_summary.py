@@ -99,13 +99,13 @@ class StudySummary:
     def beyond(self) -> dict[str, Booleans]:
         """Variants beyond each limit, (n,), by its subject: limits of parts, of the model, and stated ones."""
         table = self.result.independent
-        limited_measures = {
+        limits = {
             statistic.measure.name: statistic.measure for statistic in self.statistics if statistic.measure.limit is not None
         }
-        limited_measures.setdefault(_LOAD, measure_of(_LOAD))
+        limits.setdefault(_LOAD, measure_of(_LOAD))
         limited = [
             (measure.text, values_of(table, name), measure.limit)
-            for name, measure in limited_measures.items()
+            for name, measure in limits.items()
             if measure.limit is not None
         ]
         limited += [(limit.text, limit.largest(table), limit.limit) for limit in self.stated]
@@ -165,10 +165,8 @@ class StudySummary:
     def worst(self, count: int) -> list[Entries]:
         """Return the rows of the variants with the largest values of `by`; for Sobol's indices, of independent ones."""
         table = self.result.independent
-        every = {
-            name: values_of(table, name).tolist()
-            for name in {measure.name for measure in self.measures} - {*table.column_names}
-        }
+        absent = {measure.name for measure in self.measures} - {*table.column_names}
+        every = {name: values_of(table, name).tolist() for name in absent}
         rows = table["variant"].to_pylist()
         return [
             row_of(table, number) | {name: values[rows.index(number)] for name, values in every.items()}

@@ -58,25 +58,23 @@ def variants_of(work: Work, rows: Sequence[Entries]) -> Variants:
                     continue
                 check_direction(system, motion)
                 checked.add(id(motion))
-            base_numbers = equations(system).num.copy(), own_rates.copy()
+            base = equations(system).num.copy(), own_rates.copy()
             if plain := valid and _plain(draft):
-                _write_laws(draft, *base_numbers, laws)
+                _write_laws(draft, *base, laws)
             replaced = make.isolators(draft, draft.gone if plain else [*draft.isolators, *draft.parameters, *draft.gone])
-            if not all(
-                _write_isolator(system, mount, isolator, *base_numbers, written) for mount, isolator in replaced.items()
-            ):
+            if not all(_write_isolator(system, mount, isolator, *base, written) for mount, isolator in replaced.items()):
                 continue
             changes = make.moves(draft, {})
-            _writer(system).write_springs(base_numbers[0], changes)
-            if not _writer(system).write_geometry(base_numbers[0], changes):
+            _writer(system).write_springs(base[0], changes)
+            if not _writer(system).write_geometry(base[0], changes):
                 continue
         except (ValueError, WireRopeError):
             continue  # says so where it is made alone
         indices.append(index)
         motions.append(motion)
         isolators.append(replaced)
-        numbers.append(base_numbers[0])
-        rates.append(base_numbers[1])
+        numbers.append(base[0])
+        rates.append(base[1])
         shifts.append([changes.positions.get(mount, (0.0, 0.0, 0.0)) for mount in system.mounts])
     return Variants(
         indices=indices, motions=motions, isolators=isolators, numbers=np.array(numbers), rates=np.array(rates),
@@ -136,10 +134,8 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
             parameters, rates[:, 3 * number + place], forms[place] = laws[key]
             writer.write_law(numbers, mount, place, parameters)
         if isolator.coupled_axes and any(place in isolator.coupled_axes for place in forms):
-            first_form, second_form = (
-                forms.get(place) or _forms(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes
-            )
-            scales = map(rates_in_plane, first_form, second_form)
+            first, second = (forms.get(place) or _forms(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes)
+            scales = map(rates_in_plane, first, second)
             writer.write_coupling(numbers, mount, np.array([value for scale in scales for value in scale]))
 
 
