@@ -11,7 +11,7 @@ from wirerope_mj.cli import main
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
-from wirerope_mj.mounts.isolator import at_temperature
+from wirerope_mj.mounts.isolator import isolators_at
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
 STATED = {"celsius": (-40.0, 20.0, 70.0), "stiffness": (1.6, 1.0, 0.9), "damping": (1.3, 1.0, 0.8)}
@@ -62,10 +62,10 @@ def test_what_no_sheet_states_is_refused(changes, fault):
 def test_isolators_without_factors_are_named_with_the_remedy():
     plain, stop = wr.Isolator(name="CB1500", axial=ROPE), wr.Isolator(name="bump", axial=wr.Stop(gap_below=0.01, k=1e6))
     with pytest.raises(ValueError, match=r"no factors over temperature are stated for CB1500\. .*\[temperature\] with celsius"):
-        at_temperature({"a": device(), "b": plain, "s": stop}, -20.0)
+        isolators_at("-20 degC", {"a": device(), "b": plain, "s": stop})
     with pytest.raises(ValueError, match=r"a: \[temperature\] `at` must be within the -40 to 70 degC that are stated, got 90"):
-        at_temperature({"a": device()}, 90.0)
-    made = at_temperature({"a": device(), "s": stop}, -10.0)
+        isolators_at("90 degC", {"a": device()})
+    made = isolators_at("-10 °C", {"a": device(), "s": stop})
     assert made == {"a": device(at=-10.0), "s": stop}
 
 
@@ -98,3 +98,20 @@ def test_the_command_runs_at_a_temperature_and_its_folder_keeps_it(tmp_path, cap
     for text, fault in (("-50 degC", "-40 to 70 degC"), ("20 K", "no unit of temperature")):
         assert main([*words, "--temperature", text, "--out", str(tmp_path / "other")]) == 2
         assert fault in capsys.readouterr().err
+
+
+def test_a_job_runs_at_a_temperature_and_keeps_what_has_not_changed(tmp_path, capsys):
+    write_model(wr.load_system(sdof_text(), isolators={"a": device()}), tmp_path)
+    case = '[[case]]\nname = "shock"\nhalf-sine = "5 g 11 ms z"\nduration = 0.05\ntimestep = 1e-3\n'
+    job = tmp_path / "job.toml"
+    peaks = []
+    for text, computed in (("-40 degC", "computed 1"), ("-40 degC", "computed 0"), ("70 degC", "computed 1")):
+        job.write_text(f'model = "model.xml"\ntemperature = "{text}"\n{case}', encoding="utf-8")
+        assert wr.load_job(job).cases[0].scenario.isolators["a"].temperature.at == float(text.split()[0])
+        assert main(["cases", str(job), "--out", str(tmp_path / "out")]) == 0
+        assert computed in capsys.readouterr().out
+        peaks.append(wr.load_response(tmp_path / "out" / "cases" / "shock").peaks.mounts["m1"].force.value)
+    assert peaks[0] == peaks[1] != peaks[2]
+    job.write_text(f'model = "model.xml"\ntemperature = "99 degC"\n{case}', encoding="utf-8")
+    with pytest.raises(ModelError, match=r"job\.toml: `temperature`: a: .*-40 to 70 degC that are stated, got 99 degC"):
+        wr.load_job(job)

@@ -118,8 +118,8 @@ def shock(
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.quantities import values_with_unit
     from wirerope_mj.foundation.resources import model_source
-    from wirerope_mj.foundation.units import LENGTH_UNITS, TEMPERATURE_UNITS
-    from wirerope_mj.mounts.isolator import at_temperature
+    from wirerope_mj.foundation.units import LENGTH_UNITS
+    from wirerope_mj.mounts.isolator import isolators_at
     from wirerope_mj.runs.said_motion import listed_phrases, said_motion, with_dwells_found
     from wirerope_mj.runs.scenario import Scenario
 
@@ -137,7 +137,7 @@ def shock(
     system = load_system(model_source(model, asker="wirerope shock"))
     devices = None
     if temperature is not None:
-        devices = at_temperature(system.isolators, *values_with_unit(temperature, "temperature", TEMPERATURE_UNITS))
+        devices = isolators_at(temperature, system.isolators)
         system = load_system(model_source(model, asker="wirerope shock"), isolators=devices)
     if deck is not None:
         system = load_system(deck_text(system, deck_of(deck)), isolators=system.isolators)

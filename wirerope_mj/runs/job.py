@@ -103,7 +103,8 @@ def run_job(
             check_folder(folder, force=False, kind="job", marks=(JOB,))
         _write_job(job, folder)
         with tempfile.TemporaryDirectory() as temporary:  # model and isolators as runs hold them
-            write_model(load_system(job.cases[0].scenario.model_source()), Path(temporary))
+            first = job.cases[0].scenario
+            write_model(load_system(first.model_source(), isolators=first.isolators), Path(temporary))
             files = sorted(path for path in Path(temporary).rglob("*") if path.is_file())
             model = _digest([[file.relative_to(temporary).as_posix(), digest_of(file)] for file in files])
         computed, questions = {}, []

@@ -22,6 +22,7 @@ from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
+from wirerope_mj.mounts.isolator import isolators_at
 from wirerope_mj.runs.said_motion import PLAYED, listed_phrases, said_motion, with_dwells_found
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judged_by
@@ -100,6 +101,7 @@ class JobFile:
     question: str = QUESTION  #: what it answers
     report: Texts = REPORTED[:7]  #: what each case shows
     combined_travel: bool = True  #: whether the travels along all axes are judged together, by the in-house rule
+    temperature: Annotated[str | None, example("-20 degC")] = None  #: of the isolators, whose files state factors for it
     sheet: Annotated[str | None, example("cases.csv")] = None  #: CSV or XLSX file with a case in each row
     cases: Annotated[tuple[Case, ...], Key("case")] = ()
     records: Records | None = None
@@ -169,8 +171,16 @@ def load_job(path: str | Path) -> Job:
         except ValueError as error:
             raise Place(path, ("limits",)).fault(f'{error} Here it is "acceleration/rack" = "15 g".') from None
     document = content.document and _with_files(content.document, Place(path, ("document",)))
+    devices = None
     try:
-        system = judged_by(load_system(source), combined_travel=content.combined_travel, limits=limits)
+        system = load_system(source)
+        if content.temperature is not None:
+            try:
+                devices = isolators_at(content.temperature, system.isolators)
+            except ValueError as error:
+                raise ModelError(f"`temperature`: {error}") from None
+            system = load_system(source, isolators=devices)
+        system = judged_by(system, combined_travel=content.combined_travel, limits=limits)
     except WireRopeError as error:
         raise type(error)(f"{path}: {error}") from None
     cases: list[LoadCase] = []
@@ -183,6 +193,7 @@ def load_job(path: str | Path) -> Job:
         every = {name: getattr(content.simulate, name) for name in _SIMULATE if getattr(case, name) is None}
         scenario = Scenario(
             question=content.question, model=source, name=case.name, limits=limits, combined_travel=content.combined_travel,
+            isolators=devices,
             **_scenario(place, replace(case, **every), folder, system),
         )  # fmt: skip
         cases.append(LoadCase(name=case.name, folder=slug, note=case.note, scenario=scenario))

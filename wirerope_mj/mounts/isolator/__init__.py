@@ -1,6 +1,6 @@
 """The isolator: three restoring-force laws, what they are rated for, and where they come from."""
 
-from wirerope_mj.mounts.isolator.device import BOTTOM, Isolator, at_temperature, bottom_in_place, bottom_stop
+from wirerope_mj.mounts.isolator.device import BOTTOM, Isolator, bottom_in_place, bottom_stop, isolators_at
 from wirerope_mj.mounts.isolator.parts import (
     Bracket,
     Geometry,

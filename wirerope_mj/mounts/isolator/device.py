@@ -14,8 +14,10 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.foundation.quantities import values_with_unit
 from wirerope_mj.foundation.structure import Place, bounds, check, structure
 from wirerope_mj.foundation.summary import Brief
+from wirerope_mj.foundation.units import TEMPERATURE_UNITS
 from wirerope_mj.mounts.isolator.parts import (
     Bracket,
     Geometry,
@@ -267,11 +269,14 @@ _UNRATED_FRACTION = 0.05  # of the height, where no travel is rated: small enoug
 _UNRATED = 0.005  # [m], where not even the height is known
 
 
-def at_temperature(isolators: Mapping[str, Isolator], celsius: float) -> dict[str, Isolator]:
-    """Return isolators at a temperature [degC], by name; stops stay as they are.
+def isolators_at(temperature: str, isolators: Mapping[str, Isolator]) -> dict[str, Isolator]:
+    """Return isolators at a temperature, such as "-20 degC", by name; stops stay as they are.
 
-    ValueError: an isolator states no factors, or none for this temperature; says what to write where.
+    ValueError: the text is no temperature, or an isolator states no factors, or none for it; says what to write where.
     """
+    celsius, *more = values_with_unit(temperature, "temperature", TEMPERATURE_UNITS)
+    if more:
+        raise ValueError(f'one temperature must stand there, such as "-20 degC", got {temperature!r}.')
     silent = [device.name for device in isolators.values() if device.temperature is None and not device.is_stop]
     if silent:
         raise ValueError(
