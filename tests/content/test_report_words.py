@@ -8,7 +8,7 @@ import pytest
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.assessment.criteria.loads import contact_text
 from wirerope_mj.content.numbers import fixed, listed, number, shown, shown_unit, title_of
-from wirerope_mj.content.verdicts import full_table, headline, most_critical, unjudged, worst_table
+from wirerope_mj.content.verdicts import full_table, headline, unjudged, worst_table
 from wirerope_mj.engine.response import ContactPeak
 from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.foundation.units import duration_text
@@ -44,7 +44,6 @@ def test_the_answer_counts_the_exceeded_and_names_the_worst():
         verdict(subject="m2", value=0.05),
         verdict(criterion="acceleration", limit=None, note="nobody knows"),
     ]
-    assert most_critical(rows).text == "Most critical: m2 travel in roll 50.0 mm, limit 40 mm (125 %)."
     assert unjudged(rows) == ("acceleration of m1: nobody knows.",)
     found = headline(rows)
     assert found.text == "FAIL: m2 travel in roll 50.0 mm, limit 40 mm (125 %); 1 of 2 checks exceeded; 1 value has no limit."
@@ -77,7 +76,6 @@ def test_nothing_judged_is_never_passed():
     rows = [verdict(limit=None), verdict(value=math.nan)]
     assert headline(rows).tone == "unjudged"
     assert "within" not in headline(rows).text
-    assert most_critical(rows) is None
     passed = headline([verdict()])
     assert passed.text == "PASS: most critical m1 travel in roll 20.0 mm, limit 40 mm (50 %); the only check is within limits."
     assert passed.tone == "within"

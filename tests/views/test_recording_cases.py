@@ -2,14 +2,17 @@
 
 import re
 import shutil
+import threading
 
 import pytest
+from made_up_floor import floor_response
 from rerun.chunk import RrdReader
 
 import wirerope_mj as wr
 from wirerope_mj.content.judged_run import judged_run
+from wirerope_mj.content.selection import select
 from wirerope_mj.foundation.half_written import clear_half_written
-from wirerope_mj.views.recording import record, show, viewer
+from wirerope_mj.views.recording import record, record_rerun, show, viewer
 from wirerope_mj.views.recording.record import record_cases
 
 UP, ACROSS = "upwards, 10 g", "athwartships"
@@ -108,3 +111,31 @@ def test_the_viewer_is_given_the_whole_file_as_it_opens_one_recording_of_a_file_
     monkeypatch.setattr(viewer, "_run_viewer", lambda command, recording: calls.append((command[-1], recording.read(3))))
     show(recorded)
     assert calls == [("-", b"RRF")]
+
+
+def test_the_viewer_opens_at_the_most_critical_instant(tmp_path, monkeypatch):
+    response = floor_response()
+    path = record_rerun(response, tmp_path / "run.rrd")
+    worst = select(response).used[0].governing
+    assert viewer.opening_instant(path) == worst.time > 0.0
+    moved, answered = [], threading.Event()
+
+    class Starting:
+        """A viewer that answers at the third time."""
+
+        calls = 0
+
+        def __init__(self, url):
+            Starting.calls += 1
+            if Starting.calls < 3:
+                raise ConnectionError("transport error")
+
+        def set_time(self, timeline, **cursor):
+            moved.append((timeline, cursor))
+            answered.set()
+
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(viewer, "ViewerClient", Starting)
+    monkeypatch.setattr(viewer, "_run_viewer", lambda command, recording: answered.wait(120.0))
+    show(path)
+    assert moved == [("sim_time", {"duration": worst.time, "play_state": "paused"})]

@@ -127,7 +127,7 @@ def test_what_is_nearest_to_its_limit_may_be_a_static_load():
     )
     verdicts = (*judge(response), load)
     words = texts(response, verdicts)["verdict"]
-    assert "Most critical: m07 static load in compression, relaxed 2.60 kN, limit 2 kN (130 %)" in words
+    assert "FAIL: m07 static load in compression, relaxed 2.60 kN, limit 2 kN (130 %)" in words
     lines = verdict_lines(response, verdicts)
     assert "Static load: exceeded; most used m07, 130 % of rated static load in compression, relaxed." in lines
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RMS
+from wirerope_mj.assessment.criteria.verdict import RMS
 from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import BASE, OTHERS, Block, Chart, Panel, Statement, short
 from wirerope_mj.content.histories import Line, history_panel, subject_called
@@ -17,7 +17,6 @@ from wirerope_mj.content.selection import kind_of, main_direction, worst_names
 from wirerope_mj.content.spectrum_charts import densities_chart, rms_along, shock_chart, sweep_chart
 from wirerope_mj.content.verdicts import criteria_blocks, untested
 from wirerope_mj.foundation.errors import Absent
-from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator.travel import SIDES
 
@@ -64,10 +63,7 @@ def first_charts(run: JudgedRun) -> Chart | None:
             ),
             Line(response=response, subject=THE_BASE, name="base", kind=BASE, history=base_acceleration(response, run.motion)),
         ]
-        panel = history_panel("acceleration", along, lines, selection.window)
-        rows = [row for row in run.verdicts if row.criterion.kind == ACCELERATION and row.subject == names[0]]
-        limits = {in_unit(row.limit, "g") for row in rows if row.limit is not None and row.criterion.axis in ("", along)}
-        panels.append(replace(panel, limits=[("limit", sign * limit) for limit in limits for sign in (1.0, -1.0)]))
+        panels.append(history_panel("acceleration", along, lines, selection.window))
     if mount:
         used = next(row for row in mount_peaks(response) if row.name == mount)
         axis = next((axis for axis, senses in SIDES.items() if used.governing in senses), selection.axes[0])

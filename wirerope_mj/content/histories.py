@@ -1,6 +1,6 @@
 """Histories over time: of the parts of one run, or of one part in several runs, as panels that every output draws."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,8 +62,23 @@ def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tupl
         for limit, reached in zip(travel_limits(mount, along), (peak.minimum, peak.maximum), strict=True):
             if reached[_axis_number(along)] / limit >= _SHOWN_RATING:  # NaN: unrated
                 levels["rated travel" if part else f"rated travel of {short(mount.name)}", in_unit(float(limit), "mm")] = None
+    if quantity == "acceleration":
+        levels |= dict.fromkeys(_acceleration_levels(lines, along))
     title = f"{part}: {what[:1].lower()}{what[1:]} [{unit}]{_peak_changes(curves)}" if part else f"{what} [{unit}]"
     return Panel(curves, label, title=title, limits=list(levels), xlim=window, unit=unit)
+
+
+def _acceleration_levels(lines: Sequence[Line], along: str) -> Iterator[tuple[str, float]]:
+    """Yield the limits of accelerations that peaks of the drawn parts come near, both ways along an axis [g]."""
+    for line in lines:
+        if isinstance(subject := line.subject, Component) and subject != THE_BASE:
+            reached = abs(_extreme(subject.peak(line.response), along)[1])
+            for limit in line.response.scene.limits:
+                whole = len(limit.values) == 1
+                if (limit.kind, limit.name) == ("acceleration", subject.name) and (whole or along != TOTAL):
+                    value = limit.values[0 if whole else _axis_number(along)]
+                    if value and reached >= _SHOWN_RATING * value:
+                        yield from ((f"limit of {short(line.name)}", in_unit(side * value, "g")) for side in (1.0, -1.0))
 
 
 def run_histories(response: Response, selection: Selection) -> Histories:

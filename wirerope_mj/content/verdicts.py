@@ -13,7 +13,6 @@ from wirerope_mj.assessment.criteria.verdict import (
     ACCELERATION,
     TRAVEL,
     Criterion,
-    against_limit,
     criterion_text,
     most_amplified,
     most_used,
@@ -60,14 +59,6 @@ def answer_blocks(run: RunResult) -> Iterator[Statement | None]:
 
 def untested(run: RunResult) -> Statement | None:
     return Statement("untested", run.untested, tone="unjudged") if run.untested else None
-
-
-def most_critical(verdicts: Sequence[Verdict]) -> Statement | None:
-    """State the verdict with the largest utilisation; None if no limit is judged."""
-    most = most_used(verdicts)
-    if most is None:
-        return None
-    return Statement("most-critical", f"Most critical: {against_limit(most)}.", tone=TONE[most.verdict])
 
 
 def criteria_blocks(verdicts: Sequence[Verdict]) -> Iterator[Block | None]:

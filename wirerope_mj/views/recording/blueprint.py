@@ -42,7 +42,10 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     scenes = _scenes(drawn, factor)
     left: rrb.Container = tabs_with(scenes, "scene", scene or str(scenes[0].name))
     if (run := drawn.alone) is not None and (governing := drawn.shared.governing) is not None:
-        left = rrb.Vertical(left, _close_up(run, governing, wide=True, figures=not drawn.cases), row_shares=[3, 2])
+        below_scene: Pane = _close_up(run, governing, wide=True, figures=not drawn.cases)
+        if drawn.shared.used:
+            below_scene = rrb.Horizontal(below_scene, _plan_view(run), column_shares=[3, 2])
+        left = rrb.Vertical(left, below_scene, row_shares=[3, 2])
     top = rrb.Horizontal(left, tabs_with(_tabs(drawn, plots), "tab", tab), column_shares=[5, 6], name="run")
     banner = [_text(text.path, text.name) for text in drawn.texts if text.place == BANNER]
     texts = [_text(text.path, text.name) for text in drawn.texts if text.place == BELOW]
@@ -86,22 +89,23 @@ def _text(path: tuple[str, ...], name: str) -> rrb.TextDocumentView:
     return rrb.TextDocumentView(origin=entity(*path), name=name)
 
 
+def _plan_view(run: DrawnRun) -> Pane:
+    across, upward = plan_bounds(run.response)
+    bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
+    name = "Mounts from above, % used now"
+    return rrb.Spatial2DView(origin=entity(PLAN), name=name, background=GROUND, visual_bounds=bounds)
+
+
 def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
-    """List the scenes: of a run alone true scale, plan and enlarged; of several worst mount, side by side, ghosts."""
+    """List the scenes: of a run alone enlarged and to scale; of several worst mount, side by side, ghosts."""
     larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
     largest = max(drawn.runs, key=lambda run: scene_extent(run.response.scene)[1])
     below = entity(GHOSTS)
     if (run := drawn.alone) is not None:
-        scenes = [_scene(run, "True scale", whole_scene(run.response, mount=drawn.shared.governing))]
-        if drawn.shared.used and drawn.shared.mounts:
-            across, upward = plan_bounds(run.response)
-            bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
-            name = "Mounts from above, % used now"
-            scenes.append(rrb.Spatial2DView(origin=entity(PLAN), name=name, background=GROUND, visual_bounds=bounds))
-        if factor > 1.0:
-            camera = whole_scene(run.response, mount=drawn.shared.governing)
-            scenes.append(scene_view(below + _origin(run), [f"+ {below}/**"], f"Motion drawn {factor:g} times larger", camera))
-        return scenes
+        camera = whole_scene(run.response, mount=drawn.shared.governing)
+        name = f"Motion drawn {factor:g} times larger"
+        enlarged = [scene_view(below + _origin(run), [f"+ {below}/**"], name, camera)] if factor > 1.0 else []
+        return [*enlarged, _scene(run, "True scale", camera)]
     columns = 1 if len(drawn.runs) <= 3 else 2
     aspect = _SCENES[0] / columns / (_SCENES[1] / -(-len(drawn.runs) // columns))
     whole = [

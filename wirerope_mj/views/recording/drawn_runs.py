@@ -23,7 +23,7 @@ from wirerope_mj.content.random_vibration import random_blocks
 from wirerope_mj.content.required_spectra import required_spectrum_blocks
 from wirerope_mj.content.run import acceleration_blocks, numerics_statement
 from wirerope_mj.content.selection import Selection, main_direction, select
-from wirerope_mj.content.verdicts import answer_blocks, full_table, headline, most_critical
+from wirerope_mj.content.verdicts import answer_blocks, full_table, headline
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
 from wirerope_mj.foundation.tables import Table
@@ -184,8 +184,7 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
 
     A run without its system has no modes.
     """
-    first = [headline(run.verdicts), most_critical(run.verdicts)]
-    peaks: list[Block | None] = [*first[:1], *answer_blocks(run)]
+    peaks: list[Block | None] = [headline(run.verdicts), *answer_blocks(run)]
     peaks += [*acceleration_blocks(run), *mount_blocks(run), *contact_blocks(run)]
     peaks += [*random_blocks(run), *required_spectrum_blocks(run)] if isinstance(run, JudgedRun) else []
     body = scenario_text.strip()
@@ -195,11 +194,9 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
             body = f"{fence}toml\n{plain_lines(body)}\n{fence}"
     numerics = markdown(numerics_statement(run.response.numerics).text)
     scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
-    critical = markdown_blocks(first[1:])
-    banner = f"**{markdown(run.headline)}**  {critical}".strip()
     modes = markdown_blocks(run_modes_blocks(run)) if isinstance(run, JudgedRun) else ""
     return (
-        Text(path=("verdict",), name="Verdict", place=BANNER, text=banner),
+        Text(path=("verdict",), name="Verdict", place=BANNER, text=f"**{markdown(run.headline)}**"),
         Text(path=("scenario",), name="Scenario", place=BELOW, text="\n\n".join(filter(None, scenario))),
         Text(path=("peaks",), name="Peaks", place="Peaks", text=markdown_blocks(peaks)),
         Text(path=("verdicts",), name="Verdicts", place="Verdicts", text=markdown_blocks([full_table(run.verdicts)])),

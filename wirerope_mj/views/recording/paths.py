@@ -15,6 +15,7 @@ from wirerope_mj.views.thin import Rows as Rows
 
 APPLICATION = "wirerope_mj"
 TIMELINE = "sim_time"
+PROPERTIES, WORST_INSTANT = "run", "worst_s"  # properties of a recording, and among them the most critical instant [s]
 EVENT = "event"  # timeline of a few instants: the viewer's key for the next event jumps along it
 AXIAL = AXES.index("axial")
 

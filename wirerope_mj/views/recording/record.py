@@ -41,7 +41,19 @@ from wirerope_mj.views.recording.ghosts import ghost_factor, log_ghosts
 from wirerope_mj.views.recording.loops import drawn_loops, log_loops, loop_plots
 from wirerope_mj.views.recording.now import log_cursor, log_plan
 from wirerope_mj.views.recording.panels import log_lanes, log_over_frequency, log_panel
-from wirerope_mj.views.recording.paths import APPLICATION, TIMELINE, AtEvents, Below, Stream, at, entity, known_letters, root_of
+from wirerope_mj.views.recording.paths import (
+    APPLICATION,
+    PROPERTIES,
+    TIMELINE,
+    WORST_INSTANT,
+    AtEvents,
+    Below,
+    Stream,
+    at,
+    entity,
+    known_letters,
+    root_of,
+)
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.viewer import atomic_recording, join_recordings, target_of
 
@@ -228,10 +240,11 @@ def _send_properties(rec: rr.RecordingStream, run: DrawnRun, title: str) -> None
         "level_g": in_unit(base.acceleration.value, "g") if base else None, "verdict": headline(run.verdicts),
         "exceeded": int(np.sum([verdict.verdict == EXCEEDED for verdict in run.verdicts])),
         "worst": worst.subject if worst else None, "criterion": worst.criterion if worst else None,
+        WORST_INSTANT: worst.time if worst else None,
         "utilisation_percent": in_unit(used[0].largest, "%") if used else None,
     }  # fmt: skip
     texts = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
-    rec.send_property("run", rr.AnyValues(**{name: value for name, value in texts.items() if value is not None}))
+    rec.send_property(PROPERTIES, rr.AnyValues(**{name: value for name, value in texts.items() if value is not None}))
 
 
 ROOT = "state"

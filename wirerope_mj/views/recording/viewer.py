@@ -17,13 +17,15 @@ from urllib.parse import quote
 
 import rerun as rr
 import rerun_bindings
+from rerun.chunk import RrdReader
 from rerun.error_utils import strict_mode
+from rerun.experimental import ViewerClient
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.interrupts import interrupts_held
 from wirerope_mj.foundation.processes import process_beside
-from wirerope_mj.views.recording.paths import APPLICATION, KnownLetters, Stream
+from wirerope_mj.views.recording.paths import APPLICATION, PROPERTIES, TIMELINE, WORST_INSTANT, KnownLetters, Stream
 
 FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
 # In the folder of a study: its definition, its worst variants, and their recording
@@ -45,15 +47,46 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
             f"machine with a screen and open it there: rerun {path.name}"
         )
     command = [str(viewer_binary()), "--bind", _LOCAL]
+    moving, ended = None, threading.Event()
     if web:
         server, page = free_port(9876), free_port(9090)
         command += ["--serve-web", "--port", str(server), "--web-viewer-port", str(page), str(path)]
         print(f"Open {web_address(server, page)} in a browser. Ctrl-C ends it.", flush=True)
     else:
+        port = free_port(9876)
         # Of a file with several recordings the viewer opens one; from its standard input it takes all.
-        command += ["--new", "-" if path.name == JOINED else str(path)]
+        command += ["--port", str(port), "-" if path.name == JOINED else str(path)]
+        if (instant := opening_instant(path)) is not None:
+            moving = threading.Thread(target=_move_cursor, args=(port, instant, ended), daemon=True)
+            moving.start()
     with path.open("rb") as recording:
         _run_viewer(command, recording)
+    ended.set()
+    if moving:
+        moving.join()
+
+
+def opening_instant(path: Path) -> float | None:
+    """Read the instant of the most critical check from the first recording of a file [s]; None if it has none."""
+    reader = RrdReader(str(path))
+    for chunk in reader.stream(store=reader.recordings()[0]):
+        if str(chunk.entity_path) == f"/__properties/{PROPERTIES}":
+            batch = chunk.to_record_batch()
+            if WORST_INSTANT in batch.schema.names:
+                return float(batch[WORST_INSTANT].flatten()[0].as_py())
+    return None
+
+
+def _move_cursor(port: int, instant: float, ended: threading.Event) -> None:
+    """Move the cursor of a viewer that is starting, which a layout cannot; one that does not answer opens at the beginning."""
+    until = monotonic() + _START
+    while monotonic() < until and not ended.wait(0.1):
+        try:
+            viewer = ViewerClient(f"rerun+http://{_LOCAL}:{port}/proxy")
+            viewer.set_time(TIMELINE, duration=instant, play_state="paused")
+            break
+        except ConnectionError:
+            continue  # it is not ready yet
 
 
 def _run_viewer(command: list[str], recording: BinaryIO) -> None:
