@@ -49,7 +49,7 @@ def choice(system, errors, monkeypatch, accuracy=1e-4):
         run = SimpleNamespace(steps=round(0.2 / arguments[-1]))
         return SimpleNamespace(touches=True, hits=False, run=run, rows=np.zeros(0))
 
-    monkeypatch.setattr(module._Pilots, "_one", pilot)
+    monkeypatch.setattr(module._Pilots, "_run_pilot", pilot)
     differences = iter(errors)
     monkeypatch.setattr(module, "_difference", lambda *_: next(differences) / module.RICHARDSON)
     start = wr.equilibrium(system).state

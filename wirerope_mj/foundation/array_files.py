@@ -79,7 +79,7 @@ def columns_of_array_file(path: Path, wanted: Collection[str] = ()) -> Header | 
         if isinstance(error, OSError) and error.errno is not None:
             raise RecordError(f"{path}: the record cannot be read: {why_unread(error)}") from None
         raise RecordError(f"{path}: this is no {kind} file that can be read. {_REMEDY}") from None
-    return _of_variables(path, content, wanted)
+    return _columns_of_variables(path, content, wanted)
 
 
 def _parquet(path: Path, wanted: Collection[str]) -> Header:
@@ -92,10 +92,10 @@ def _parquet(path: Path, wanted: Collection[str]) -> Header:
             name = f"{name} [s]"
         if values.dtype.kind in "fiu":
             columns[str(name)] = values.astype(np.float64)
-    return _of_columns(path, columns, {}, wanted, left_out=())
+    return _select_columns(path, columns, {}, wanted, left_out=())
 
 
-def _of_columns(
+def _select_columns(
     path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float], wanted: Collection[str], left_out: Sequence[str]
 ) -> Header:
     """Select the wanted columns, or those of the most common length; where time is missing it is made from their rate.
@@ -308,7 +308,7 @@ def _seismic(path: Path) -> Mapping[str, Any]:
     return {**columns, **starts, "dt": float(traces[0].stats.delta)}
 
 
-def _of_variables(path: Path, content: Mapping[str, Any], wanted: Collection[str]) -> Header:
+def _columns_of_variables(path: Path, content: Mapping[str, Any], wanted: Collection[str]) -> Header:
     """Make columns of variables: vectors, lines of matrices, scalars, lists of names."""
     columns: dict[str, Array] = {}
     scalars: dict[str, float] = {}
@@ -336,7 +336,7 @@ def _of_variables(path: Path, content: Mapping[str, Any], wanted: Collection[str
             scalars[name] = float(value)
         elif many and np.size(value) > 1:
             left_out.append(split_unit(name)[0])
-    return _of_columns(path, _named_by_texts(columns, texts), scalars, wanted, left_out)
+    return _select_columns(path, _named_by_texts(columns, texts), scalars, wanted, left_out)
 
 
 def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:

@@ -122,7 +122,7 @@ def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | Non
             if lock == TAKEN:
                 time.sleep(0.05)
             with interrupts_held(), _refused(folder):
-                hidden, lock, handle = _made(folder)
+                hidden, lock, handle = _locked_hidden_folder(folder)
                 if lock != TAKEN:
                     _written.append((folder.parent, handle))
         if lock == HELD:
@@ -144,7 +144,7 @@ def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | Non
             _let_go(folder.parent, handle)
 
 
-def _made(folder: Path) -> tuple[Path, str, int | None]:
+def _locked_hidden_folder(folder: Path) -> tuple[Path, str, int | None]:
     """Make the hidden folder of `folder` and lock it; returns it, the outcome of locking, and the lock's handle."""
     hidden = folder.parent / f".{folder.name}.{_MARK}.part"
     lock, handle = GONE, None

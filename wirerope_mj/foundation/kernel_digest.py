@@ -34,17 +34,17 @@ def digest(function: Callable[..., Any]) -> str:
     while waiting:
         kernel = waiting.pop()
         if id(kernel) not in reached:
-            reached[id(kernel)], callees = _own(kernel)
+            reached[id(kernel)], callees = _own_text(kernel)
             waiting += callees
-    return hashlib.sha256("\n".join([_shared(), _own(function)[0], *sorted(reached.values())]).encode()).hexdigest()
+    return hashlib.sha256("\n".join([_shared(), _own_text(function)[0], *sorted(reached.values())]).encode()).hexdigest()
 
 
 @cache
-def _own(kernel: FunctionType) -> tuple[str, tuple[FunctionType, ...]]:
+def _own_text(kernel: FunctionType) -> tuple[str, tuple[FunctionType, ...]]:
     """Return the text of a kernel's own code, and the functions that it calls."""
     callees: list[FunctionType] = []
     parts = [f"{kernel.__module__}.{kernel.__qualname__}", repr(kernel.__defaults__), *code_texts(kernel.__code__)]
-    for name, value in _used(kernel):
+    for name, value in _dependencies(kernel):
         parts.append(f"{name} = {_text(name, value, callees)}")
     return "\n".join(parts), tuple(callees)
 
@@ -65,7 +65,7 @@ def _names(code: CodeType) -> set[str]:
     return set(code.co_names).union(*nested)
 
 
-def _used(kernel: FunctionType) -> Iterator[tuple[str, object]]:
+def _dependencies(kernel: FunctionType) -> Iterator[tuple[str, object]]:
     """Yield the globals, closure cells and module members that a kernel uses; of libraries, only numbers."""
     names = sorted(_names(kernel.__code__))
     for name in names:

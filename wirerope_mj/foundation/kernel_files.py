@@ -95,13 +95,13 @@ def why_not_kept(folder: Path) -> str:
     """Make a folder for compiled kernels; returns the reason why they are not kept there, "" if they are."""
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        return _doubt(folder)
+        return _folder_doubt(folder)
     except OSError as error:
         return f"{folder} cannot be made ({error.strerror})"
 
 
 @cache
-def _doubt(folder: Path) -> str:
+def _folder_doubt(folder: Path) -> str:
     """Return the reason why an existing folder is not used: who else may write or replace it; "" if it is.
 
     The folders above it count, too, and those that links lead through; in one with the sticky bit, such as /tmp, nobody may
@@ -127,7 +127,7 @@ def keep(path: Path, content: bytes) -> None:
     """Write a file with its checksum if possible; a later process computes again what is not kept."""
     with suppress(OSError, RecordError):
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if not _doubt(path.parent):
+        if not _folder_doubt(path.parent):
             with atomic_file(path, clear=False) as temporary:
                 temporary.write_bytes(hashlib.sha256(content).digest() + content)
 
@@ -137,7 +137,7 @@ def read(path: Path, *, own: bool) -> bytes | None:
     try:
         with open(path, "rb", opener=_opened if own else None) as file:
             state = os.fstat(file.fileno())
-            if not stat.S_ISREG(state.st_mode) or (own and (_doubt(path.parent) or file_doubt(state, str(path)))):
+            if not stat.S_ISREG(state.st_mode) or (own and (_folder_doubt(path.parent) or file_doubt(state, str(path)))):
                 return None
             content = file.read()
     except OSError:

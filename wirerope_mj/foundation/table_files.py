@@ -71,14 +71,14 @@ def read_header(
         if foreign := foreign_kind(path):
             raise RecordError(f"{path}: {foreign}")
         if is_workbook(path):
-            return _of_workbook(path, sheet, wanted)
+            return _workbook_header(path, sheet, wanted)
         header = columns_of_logger(path)
-        return _of_text(path, wanted) if header is None else _checked(header)
+        return _text_header(path, wanted) if header is None else _checked(header)
     except OSError as error:
         raise RecordError(f"{path}: the {kind} cannot be read: {why_unread(error)}") from None
 
 
-def _of_workbook(path: Path, sheet: str, wanted: str) -> Header:
+def _workbook_header(path: Path, sheet: str, wanted: str) -> Header:
     titles = sheet_names(path)
     chosen = [sheet] if sheet in titles else titles  # a cover may stand before the sheet that is meant
     for order in (chosen, chosen[:1]):
@@ -99,7 +99,7 @@ def _of_workbook(path: Path, sheet: str, wanted: str) -> Header:
     return _checked(replace(header, decimal=_decimal_sign(header, (cells for _, cells in below[:_LOOKED_AT]))))
 
 
-def _of_text(path: Path, wanted: str) -> Header:
+def _text_header(path: Path, wanted: str) -> Header:
     encoding = encoding_of(path)
     with path.open(encoding=encoding, errors="replace") as file:
         lines, comments = _first_lines(path, file)
@@ -112,7 +112,7 @@ def _of_text(path: Path, wanted: str) -> Header:
         if delimiter == " " and tried and max(tried)[0] > 0:
             break  # spaces stand within names and beside other separators
         rows = [(number, split_cells(text, delimiter)) for number, text in lines]
-        if header := find_header(path, rows) or _in_comments(path, comments, rows):
+        if header := find_header(path, rows) or _header_in_comments(path, comments, rows):
             several = len(header.names) > 1 or (header.surety > 0 and delimiter == ",")
             tried.append((header.surety if several else -1, -order, delimiter, header))
     surety, _, delimiter, header = max(tried, default=(-1, 0, "", Header(path, 0, (), ())))
@@ -158,7 +158,7 @@ def _first_lines(path: Path, file: TextIO) -> tuple[list[tuple[int, str]], list[
     return lines, comments
 
 
-def _in_comments(path: Path, comments: Sequence[tuple[int, str]], rows: Rows) -> Header | None:
+def _header_in_comments(path: Path, comments: Sequence[tuple[int, str]], rows: Rows) -> Header | None:
     """Find a header in the last comment with as many cells as the numbers below it, at any separator."""
     width = len(rows[0][1])
     for number, text in reversed([comment for comment in comments if comment[0] < rows[0][0]]):

@@ -110,7 +110,7 @@ def run_job(
         computed, questions = {}, []
         for case in job.cases:
             completed, run = _with_digests(case.scenario, model), folder / CASES / case.folder
-            if why := _why(run, completed, force=force):
+            if why := _reason_to_simulate(run, completed, force=force):
                 computed[case.name] = why
                 questions.append((completed, run, why == _JUDGED_AGAIN))
         try:
@@ -200,7 +200,7 @@ def _digest(value: object) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:_CHARACTERS]
 
 
-def _why(run: Path, scenario: Scenario, *, force: bool) -> str:
+def _reason_to_simulate(run: Path, scenario: Scenario, *, force: bool) -> str:
     """Return the reason why a case must be simulated, "" if its stored run has these inputs."""
     if not is_run(run):
         return "new"
@@ -231,7 +231,7 @@ class _Outcome:
 _Question = tuple[Scenario, Path, bool]  # scenario and folder of a case, and whether its run is only judged again
 
 
-def _simulated(question: _Question) -> _Outcome:
+def _simulate_case(question: _Question) -> _Outcome:
     """Write the run of a case; works in any process."""
     scenario, folder, again = question
     began, answers = perf_counter(), []
@@ -256,7 +256,7 @@ def _run_all(questions: list[_Question], workers: int | None, done: Done) -> Ite
     def lost(question: _Question, reason: str) -> _Outcome:
         return _Outcome(question[0].name, 0.0, "", error=f"its process {reason} each time; perhaps it ran out of memory.")
 
-    for number, outcome in enumerate(in_processes(_simulated, questions, lost=lost, workers=workers), start=1):
+    for number, outcome in enumerate(in_processes(_simulate_case, questions, lost=lost, workers=workers), start=1):
         for category, text in outcome.warned:
             warnings.warn(f"{outcome.name}: {text}", category, stacklevel=2)
         if outcome.error:

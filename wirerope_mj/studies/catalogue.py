@@ -189,7 +189,7 @@ def try_parts(
         for name, on, why in _systems(system, parts, room)
     ]
     with warnings.catch_warnings(action="ignore", category=ModelWarning):  # of parts that will not be chosen
-        begun = _settled([part for part in tried if part.system is not None and not part.reason], initial)
+        begun = _find_equilibria([part for part in tried if part.system is not None and not part.reason], initial)
     runs = {part.name: part for part in begun if not part.reason}
     race = Race(runs, cases, initial, accuracy)
     for level in range(LEVELS):
@@ -291,7 +291,7 @@ def shifted(system: System, placed: Mapping[str, Isolator]) -> dict[str, list[fl
     return {name: shift for name, shift in shifts.items() if shift is not None}
 
 
-def _settled(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
+def _find_equilibria(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
     """Find the equilibria at which simulations start; a part without one gets the reason."""
     systems = sorted((part.system for part in tried if part.system), key=slowest_period)
     settle_together(systems, HISTORIES[initial])

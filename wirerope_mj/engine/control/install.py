@@ -125,7 +125,7 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
     """
     one_of("callback", kind, ("native", "python"))
     check_callbacks()
-    if kind == "native" and (reason := _doubt(model, data)):
+    if kind == "native" and (reason := _native_fault(model, data)):
         warnings.warn(f"{reason}; the slower Python callback is used instead.", RuntimeWarning, stacklevel=3)
         kind = "python"
     global _users, _kind, _before
@@ -155,7 +155,7 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
                 _set(Callbacks(*_before[:3]), _before[3])
 
 
-def _doubt(model: mujoco.MjModel, data: mujoco.MjData) -> str:
+def _native_fault(model: mujoco.MjModel, data: mujoco.MjData) -> str:
     """Return the reason why the native callbacks cannot be used, "" if they can."""
     if numba.config.DISABLE_JIT:
         return "Numba's compiler is switched off"

@@ -140,7 +140,7 @@ def _part(where: str, text: str, mass: float, products: str) -> tuple[MassProper
         TENSOR if "negativ" in line[0] else POSITIVE
         for line in _NOTATION.finditer(text) if re.search("negativ|positiv", line[0])
     }  # fmt: skip
-    shown = _shown(where, central, outer, principal, shift)
+    shown = _shown_conventions(where, central, outer, principal, shift)
     said = {*stated, *shown, *([products] if products else [])}
     if len(said) > 1:
         words, figures = (" and ".join(sorted(notations)) or "not said" for notations in (stated, shown))
@@ -164,7 +164,9 @@ def _part(where: str, text: str, mass: float, products: str) -> tuple[MassProper
     return MassProperties(mass, centre, inertia), matter and not said
 
 
-def _shown(where: str, central: Array | None, outer: Array | None, principal: Array | None, shift: Array) -> set[str]:
+def _shown_conventions(
+    where: str, central: Array | None, outer: Array | None, principal: Array | None, shift: Array
+) -> set[str]:
     """Return the sign conventions of products of inertia that agree with the redundant figures of a text.
 
     With a sign s of products P, the tensors s P about both points differ by the theorem of parallel axes, and that about the

@@ -81,7 +81,7 @@ def equations_of(system: System) -> Equations:
     forces = []
     for site in subjects.forces:
         link, pose = bodies.site(site)
-        to = seen(bodies, kinds, link)
+        to = to_equation_axes(bodies, kinds, link)
         forces.append([link, num.put(to @ pose.origin), fix.put((to @ pose.axes).T), places.get(site, 0)])
     parts: dict[int, object] = {
         at.LINKS: links, at.TREES: trees, at.DOFS: dofs, at.RUNS: runs, at.MOUNTS: mounts, at.AXES: axes, at.FRAMES: frames,
@@ -230,10 +230,9 @@ def _mounts(
     for row in tables.rows(control.MOUNTS, control.MOUNT_COLUMNS, tables.user.n_mounts):
         (payload, site), (base, base_site) = (bodies.site(int(row[c])) for c in (0, 1))
         turning, rated = row[control.TURNING : control.TURNING + 3], row[control.TRAVEL : control.TRAVEL + 4]
-        points = num.put(
-            seen(bodies, kinds, payload) @ site.origin, seen(bodies, kinds, base) @ base_site.origin, turning, rated
-        )
-        axes = seen(bodies, kinds, base) @ base_site.axes
+        of_payload, of_base = (to_equation_axes(bodies, kinds, link) for link in (payload, base))
+        points = num.put(of_payload @ site.origin, of_base @ base_site.origin, turning, rated)
+        axes = of_base @ base_site.axes
         frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])
         coupling, aligned = (int(row[control.COUPLING]), int(row[control.PARTNER])), np.array_equal(axes, np.eye(3))
         bends = (places.get(int(row[c]), 0) for c in (0, 1))
@@ -251,7 +250,7 @@ def _shapes(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> tu
     for site, modes in system.assembly.subjects.shapes.items():
         link, pose = bodies.site(site)
         of_point = site in system.assembly.subjects.points  # whose place is in the link's own axes
-        to_link = pose.axes if of_point else seen(bodies, kinds, link) @ pose.axes
+        to_link = pose.axes if of_point else to_equation_axes(bodies, kinds, link) @ pose.axes
         places[site] = at.HEADER + len(table)
         table.append(len(modes))
         for dof, shape in modes:
@@ -259,7 +258,7 @@ def _shapes(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> tu
     return table, places
 
 
-def seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
+def to_equation_axes(bodies: Bodies, kinds: list[int], link: int) -> Array:
     """Return the rotation from a link's axes to those in which the equations state its vectors, (3, 3)."""
     return modelled(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
 

@@ -154,7 +154,9 @@ class Numbers:
             first = self._points[name]
             for part, site in enumerate(numbered[name]):
                 link, pose = bodies.site(site)
-                numbers[first + 3 * part : first + 3 * part + 3] = made.seen(bodies, self._kinds, link) @ pose.origin
+                numbers[first + 3 * part : first + 3 * part + 3] = (
+                    made.to_equation_axes(bodies, self._kinds, link) @ pose.origin
+                )
         frames = self.equations.rows(at.FRAMES, at.FRAME_COLUMNS, lay[at.N_FRAMES]).tolist()
         for row, body in zip(frames, system.assembly.subjects.bodies, strict=False):
             if body in touched:

@@ -64,7 +64,7 @@ def unsupported_system(system: System) -> str:
     key = hashlib.blake2b(equations(system).key, digest_size=16).digest()
     if key not in _known:
         try:
-            _known[key] = _differs(system)
+            _known[key] = _disagreement(system)
         except SimulationError as error:
             return str(error)
         if _known[key]:
@@ -72,7 +72,7 @@ def unsupported_system(system: System) -> str:
     return _known[key]
 
 
-def _differs(system: System) -> str:
+def _disagreement(system: System) -> str:
     """Compare the kernel with MuJoCo on a system and return in what they differ, "" if they agree."""
     rng = np.random.default_rng(2004)
     model = without_constraints(system.model)
@@ -103,14 +103,14 @@ def _differs(system: System) -> str:
             expected.append(np.concatenate([data.qacc, data.act_dot]))
     got = _accelerations(system, states, base, loads)
     kinds = slice(0, model.nv), slice(model.nv, None)
-    apart = max(_apart(np.array(expected)[:, kind], got[:, kind]) for kind in kinds)
+    apart = max(_relative_difference(np.array(expected)[:, kind], got[:, kind]) for kind in kinds)
     if not apart <= AGREEMENT:
         return f"its accelerations differ from the kernel's by {apart:.1e} of their scale"
     qvel, step = states[0, model.nq : model.nq + model.nv], min(0.2 * stable_step(system), 1e-3)
     why = ""
     for _ in range(FINER):  # springs of joints do not count in the stable step
         try:
-            apart = _run_apart(system, qvel, step)
+            apart = _compare_runs(system, qvel, step)
             if apart <= AGREEMENT:
                 return ""
             why = f"its steps differ from the kernel's by {apart:.1e} of their scale"
@@ -145,7 +145,7 @@ def _accelerations(system: System, states: Array, base: Array, loads: Array) -> 
     return np.concatenate(accelerations, axis=1).T
 
 
-def _apart(expected: Array, got: Array) -> float:
+def _relative_difference(expected: Array, got: Array) -> float:
     """Return the largest difference between columns of one kind, each relative to its largest value.
 
     What is a millionth of the largest column or less is rounding, and relative to that.
@@ -157,7 +157,7 @@ def _apart(expected: Array, got: Array) -> float:
     return float(np.max(apart, initial=0.0))
 
 
-def _run_apart(system: System, qvel: Array, step: float) -> float:
+def _compare_runs(system: System, qvel: Array, step: float) -> float:
     """Compare samples of a short run from the modelled geometry, and return the largest relative difference by kind."""
     model, tables = without_constraints(system.model), system.assembly.tables
     direction = np.linalg.pinv(tables.drive).sum(axis=1) if len(tables.drive) else np.array([0.0, 0.0, 1.0])

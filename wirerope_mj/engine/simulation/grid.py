@@ -62,7 +62,13 @@ class TimeGrid:
         i = j = 0
         instants, sampled = np.zeros(0), np.zeros(0, dtype=bool)  # where segments begin and end
         while i < samples.size or j < corners.size or not instants.size:
-            i_next, j_next = _end_of_block(samples, i, corners, j)
+            for size in count(BLOCK):  # up to where instants that are one stay together
+                rest = [float(times[k + size]) for times, k in ((samples, i), (corners, j)) if k + size < times.size]
+                limit = min(rest, default=np.inf)
+                i_next, j_next = int(np.searchsorted(samples, limit)), int(np.searchsorted(corners, limit))
+                before = max([*samples[i:i_next][-1:], *corners[j:j_next][-1:]], default=-np.inf)
+                if limit - before > 2.0 * SAME_TIME:
+                    break
             ends = [self.start] if not instants.size else []
             ends += [self.stop] if i_next == samples.size and j_next == corners.size else []
             breaks = _breaks(samples[i:i_next], corners[j:j_next], np.array(ends))
@@ -100,18 +106,6 @@ def joined(*corners: Array) -> Array:
     """Merge several arrays of instants [s] in order, without repetitions."""
     some = [instants for instants in corners if instants.size]
     return np.unique(np.concatenate(some)) if len(some) > 1 else some[0] if some else np.zeros(0)
-
-
-def _end_of_block(samples: Array, i: int, corners: Array, j: int) -> tuple[int, int]:
-    """Return the end of a block that begins at sample i and corner j; coincident instants stay together."""
-    for size in count(BLOCK):
-        rest = [float(times[k + size]) for times, k in ((samples, i), (corners, j)) if k + size < times.size]
-        limit = min(rest, default=np.inf)
-        i_next, j_next = int(np.searchsorted(samples, limit)), int(np.searchsorted(corners, limit))
-        before = max([*samples[i:i_next][-1:], *corners[j:j_next][-1:]], default=-np.inf)
-        if limit - before > 2.0 * SAME_TIME:
-            break
-    return i_next, j_next
 
 
 def _breaks(samples: Array, corners: Array, ends: Array) -> tuple[Array, Booleans]:

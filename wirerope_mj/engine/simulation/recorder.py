@@ -217,7 +217,7 @@ class Gaps:
                     x, y, z = (apart * places[other_geom][1][:, :, 2]).T
                     nearest = x + y + z
                 else:
-                    nearest = _beside_box(places[other_geom][1], size, apart)
+                    nearest = _distance_from_box(places[other_geom][1], size, apart)
                 gaps[:, number] = np.minimum(nearest - model.geom_size[sphere, 0], FARTHEST)
             else:
                 gaps[:, number] = self._by_mujoco(places, pair, len(values))
@@ -235,7 +235,7 @@ class Gaps:
         return gaps
 
 
-def _beside_box(axes: Array, half: Array, apart: Array) -> Array:
+def _distance_from_box(axes: Array, half: Array, apart: Array) -> Array:
     """Return the distances of points from a box's surface, (n_t,), < 0 inside; `apart`: points from its centre, (n_t, 3)."""
     parts = (axes[:, 0] * apart[:, :1], axes[:, 1] * apart[:, 1:2], axes[:, 2] * apart[:, 2:])
     local = parts[0] + parts[1] + parts[2]

@@ -43,7 +43,7 @@ class Stepwise:
         self._stepper = Stepper(system, _STILL, initial_state(system, _STILL, initial))
         self._drive, self._sites = system.assembly.tables.drive, system.assembly.subjects.force_names
         self._moved, self._rate = np.zeros(3), np.zeros(3)
-        self._look(np.zeros(3), np.zeros((len(self._sites), 6)))
+        self._observe(np.zeros(3), np.zeros((len(self._sites), 6)))
 
     def advance(self, length: float, acceleration: ArrayLike, loads: Mapping[str, ArrayLike] | None = None) -> None:
         """Advance by a time [s] with constant base acceleration [m/s^2], (3,), and loads [N, N m], (6,) by site.
@@ -66,7 +66,7 @@ class Stepwise:
                 self._rate = self._rate + held_acceleration * part
                 self.time += part
                 length, steps = length - part, steps - some
-        self._look(held_acceleration, wrench)
+        self._observe(held_acceleration, wrench)
         rows = self.system.assembly.tables.user.mount_rows(self._stepper.user)[:, 0]
         if message := beyond_laws(self.system, rows):
             raise SimulationError(
@@ -101,7 +101,7 @@ class Stepwise:
         )  # fmt: skip
         self._stepper.begin(base)
 
-    def _look(self, acceleration: Array, wrench: Array) -> None:
+    def _observe(self, acceleration: Array, wrench: Array) -> None:
         """Compute the values of the present instant."""
         stepper = self._stepper
         with installed(stepper.model, stepper.data):

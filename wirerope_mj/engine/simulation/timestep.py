@@ -126,17 +126,17 @@ def choose_timestep(
         if error <= wanted:
             longer = _longer(pilots, fine, step, error, wanted, 0.5) if halving and not whole else None
             choice = ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
-            return longer or _done(choice, coarse, whole)
+            return longer or _with_pilot(choice, coarse, whole)
         if touches and np.isfinite(difference):
-            in_contact.append(_done(ChosenStep(timestep=step, error=error, limited_by=CONTACTS), coarse, whole))
+            in_contact.append(_with_pilot(ChosenStep(timestep=step, error=error, limited_by=CONTACTS), coarse, whole))
             halvings = len(in_contact) - 1  # of steps at which the run does not fail
             in_reach = error / 2.0 ** (HALVINGS_IN_CONTACT - halvings)  # in contact an error falls with order 1 at best
             if halvings >= LUCK and in_reach > wanted and not in_reach <= ENOUGH_IN_CONTACT < error:
-                return _best(in_contact)
+                return _most_accurate(in_contact)
         elif difference <= FINER * wanted:
             choice = ChosenStep(timestep=step / 2.0, error=difference / FINER, limited_by=ACCURACY)
             longer = None if whole else _longer(pilots, fine, step / 2.0, choice.error, wanted)
-            return longer or _done(choice, fine, whole)
+            return longer or _with_pilot(choice, fine, whole)
         step, coarse = step / 2.0, fine
     if pilots.failures and not np.isfinite(error):
         every = "every step" if coarse is None else "steps"
@@ -172,13 +172,13 @@ def _longer(
     return ChosenStep(timestep=factor * step, error=longer, limited_by=ACCURACY) if longer <= wanted else None
 
 
-def _done(step: ChosenStep, pilots: "list[_Pilot] | None", whole: bool) -> ChosenStep:
+def _with_pilot(step: ChosenStep, pilots: "list[_Pilot] | None", whole: bool) -> ChosenStep:
     """Attach the pilot to a step if it was the whole run and is small enough to be kept."""
     kept = whole and pilots is not None and pilots[0].rows.size <= KEPT
     return replace(step, done=(pilots[0].run, pilots[0].rows)) if kept and pilots else step
 
 
-def _best(tried: list[ChosenStep]) -> ChosenStep:
+def _most_accurate(tried: list[ChosenStep]) -> ChosenStep:
     """Return the step with the least error; a larger difference between finer steps counts as its error.
 
     Where that is more than half of the coarsest one's, though order 1 leaves a quarter, it is the spread of the answer.
@@ -259,7 +259,7 @@ class _Pilots:
         several = len(self.windows) > 1 and self.engine != "mujoco" and not unsupported_run(self.system, self.motion)
         try:
             together = self._side_by_side(step) if several else None
-            return together or [self._one(*each, step) for each in zip(self.starts, self.windows, strict=True)]
+            return together or [self._run_pilot(*each, step) for each in zip(self.starts, self.windows, strict=True)]
         except SimulationError as failure:
             self.failures.append(str(failure))
             return None
@@ -287,7 +287,7 @@ class _Pilots:
             if isinstance(outcome, RunResult)
         ]
 
-    def _one(self, start: State, window: tuple[float, float], step: float) -> _Pilot:
+    def _run_pilot(self, start: State, window: tuple[float, float], step: float) -> _Pilot:
         begin, length = window
         grid = time_grid(start=begin, duration=length, sample_rate=self.sample_rate, timestep=step, motion=self.motion)
         rows = self._samples(grid)

@@ -133,7 +133,7 @@ class Loading:
                 carried = residual <= ACCEPTED * scale  # not if it is no number
                 if not carried and touches and not load:  # nothing carries weightless parts that just touch: no slope to follow
                     self.inverse = None
-                    trial, residual = self._root(self._sunk(qpos), TOLERANCE * scale)
+                    trial, residual = self._root(self._fall(qpos), TOLERANCE * scale)
                     carried = residual <= ACCEPTED * scale
                 if self.tried > self.most and not (carried and trial_load == 1.0):
                     raise ConvergenceError(
@@ -228,7 +228,7 @@ class Loading:
         mujoco.mj_forwardSkip(self.model, self.data, mujoco.mjtStage.mjSTAGE_POS, WITHOUT_SENSORS)
         return self.data.qacc[self.free].copy()
 
-    def _sunk(self, qpos: Array) -> Array:
+    def _fall(self, qpos: Array) -> Array:
         """Let a position fall, each coordinate stopped where it turns back, until it hardly moves."""
         linear = linear_system(self.system, closed=True)
         fastest = float(np.sqrt(max(np.linalg.eigvals(np.linalg.solve(linear.mass, linear.stiffness)).real.max(), 1.0)))

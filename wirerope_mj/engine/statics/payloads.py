@@ -88,7 +88,7 @@ def payloads_in(system: System, data: mujoco.MjData, *, of_contacts: bool = True
         {*groups, *frames},
         [
             {_lowest(model, int(model.dof_bodyid[dof]), roots) for dof in np.flatnonzero(row)} - {0}
-            for row in _joining(model, data, of_contacts=of_contacts)
+            for row in _joined_coordinates(model, data, of_contacts=of_contacts)
         ],
     )
     grown = True
@@ -103,7 +103,7 @@ def payloads_in(system: System, data: mujoco.MjData, *, of_contacts: bool = True
     return tuple(_payload(model, group) for group in groups.values())
 
 
-def _joining(model: mujoco.MjModel, data: mujoco.MjData, *, of_contacts: bool) -> Iterator[Array]:
+def _joined_coordinates(model: mujoco.MjModel, data: mujoco.MjData, *, of_contacts: bool) -> Iterator[Array]:
     """Yield for each constraint or tendon that joins bodies which velocity coordinates move it, (n_v,)."""
     equal, limit = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY), int(mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT)
     rates = np.abs(jacobian(model, data)) > _MOVES if model.neq or of_contacts else np.zeros((0, model.nv), dtype=bool)
@@ -153,11 +153,16 @@ def model_warnings(system: System, *, turned: bool = False) -> tuple[str, ...]:
 
     `turned`: the direction of gravity is meant, as where a model falls onto another side than its bottom.
     """
-    said = (*_lawless(system), *_gravity(system, turned=turned), *_masses(system), *_loads(system))
+    said = (
+        *_axes_without_law(system),
+        *_unusual_gravity(system, turned=turned),
+        *_distant_masses(system),
+        *_misrated_loads(system),
+    )
     return (*said, *soft_equalities(system), *dry_friction(system))
 
 
-def _lawless(system: System) -> list[str]:
+def _axes_without_law(system: System) -> list[str]:
     """Return a warning for each isolator and axis without a law along which a payload can move."""
     model, data = system.model, mujoco.MjData(system.model)
     mujoco.mj_fwdPosition(model, data)
@@ -180,7 +185,7 @@ def _lawless(system: System) -> list[str]:
     ]
 
 
-def _gravity(system: System, *, turned: bool) -> list[str]:
+def _unusual_gravity(system: System, *, turned: bool) -> list[str]:
     """Return a warning of a gravity that is not the earth's, downwards along z, in m/s^2."""
     gravity = system.model.opt.gravity
     size = float(np.linalg.norm(gravity))
@@ -198,7 +203,7 @@ def _gravity(system: System, *, turned: bool) -> list[str]:
     return [f"{written}: {' and '.join(said)}. {remedy}"] if said else []
 
 
-def _masses(system: System) -> list[str]:
+def _distant_masses(system: System) -> list[str]:
     """Return a warning for each body whose centre of mass or inertia is far beyond its mounts and its own geoms."""
     model, data = system.model, mujoco.MjData(system.model)
     mujoco.mj_kinematics(model, data)
@@ -231,7 +236,7 @@ def _masses(system: System) -> list[str]:
     return said
 
 
-def _loads(system: System) -> list[str]:
+def _misrated_loads(system: System) -> list[str]:
     """Return a warning for each payload whose weight is far from the rated loads of its mounts."""
     said, payloads, model = [], payloads_of(system), system.model
     mounts = [

@@ -63,7 +63,7 @@ def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, 
         if file.resolve() in visited or not is_inside(file, model.parent):
             continue  # a file may include itself, which MuJoCo refuses
         visited.add(file.resolve())
-        _is_there(file)
+        _exists(file)
         try:
             tree = ElementTree.fromstring(file.read_text(encoding="utf-8", errors="replace"))
         except ElementTree.ParseError as error:
@@ -83,12 +83,12 @@ def _sources(tree: ElementTree.Element, folders: tuple[Path, ...]) -> Iterator[t
     """Yield name and path of every file that elements name, and whether it is a model itself."""
     for element in tree.iter():
         for name in [value for key, value in element.attrib.items() if key.startswith("file")]:
-            source = next((folder / name for folder in folders if _is_there(folder / name)), None)
+            source = next((folder / name for folder in folders if _exists(folder / name)), None)
             if source is not None:  # else it is no file that MuJoCo needs, or it will say so
                 yield name, source, element.tag == "include" or source.suffix == ".xml"
 
 
-def _is_there(file: Path) -> bool:
+def _exists(file: Path) -> bool:
     """Tell whether a file exists; ModelError if it is a pipe or a device, for which MuJoCo would wait."""
     try:
         return regular(file).is_file()

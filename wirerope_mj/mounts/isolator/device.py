@@ -245,12 +245,12 @@ def bottom_stop(device: Isolator) -> Isolator | None:
         k=float(f"{_SOLID * abs(float(force)) / reach:.4g}"),
     )  # fmt: skip
     return Isolator(
-        name=f"Bottom of {device.name}", axial=stop, geometry=_core(device),
+        name=f"Bottom of {device.name}", axial=stop, geometry=_core_geometry(device),
         provenance=Provenance(kind="estimated", source=f"{device.name}: {where}", assumed=tuple(assumed)),
     )  # fmt: skip
 
 
-def _core(device: Isolator) -> Geometry | None:
+def _core_geometry(device: Isolator) -> Geometry | None:
     """Return the geometry of a stop inside a device: of its height, so that it moves when another device replaces it."""
     height = device.geometry and device.geometry.height
     return Geometry(height=height, width=0.25 * height) if height else None
@@ -261,7 +261,9 @@ _NOWHERE = 1.0  # Gap of a stop [m] where it is not known where a device goes so
 
 def bottom_in_place(stop: Isolator, device: Isolator) -> Isolator:
     """Return the stop of a mount when another device replaces its own; one that never closes where sizes are unknown."""
-    unknown = replace(stop, axial=replace(cast(Stop, stop.axial), gap_below=_NOWHERE, gap_above=None), geometry=_core(device))
+    unknown = replace(
+        stop, axial=replace(cast(Stop, stop.axial), gap_below=_NOWHERE, gap_above=None), geometry=_core_geometry(device)
+    )
     return bottom_stop(device) or unknown
 
 

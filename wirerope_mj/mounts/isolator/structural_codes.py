@@ -189,7 +189,7 @@ def _table(axis: str, law: Law, ends: tuple[float, float], amplitude: float, fre
     # both sides share the points of a table that holds few, the origin being one of them
     counts = [_MOST, _MOST] if most is None else [(most - 1) // 2, most - 1 - (most - 1) // 2]
     (below, missed_below), (above, missed_above) = (
-        _chosen(*side, largest, count, few=most is not None) for side, count in zip(sides, counts, strict=True)
+        _choose_points(*side, largest, count, few=most is not None) for side, count in zip(sides, counts, strict=True)
     )
     points = np.concatenate([below[::-1], [[0.0, 0.0]], above])
     loop = cyclic_test(law, amplitude, frequency=frequency)[0]
@@ -220,7 +220,7 @@ def _side(law: Law, end: float) -> tuple[Array, Array]:
     return way, force
 
 
-def _chosen(way: Array, force: Array, largest: float, count: int, *, few: bool) -> tuple[Array, float]:
+def _choose_points(way: Array, force: Array, largest: float, count: int, *, few: bool) -> tuple[Array, float]:
     """Choose points of a side, without the origin, (n, 2), and return the largest error of interpolation over `largest`.
 
     They are dense as the root of the curvature, by which lines miss a curve least; as many as `CLOSE` asks for, or `count`.

@@ -90,17 +90,17 @@ def left_out(name: str, isolator: Isolator) -> Band:
     values: list[ComparedValue] = []
     if path.is_file():
         sheet = read_datasheet(path)
-        values += [row for axis in AXES for row in _without_one(sheet, axis)]
+        values += [row for axis in AXES for row in _predict_without(sheet, axis)]
         values += [row for row in compare(path, isolator) if row.axis == DIAGONAL and row.error is not None]
     if part is not None:
         known = {row.axis for row in values}
-        values += [row for axis in AXES if axis not in known for row in _of_table(part, axis)]
+        values += [row for axis in AXES if axis not in known for row in _predict_by_ratio(part, axis)]
         values += [] if DIAGONAL in known else diagonal_values(axis_of(part, "45"), isolator)
-    other_errors = {} if part is None else {axis: _nine_in_ten(part.series.file, axis) for axis in AXES}
+    other_errors = {} if part is None else {axis: _error_quantile(part.series.file, axis) for axis in AXES}
     return Band(values=tuple(values), others=other_errors)
 
 
-def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
+def _predict_without(sheet: DataSheet, axis: str) -> list[ComparedValue]:
     """Predict each fitted value of an axis by the law fitted without it; none where there are only two."""
     stated: AxisValues | None = getattr(sheet, axis)
     if stated is None or len(stated.fitted) < 3:
@@ -118,7 +118,7 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
     return rows
 
 
-def _of_table(part: VendorPart, axis: str) -> list[ComparedValue]:
+def _predict_by_ratio(part: VendorPart, axis: str) -> list[ComparedValue]:
     """Predict both stiffnesses of an axis from each other by the median ratio of the table's other parts."""
     stated = part.modes[axis]
     if stated.vibration is None or stated.shock is None or stated.vibration == stated.shock:  # one number, printed twice
@@ -141,7 +141,7 @@ def _ratios(file: str, axis: str, without: str = "") -> list[float]:
 
 
 @cache
-def _nine_in_ten(file: str, axis: str) -> float:
+def _error_quantile(file: str, axis: str) -> float:
     """Return the 90 % quantile of |median ratio of the other parts / own ratio - 1| over a table's parts."""
     ratios = np.array(_ratios(file, axis))
     if len(ratios) < 2:

@@ -25,7 +25,6 @@ import numpy as np
 import scipy
 from numpy.polynomial.legendre import leggauss
 
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Parallel, SymmetricBoucWen
 from wirerope_mj.mounts.vendor_parts.law_values import Secant
@@ -164,7 +163,16 @@ def _sizes(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule
         a, steady = secant.deflection, secant.steady
         factor = (math.cosh(exponent * a) if steady else math.exp(-exponent * a)) / secant.stiffness
         rows.append((factor * rule.friction(a, yielding, steady=steady) / a, factor * (1.0 + curve.cubic * a * a)))
-    friction, spring = _nearest(np.array(rows))
+    if len(rows) == 2:
+        friction, spring = np.linalg.solve(rows, np.ones(2)).tolist()
+    else:  # the largest distance of a row from 1 is the least
+        matrix = np.array(rows)
+        sizes = np.abs(matrix).max(axis=0)  # newtons and newtons per metre, made comparable
+        distance = -np.ones((len(rows), 1))
+        sides = np.block([[matrix / sizes, distance], [-matrix / sizes, distance]])
+        bounds = np.concatenate([np.ones(len(rows)), -np.ones(len(rows))])
+        best = scipy.optimize.linprog([0.0, 0.0, 1.0], A_ub=sides, b_ub=bounds, bounds=[(None, None)] * 3)
+        friction, spring = (best.x[:2] / sizes).tolist()
     if friction <= 0.0 or spring <= 0.0:
         stated = ", ".join(f"{1e-3 * s.stiffness:.6g} N/mm at {1e3 * s.deflection:.4g} mm" for s in secants)
         raise ConvergenceError(
@@ -209,17 +217,3 @@ def fit_damped(
         f"no law with these secants has a damping ratio of {damping:.3g} at {1e3 * amplitude:.4g} mm: damping ratios reach "
         f"{min(known):.3g} to {max(known):.3g}; try another target."
     )
-
-
-def _nearest(rows: Array) -> tuple[float, float]:
-    """Return the friction and spring scales that bring all rows nearest to 1: the largest distance is minimal."""
-    if len(rows) == 2:
-        friction, spring = np.linalg.solve(rows, np.ones(2)).tolist()
-        return friction, spring
-    sizes = np.abs(rows).max(axis=0)  # newtons and newtons per metre, made comparable
-    distance = -np.ones((len(rows), 1))
-    sides = np.block([[rows / sizes, distance], [-rows / sizes, distance]])
-    bounds = np.concatenate([np.ones(len(rows)), -np.ones(len(rows))])
-    best = scipy.optimize.linprog([0.0, 0.0, 1.0], A_ub=sides, b_ub=bounds, bounds=[(None, None)] * 3)
-    friction, spring = (best.x[:2] / sizes).tolist()
-    return friction, spring

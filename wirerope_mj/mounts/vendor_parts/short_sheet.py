@@ -236,7 +236,7 @@ def fit_short(sheet: ShortSheet) -> ShortFit:
         ValueError: no rope loop has the envelope of the sheet.
         ConvergenceError: no law has all its values.
     """
-    isolator, assumed = _first(sheet)
+    isolator, assumed = _fit_first(sheet)
     values = {name: assumption.value for name, assumption in assumed.items()}
     ends = {
         name: (_end(sheet, isolator, values, name, assumption.low), _end(sheet, isolator, values, name, assumption.high))
@@ -258,7 +258,7 @@ def fit_short(sheet: ShortSheet) -> ShortFit:
     return ShortFit(sheet=sheet, isolator=whole, assumed=assumed, ends=ends)
 
 
-def _first(sheet: ShortSheet) -> tuple[Isolator, dict[str, Assumption]]:
+def _fit_first(sheet: ShortSheet) -> tuple[Isolator, dict[str, Assumption]]:
     """Fit the isolator with the values nearest to those to be tried first, and return it with the assumptions."""
     assumed, failed = assumptions(sheet), list[ConvergenceError]()
     free: list[str] = [name for name in ("shock", "damping") if name in assumed]

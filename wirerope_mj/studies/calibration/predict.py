@@ -141,7 +141,7 @@ def predict(
         if used is calibration:
             break
         for row in np.flatnonzero(kept):
-            kept[row] = _rise(calibration.system, forward.isolators_at(chosen[row]), travel_of(measures, samples[row]))
+            kept[row] = _forces_rise(calibration.system, forward.isolators_at(chosen[row]), travel_of(measures, samples[row]))
         if kept.sum() >= FEWEST * count:
             break
     chosen, samples, count = chosen[kept], samples[kept], int(kept.sum())
@@ -187,7 +187,7 @@ def predict(
     )  # fmt: skip
 
 
-def _rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tuple[str, str], float]) -> bool:
+def _forces_rise(system: System, isolators: Mapping[str, Isolator], travel: Mapping[tuple[str, str], float]) -> bool:
     """Tell whether forces of isolators rise over their travel [m], except where those of the system fall, too."""
     judged: set[tuple[int, str, float]] = set()  # mounts that vary together share their isolators
     for (mount, axis), reached in travel.items():

@@ -49,7 +49,7 @@ def run_dask(
     """
     check_cluster(workers, address)
     where = "this machine's own cluster" if address is None else f"the cluster at {address}"
-    with _client(workers, address) as client, _gone(where):
+    with _client(workers, address) as client, _report_lost_scheduler(where):
         if address is not None:
             _warn_if_idle(client, address)
         suspects: list[Chunk] = []
@@ -71,7 +71,7 @@ def check_cluster(workers: int | None, address: str | None) -> None:
 
 
 @contextmanager
-def _gone(where: str) -> Iterator[None]:
+def _report_lost_scheduler(where: str) -> Iterator[None]:
     """Report in one message that the scheduler cannot be reached any more."""
     try:
         yield

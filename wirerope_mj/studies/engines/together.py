@@ -69,7 +69,7 @@ def together_again(work: Work, done: Together, rows: Sequence[int]) -> Together:
 
 def _measured(work: Work, ready: "_Ready") -> Together:
     """Step variants to the end, and return the measures of those that hold."""
-    _, extremes, good = _stepped(work, ready)
+    _, extremes, good = _step(work, ready)
     columns = measures_together(work.system, extremes, ready.forces, ready.isolators)
     return Together(
         indices=ready.indices[good], columns={name: column[good] for name, column in columns.items()}, late=extremes.late[good],
@@ -91,7 +91,7 @@ def histories_together(
     ready = _ready(work, rows)
     if ready is None:
         return np.zeros(0), {}
-    time, _, good = _stepped(work, ready, sink, threads)
+    time, _, good = _step(work, ready, sink, threads)
     parts = {number: np.concatenate([blocks[first] for first in sorted(blocks)]) for number, blocks in found_blocks.items()}
     return time, {int(ready.indices[k]): parts[k] for k in np.flatnonzero(good).tolist()}
 
@@ -125,7 +125,7 @@ def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
     variants = variants_of(work, rows)
     if not variants.indices:
         return None
-    states, forces, good = _starts(work, variants)
+    states, forces, good = _start_states(work, variants)
     holds = variant_rates(system).certainly_stable(work.timestep, variants.numbers, variants.rates, variants.shifts)
     make = Maker(system, work.motions, work.columns)
     for number in np.flatnonzero(~holds):
@@ -142,7 +142,7 @@ def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
     return ready.taken(chosen.tolist())
 
 
-def _stepped(work: Work, ready: _Ready, sink: Sink | None = None, threads: int = 1) -> tuple[Array, Extremes, Booleans]:
+def _step(work: Work, ready: _Ready, sink: Sink | None = None, threads: int = 1) -> tuple[Array, Extremes, Booleans]:
     """Step variants to the end: sample instants [s], extremes over every step, and which variants hold, (n,)."""
     system, motions = work.system, ready.motions
     grid = time_grid(
@@ -163,7 +163,7 @@ def _stepped(work: Work, ready: _Ready, sink: Sink | None = None, threads: int =
     return grid.sample_times, extremes, ~extremes.failed & _lawful(system, low, high)
 
 
-def _starts(work: Work, variants: Variants) -> tuple[Array, Array | None, Booleans]:
+def _start_states(work: Work, variants: Variants) -> tuple[Array, Array | None, Booleans]:
     """Return qpos, qvel and act at the start, forces of the mounts at rest if they start there, and whether these are found."""
     system, n = work.system, len(variants.indices)
     unloaded, where = _unloaded(system), moving(system)
@@ -195,7 +195,7 @@ def _unloaded(system: System) -> State:
 
 
 @once_per_system
-def _ends(system: System) -> Array:
+def _travel_ends(system: System) -> Array:
     """Return the deflections [m], below and above zero, up to which laws hold, (n_mounts, 3, 2)."""
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
     return np.array([(np.inf, np.inf) if law is None else law.travel_ends for law in laws]).reshape(-1, 3, 2)
@@ -203,7 +203,7 @@ def _ends(system: System) -> Array:
 
 def _lawful(system: System, lowest: Array, highest: Array) -> Booleans:
     """Tell for which variants all laws hold at deflections (n, n_mounts, 3) [m], as `beyond_law` does."""
-    below, above = _ends(system)[:, :, 0], _ends(system)[:, :, 1]
+    below, above = _travel_ends(system)[:, :, 0], _travel_ends(system)[:, :, 1]
     beyond = (-lowest > below + ROUNDING) | (highest > above + ROUNDING)
     return np.asarray(~beyond.any(axis=(1, 2)))
 

@@ -134,7 +134,20 @@ def summary(result: StudyResult) -> Entries:
     measures: Entries = {}
     for name in known_measures(table, SUMMARISED):
         measures[name] = {"nominal": nominal[name]} if name in nominal else {}
-        measures[name] |= _of_measure(table, name, sampled=method not in LISTED)
+        sampled = method not in LISTED
+        values, limit = finite(values_of(table, name)), measure_of(name).limit
+        content: Entries = {"smallest": float(values.min()), "median": float(np.median(values))}
+        if sampled:
+            each = zip(_QUANTILES, quantiles(values, list(_QUANTILES.values())), strict=True)
+            content = {name: value for name, value in each if np.isfinite(value)}
+        content |= {"largest": float(values.max()), "variant": worst(table, name, 1)[0]}
+        if limit is not None:
+            beyond = exceedance_of(table, name, limit)
+            content |= {"limit": limit, "beyond": beyond.count, "of": beyond.n}
+            content |= {"ended_early": beyond.early} if beyond.early else {}
+            if sampled:
+                content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
+        measures[name] |= content
         if method == OF_INDICES:
             sobol = sobol_indices(result, name)
             indices = {
@@ -158,22 +171,6 @@ def head(result: StudyResult) -> Entries:
         "timestep_s": result.inputs["simulate"]["timestep"],
         "varied": [quantity.to_dict() for quantity in varied_of(result.study)],
     }  # fmt: skip
-
-
-def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> Entries:
-    values, limit = finite(values_of(table, name)), measure_of(name).limit
-    content: Entries = {"smallest": float(values.min()), "median": float(np.median(values))}
-    if sampled:
-        each = zip(_QUANTILES, quantiles(values, list(_QUANTILES.values())), strict=True)
-        content = {name: value for name, value in each if np.isfinite(value)}
-    content |= {"largest": float(values.max()), "variant": worst(table, name, 1)[0]}
-    if limit is not None:
-        beyond = exceedance_of(table, name, limit)
-        content |= {"limit": limit, "beyond": beyond.count, "of": beyond.n}
-        content |= {"ended_early": beyond.early} if beyond.early else {}
-        if sampled:
-            content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
-    return content
 
 
 _UNITS = {
