@@ -56,6 +56,21 @@ class Column:
         return significant(shown, self.form) if isinstance(self.form, int) else format(shown, self.form)
 
 
+FIGURE_SPACE = "\N{FIGURE SPACE}"  # as wide as a digit
+LONGEST_BAR = 1.25  # of a limit that a bar shows
+
+
+def bar_text(used: float, cells: int, empty: str = "░", eighths: str = "") -> str:
+    """Draw a fraction of a limit in letters, with a tick behind the `cells` of the limit and a quarter more behind it.
+
+    `empty` fills cells without a bar; the last one is drawn by one of eight letters, `eighths`, or else is whole.
+    """
+    parts = len(eighths) or 1
+    whole, rest = divmod(round(parts * cells * min(max(used, 0.0), LONGEST_BAR)), parts)
+    drawn = ("█" * whole + (eighths[rest] if rest else "")).ljust(round(cells * LONGEST_BAR), empty)
+    return f"{drawn[:cells]}│{drawn[cells:]}"
+
+
 def left(*headings: str) -> list[Column]:
     return [Column(heading, align="left") for heading in headings]
 
@@ -94,9 +109,22 @@ class Table:
             **({"note": self.note} if self.note else {}),
         }
 
-    def marks(self, *, absent: str = "-", minus: str = "-") -> list[list[tuple[str, str]]]:
-        """Return text and tone of every cell, with the given signs for absent values and for minus."""
-        return [[_mark(*pair, absent, minus) for pair in zip(self.columns, row, strict=True)] for row in self.rows]
+    def value(self, row: int, column: int) -> float | None:
+        """Return the number in a cell; None without one."""
+        plain = _plain(self.rows[row][column])
+        return plain if isinstance(plain, float) else None
+
+    def marks(self, *, absent: str = "-", minus: str = "-", bars: int = 0) -> list[list[tuple[str, str]]]:
+        """Write text and tone of every cell, with these signs for absent values and in negative ones.
+
+        Where a column has bars they stand before its numbers, `bars` letters long up to the limit; 0 for none.
+        """
+        rows = [[_mark(*pair, absent, minus) for pair in zip(self.columns, row, strict=True)] for row in self.rows]
+        for number in (number for number, column in enumerate(self.columns) if bars and column.bar):
+            for row, marks in enumerate(rows):
+                text, tone = marks[number]
+                marks[number] = f"{bar_text(self.value(row, number) or 0.0, bars)}{text.rjust(4, FIGURE_SPACE)}", tone
+        return rows
 
 
 def _plain(cell: Cell) -> Content:

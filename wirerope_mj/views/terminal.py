@@ -14,10 +14,10 @@ from rich.text import Text
 
 from wirerope_mj.content.blocks import Block, Content, Statement
 from wirerope_mj.foundation.plain_text import plain_lines
-from wirerope_mj.foundation.tables import Cell, Mark, Table
+from wirerope_mj.foundation.tables import Table, bar_text
 
 WIDTH = 120  # Width of tables where there is no terminal to fit them into [characters]
-_LONGEST_BAR = 1.25  # of a bar whose tick is at 1
+_EIGHTHS = " ▏▎▍▌▋▊▉"  # of a cell of a bar
 _NARROW = 72  # characters below which bars are shortest
 _ROOMY = 100  # characters below which columns have no padding
 _UNBOUNDED = 10_000  # characters of a line that holds every table
@@ -68,14 +68,6 @@ def _(block: Table) -> None:
     print_table(block)
 
 
-def _bar(cell: Cell, cells: int) -> Text:
-    """Draw a fraction of a limit as a bar that a tick divides at the limit; what is beyond 125 % is not drawn."""
-    used, tone = (cell.content, cell.tone) if isinstance(cell, Mark) else (cell, "")
-    whole, rest = divmod(round(8 * cells * min(used, _LONGEST_BAR)) if isinstance(used, float) else 0, 8)
-    drawn = ("█" * whole + " ▏▎▍▌▋▊▉"[rest]).ljust(round(cells * _LONGEST_BAR))
-    return Text(f"{drawn[:cells]}│{drawn[cells : round(cells * _LONGEST_BAR)]}", style=_STYLES.get(tone, ""))
-
-
 def print_headline(statement: Statement) -> None:
     print()
     print_lines([Text(plain_lines(statement.text), style=f"bold {_STYLES.get(statement.tone, '')}".strip())])
@@ -121,9 +113,9 @@ def print_table(table: Table) -> None:
 
 def _rich_table(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str, str]]], chosen: Sequence[int]) -> RichTable:
     """Build the table of rich from some columns, at their full width where texts must not break; bars have no headings."""
-    bars = any(column.bar for column in table.columns)
-    shown = RichTable(box=None if bars else box.SIMPLE_HEAD, show_edge=False, show_header=not bars)
-    shown.padding = (0, 1, 0, 2 if bars else 0) if screen.width >= _ROOMY else (0, 1, 0, 0) if bars else 0
+    drawn = any(column.bar for column in table.columns)
+    shown = RichTable(box=None if drawn else box.SIMPLE_HEAD, show_edge=False, show_header=not drawn)
+    shown.padding = (0, 1, 0, 2 if drawn else 0) if screen.width >= _ROOMY else (0, 1, 0, 0) if drawn else 0
     cells = 20 if screen.width >= _ROOMY else 10 if screen.width >= _NARROW else 5
     columns: list[list[Text]] = []
     for index in chosen:
@@ -132,9 +124,9 @@ def _rich_table(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str
         whole = column.align == "left" or (right and max(map(len, column.heading.split("\n"))) <= _LONG)
         texts = [_text(*row[index]) for row in rows]
         if column.bar:
-            numbers = zip(table.rows, texts, strict=False)
-            texts = [_bar(row[index], cells).append(f"{text.plain:>4} %") for row, text in numbers]
-        lines = [*([] if bars else title.split("\n")), *(text.plain for text in texts)]
+            bars = [bar_text(table.value(row, index) or 0.0, cells, " ", _EIGHTHS) for row in range(len(rows))]
+            texts = [Text(f"{bar}{text.plain:>4} %", style=text.style) for bar, text in zip(bars, texts, strict=True)]
+        lines = [*([] if drawn else title.split("\n")), *(text.plain for text in texts)]
         shown.add_column(
             _text(title), justify="right" if right else "left", no_wrap=whole, overflow="fold",
             min_width=max(map(cell_len, lines)) if whole else None,  # rich would take that of the longest word

@@ -24,6 +24,7 @@ _FONT, _SMALL = "Arial", 15  # of the text; size of the letters of tables in hal
 _LETTER, _CELL = 5.3, 130.0  # mean width of a letter, of half a point of its size; room about it [1/20 pt]
 _LEAST, _LINE = 6, 90  # letters of a column of text at the least, and at the most where there is room
 _TWIPS = 567.0  # 1/20 pt to a centimetre
+BARS = 16  # letters of a bar up to its limit, whole ones, which every font has
 _BOTTOM = '<w:vAlign w:val="bottom"/>'
 _W = 'xmlns:w="http://schemas.openxmlformats.org/wordprocessingml/2006/main"'
 
@@ -152,7 +153,7 @@ class _Writer:
     def _table(self, table: Table) -> None:
         """Set a table as wide as its texts, with a repeated header; cell by cell it would take minutes."""
         heads = [column.line() for column in table.columns]
-        body = table.marks(absent=ABSENT, minus=MINUS)
+        body = table.marks(absent=ABSENT, minus=MINUS, bars=BARS)
         size, widths = _widths(table.columns, heads, [[text for text, _ in row] for row in body])
         aligned = ["right" if column.align == "right" else "left" for column in table.columns]
         rows = [_row([(head, "strong") for head in heads], aligned, widths, size, head=True)] if any(heads) else []
@@ -193,7 +194,7 @@ def _row(cells: list[tuple[str, str]], aligned: list[str], widths: list[int], si
     texts = [
         f'<w:tc><w:tcPr><w:tcW w:w="{width}" w:type="dxa"/>{_BOTTOM if head else ""}</w:tcPr><w:p><w:pPr>{keep}'
         f'<w:spacing w:before="10" w:after="10" w:line="240" w:lineRule="auto"/><w:jc w:val="{side}"/></w:pPr>'
-        f'<w:r><w:rPr>{"<w:b/>" if tone in _BOLD else ""}<w:color w:val="{_COLOURS.get(tone, "1C2430")}"/>'
+        f'<w:r><w:rPr>{"<w:b/>" if tone in _BOLD and "█" not in text else ""}<w:color w:val="{_COLOURS.get(tone, "1C2430")}"/>'
         f'<w:sz w:val="{size}"/></w:rPr><w:t xml:space="preserve">{escape(plain_lines(text))}</w:t></w:r></w:p></w:tc>'
         for (text, tone), side, width in zip(cells, aligned, widths, strict=True)
     ]

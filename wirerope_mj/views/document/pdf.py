@@ -8,6 +8,7 @@ from wirerope_mj.content.blocks import WIDTH, Block, Chart, Content, Statement
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.tables import Table
+from wirerope_mj.views.document.docx import BARS
 from wirerope_mj.views.pictures import joined_svg
 from wirerope_mj.views.typesetting import typeset
 
@@ -46,7 +47,9 @@ def _entry(block: Block) -> Entries:
         return {"kind": "statement", "id": block.id, "text": block.text, "items": block.items, "tone": block.tone}
     if isinstance(block, Table):
         columns = [{"heading": column.line(), "align": column.align} for column in block.columns]
-        rows = [[{"text": text, "tone": tone} for text, tone in row] for row in block.marks(absent=ABSENT, minus=MINUS)]
+        rows = [
+            [{"text": text, "tone": tone} for text, tone in row] for row in block.marks(absent=ABSENT, minus=MINUS, bars=BARS)
+        ]
         return {"kind": "table", "id": block.id, "title": block.title, "columns": columns, "rows": rows, "note": block.note}
     bare, alt, part = (block, block.alt, 0.8) if isinstance(block, Chart) else (replace(block, caption=""), block.caption, 0.75)
     svg, height = joined_svg([bare])

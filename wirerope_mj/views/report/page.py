@@ -13,12 +13,11 @@ from markupsafe import Markup, escape
 from wirerope_mj.content.blocks import Chart, Content, SceneView, Statement, letter_of
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.plain_text import plain_lines
-from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.foundation.tables import LONGEST_BAR, Column, Table
 from wirerope_mj.views.plots.scene_svg import scene_svgs
 from wirerope_mj.views.plots.svg_chart import chart_svg
 
 _FOLDER = Path(__file__).parent
-_LONGEST_BAR = 1.25  # of a bar whose tick is at 1
 _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen its column
 
 
@@ -63,7 +62,7 @@ def _environment() -> Environment:
         "named": lambda block: Markup(f' data-id="{escape(plain_lines(block.id))}"') if block.id else "",
         "breakable": lambda text: " long" if len(text) > _LONG else "",
         "instant": instant,
-        "fraction": lambda cell: f"{min(cell.content, _LONGEST_BAR):.4g}",
+        "fraction": lambda cell: f"{min(cell.content, LONGEST_BAR):.4g}",
         "letter": lambda column: column.align[0],
         "heading": Column.line,
         "cells": lambda table: table.marks(absent=ABSENT, minus=MINUS),
