@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj.cli import main
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.results.measure import kinds_of
@@ -160,3 +161,15 @@ def test_the_page_of_commands_shows_options_that_stand_before_a_file_is_named(tm
     study = page[page.index("## wirerope study\n") : page.index("## wirerope show\n")]
     for words in ("Usage: wirerope study STUDY-OR-SCENARIO [OPTIONS]", "--vary", "--limit", "also shows the options"):
         assert words in study
+
+
+@pytest.mark.slow
+def test_the_readme_shows_what_the_main_job_prints_today(tmp_path, capsys):
+    assert main(["run", "floating_floor_shock", "--out", str(tmp_path / "run")]) == 0
+    printed = [line.rstrip() for line in capsys.readouterr().out.strip("\n").splitlines()]
+    shown = (ROOT / "README.md").read_text(encoding="utf-8").partition("```text\n")[2].partition("\n```")[0].splitlines()
+
+    def stated(lines):  # without the folder, the seconds that it took, and the room beside commands of another length
+        return [re.sub(r" +", " ", re.sub(r"[\d.]+ s in all|\S*run(s/floor)?(?=[/ ])", "", line)) for line in lines]
+
+    assert stated(shown) == stated(printed)
