@@ -293,3 +293,14 @@ def test_a_motion_is_listed_in_one_text_or_written_again(tmp_path):
     job.write_text(f'model = "shock_table"\n{texts}', encoding="utf-8")
     one, other = (case.scenario.motion for case in wr.load_job(job).cases)
     assert one == other
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("--scale", "2"), ("--baseline", "rest"), ("--start", "0.1"), ("--unit", "g"), ("--fade", "0.1"), ("--gaps", "fill")],
+)
+def test_options_of_a_record_are_refused_without_one(words, tmp_path, capsys):
+    command = ["shock", "shock_table", "--half-sine", "15 g 11 ms z", "--out", str(tmp_path / "run")]
+    assert main([*command, *words]) == 2
+    assert f"`{words[0]}` belongs to `--record`, which is not given." in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

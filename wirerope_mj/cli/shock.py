@@ -14,6 +14,12 @@ from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
 
 
+_UNPLAYED = {
+    "scale": 1.0,
+    "baseline": "none",
+    "start": 0.0,
+    "gaps": "refuse",
+}  # options of a record that are not None by default
 # the options that say a motion, by their names, and its kind
 MOTIONS = {(form.option or kind).replace("-", "_"): kind for kind, form in SPOKEN_MOTIONS.items()}
 
@@ -134,6 +140,9 @@ def shock(
         "scale": scale, "baseline": baseline, "start": start, "highpass": highpass, "resample": resample, "gaps": gaps,
         "unit": unit, "rotation": rotation, "fade": fade, "columns": columns, "interval": interval,
     } | ({} if sensors_at is None else {"sensors_at": values_with_unit(sensors_at, "length", LENGTH_UNITS)})  # fmt: skip
+    idle = [name for name, value in played.items() if value != _UNPLAYED.get(name)]
+    if record is None and idle:
+        raise ValueError(f"`--{idle[0].replace('_', '-')}` belongs to `--record`, which is not given.")
     system = load_system(model_source(model, asker="wirerope shock"))
     devices = None
     if temperature is not None:
