@@ -140,7 +140,14 @@ def fit_curves(content: Entries, path: Path) -> Isolator:
     rated = {name: side.travel or side.curves[sheet.curve][-1][0] for name, side in sides.items()}
     if "shear" in rated:
         rated.setdefault("roll", rated["shear"])
-    provenance = Provenance(kind="catalogue", source=sheet.source, fitted_to=_fitted_to(sheet), assumed=tuple(assumed))
+    fitted = []
+    for name, side in sheet.sides.items():
+        end, force = side.curves[sheet.curve][-1]
+        text = f"{name}: the {sheet.curve} curve, {force:.5g} N at its end, {1e3 * end:.4g} mm"
+        text += "".join(f", area {area:.5g} J at {1e3 * a:.4g} mm" for a, area in side.areas)
+        text += "".join(f", damping ratio {zeta:.4g} at {1e3 * a:.4g} mm" for a, zeta in side.damping)
+        fitted.append(text)
+    provenance = Provenance(kind="catalogue", source=sheet.source, fitted_to="; ".join(fitted), assumed=tuple(assumed))
     try:
         isolator = Isolator(
             name=sheet.name, limits=Limits(static_load=sheet.static_load, travel=Travel(**rated)),
@@ -207,14 +214,3 @@ def _law(sheet: CurveSheet, side: Side, tension: Side | None) -> Tabulated:
             return replace(law, areas=tuple(float(f"{area:.12g}") for area in areas))
         areas = [area * ratio for area, ratio in zip(areas, ratios, strict=True)]
     raise ConvergenceError(f"no areas give the damping ratios {[zeta for _, zeta in side.damping]} with this curve.")
-
-
-def _fitted_to(sheet: CurveSheet) -> str:
-    sides = []
-    for name, side in sheet.sides.items():
-        end, force = side.curves[sheet.curve][-1]
-        text = f"{name}: the {sheet.curve} curve, {force:.5g} N at its end, {1e3 * end:.4g} mm"
-        text += "".join(f", area {area:.5g} J at {1e3 * a:.4g} mm" for a, area in side.areas)
-        text += "".join(f", damping ratio {zeta:.4g} at {1e3 * a:.4g} mm" for a, zeta in side.damping)
-        sides.append(text)
-    return "; ".join(sides)
