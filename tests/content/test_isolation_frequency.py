@@ -79,6 +79,17 @@ def test_a_payload_that_is_isolated_in_the_whole_band_is_not_said_to_lack_isolat
     assert "mass along z isolates throughout the base's band, transmissibility 0." in blocks(judged)["isolation"].text
 
 
+def test_samples_that_are_too_slow_for_the_base_tell_no_transmissibility():
+    """The base's density folds back at half the rate of the samples: at 1.2 times the resonance it read half the ratio."""
+    system = sdof(wr.KelvinVoigt(k=STIFFNESS, c=0.1 * math.sqrt(MASS * STIFFNESS)), mass=MASS)
+    motion = wr.RandomVibration(psd=[(3.0, 1.0), (200.0, 1.0)], duration=4.0, seed=1, direction="z")
+    with pytest.warns(wr.AccuracyWarning, match="samples a second tell nothing above 100 Hz"):
+        response = wr.simulate(system, motion, duration=4.0, timestep=1e-3, sample_rate=200.0)
+    (statement,) = random_blocks(judged_run(system, motion, response))
+    assert "no transmissibility and no bands are stated; the base moves at up to 200 Hz" in statement.text
+    assert "Give a `sample_rate` of at least" in statement.text
+
+
 @pytest.mark.quick
 def test_an_isolation_frequency_is_the_last_crossing_of_one():
     frequency = np.geomspace(1.0, 100.0, 400)

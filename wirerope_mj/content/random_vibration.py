@@ -13,6 +13,7 @@ from wirerope_mj.content.numbers import fixed, with_unit
 from wirerope_mj.content.run_spectra import BASE
 from wirerope_mj.content.selection import kind_of
 from wirerope_mj.content.spectrum_charts import rms_along, spectrum_panel
+from wirerope_mj.engine.simulation.run import aliasing
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table, left
 from wirerope_mj.motions import RandomVibration
@@ -39,6 +40,11 @@ def _band(run: JudgedRun) -> tuple[float, float]:
 def random_blocks(run: JudgedRun) -> Iterator[Block]:
     """Yield transmissibility and bands of a random vibration; nothing for other motions, or where none is stationary."""
     if not steady_interval(run.response.motion)[0]:  # before the spectra, which take time, are computed
+        return
+    if aliased := aliasing([run.motion], run.sample_rate):
+        yield Statement(
+            "isolation", f"Random vibration: no transmissibility and no bands are stated; {aliased}", tone="unjudged"
+        )
         return
     rows: list[Row] = []
     panels: list[Panel] = []
