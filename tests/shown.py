@@ -33,8 +33,13 @@ def cells_to_show(table):
 
 def missing_rows(printed, table):
     """Return the rows of a table that a terminal did not print, of those that it shows."""
-    lines = [line.split() for line in printed.splitlines()]
-    return [row for row in table.marks()[: table.shown] if " ".join(text for text, _ in row).split() not in lines]
+    lines = [re.sub("[█▏▎▍▌▋▊▉│]", " ", line).split() for line in printed.splitlines()]
+    units = [" %" if column.bar else "" for column in table.columns]
+    return [
+        row
+        for row in table.marks()[: table.shown]
+        if " ".join(text + unit for (text, _), unit in zip(row, units, strict=True)).split() not in lines
+    ]
 
 
 def pages_of(path):

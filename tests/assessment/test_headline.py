@@ -9,9 +9,10 @@ from commands import wirerope
 from recordings import column, entities
 
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Criterion, Verdict, headline
-from wirerope_mj.assessment.criteria.verdict import Amplification, by_use
+from wirerope_mj.assessment.criteria.verdict import Amplification, against_limit, by_use
 from wirerope_mj.content.job import job_headline
 from wirerope_mj.content.verdicts import headline as verdicts_headline
+from wirerope_mj.content.verdicts import verdict_bars
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.write import read_summary
 
@@ -179,3 +180,21 @@ def test_a_damaged_summary_is_named_with_what_to_do(tmp_path, content, said):
     with pytest.raises(RecordError, match=f"{said}.* Take the file from another copy") as caught:
         read_summary(tmp_path)
     assert "Error" not in str(caught.value)  # neither JSON's words nor the interpreter's
+
+
+@pytest.mark.quick
+def test_a_pass_of_some_mounts_says_of_how_many():
+    unrated = Verdict(criterion=Criterion("travel", sense="roll"), subject="r1", value=1.0, limit=None, unit="m")
+    assert verdicts_headline([row(), unrated]).text.startswith("PASS of 1 of 2 mounts: most critical m1 ")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("value", "limit", "text"),
+    [(1010.0, 900.0, "1.01 kN, limit 0.9 kN"), (300.0, 500.0, "300 N, limit 500 N"), (8460.0, 1.0, "8.46 kN, limit 0.001 kN")],
+)
+def test_a_force_and_its_limit_are_said_in_one_unit(value, limit, text):
+    load = Verdict(criterion=Criterion("load"), subject="m1", value=value, limit=limit, unit="N")
+    assert text in against_limit(load)
+    value_text, limit_text = text.split(", limit ")
+    assert verdict_bars("criterion", [("load", "m1", load)]).rows[0][-1] == f"{value_text.split()[0]} of {limit_text}"

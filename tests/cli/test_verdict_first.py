@@ -3,14 +3,18 @@
 import errno
 import io
 import json
+import math
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
+from made_up_floor import floor_response
 
 from wirerope_mj.cli import main
 from wirerope_mj.content import judged_run as judged_module
+from wirerope_mj.content.run import doubtful_numerics
 
 SHORT = ["run", "shock_table", "--duration", "0.4", "--out"]
 
@@ -58,7 +62,24 @@ def test_a_run_says_its_verdict_first_and_all_of_it_in_twelve_lines(tmp_path, ca
     summary = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
     assert lines[0].strip() == summary["headline"]
     assert " → " in lines[1]
-    assert lines[-3].split()[:2] == ["wirerope", "show"]
+    assert lines[-2].split()[:2] == ["wirerope", "show"]
+
+
+def test_a_folder_with_a_space_is_named_as_a_shell_takes_it(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([*SHORT, "with space"]) == 0
+    assert "wirerope show 'with space'" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("error", "accuracy", "said"),
+    [(0.37, math.nan, True), (0.37, 1e-4, True), (9e-5, 1e-4, False), (5e-3, math.nan, False), (math.nan, math.nan, False)],
+)
+def test_an_error_that_matters_is_among_the_first_lines(error, accuracy, said):
+    numerics = replace(floor_response().numerics, error_estimate=error, accuracy=accuracy, limited_by="")
+    statement = doubtful_numerics(numerics)
+    assert (statement is not None) is said
+    assert not said or ("3.7e-01 of the peaks" in statement.text and statement.tone == "unjudged")
 
 
 def test_an_error_before_the_verdict_says_nothing_of_one(tmp_path, capsys):

@@ -40,7 +40,7 @@ WORKSHEETS = {
 @pytest.fixture(scope="module", params=sorted(shipped_studies()))
 def study(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("study") / "out"
-    printed = printed_by("study", request.param, *SHORT[request.param], "--workers", "1", "--out", str(folder))
+    printed = printed_by("study", request.param, *SHORT[request.param], "--workers", "1", "--out", str(folder), "--all")
     write_study_report(folder)
     return folder, printed, result_content(load_study(folder))
 
@@ -88,7 +88,7 @@ def test_an_identification_says_the_same_on_the_terminal_and_on_its_page(law, he
     files = sorted(Path().glob("*.csv"))
     content, printed = said_by(
         monkeypatch, capsys, identify_command, "identification_content",
-        "identify", *files, "--law", law, "--axis", "axial", "--out", "fitted.toml", "--accept-unconverged",
+        "identify", *files, "--law", law, "--axis", "axial", "--out", "fitted.toml", "--accept-unconverged", "--all",
     )  # fmt: skip
     page = Path("fitted-report", "report.html").read_text(encoding="utf-8")
     tables = tables_of(content)

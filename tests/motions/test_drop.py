@@ -1,6 +1,7 @@
 """The drop of a case: height to velocity, what lands, weightless fall, gravity of the side on which it comes to rest."""
 
 import math
+import re
 import tomllib
 
 import numpy as np
@@ -151,9 +152,10 @@ def test_a_case_of_a_job_falls_on_its_side_begins_unloaded_and_replays(tmp_path,
 def test_a_drop_onto_the_top_is_meant_and_its_loads_are_along_its_gravity(tmp_path, capsys):
     """What is said of a fall: no warning of the gravity that it asks for, no level in studies, its own down, no peak of 1 g."""
     words = ["shock_table_frame", "--drop", "200 mm onto top", "--out", str(tmp_path / "run"), "--accuracy", "1e-3"]
-    assert main(["shock", *words]) == 0
+    assert main(["shock", *words, "--all"]) == 0
     out = capsys.readouterr().out
     assert "gravity points upwards" not in out
+    assert re.search(r"→ [\d.]+ g at \w+\n", out)  # no fraction of the base's 1 g, which is its fall
     assert "(base, in its fall)" in out
     run = judged_folder(tmp_path / "run")
     (whole, *_) = area_forces(run.response, run.motion.up)

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Literal
 
 from wirerope_mj.cli.options import All, Force, Repeated, RepeatedPaths, Texts
-from wirerope_mj.cli.tables import say_next, say_where
+from wirerope_mj.cli.tables import say_where
 from wirerope_mj.content.calibration import calibration_content
 from wirerope_mj.engine.simulation.simulate import duration_of
 from wirerope_mj.engine.system import load_system
@@ -136,10 +136,9 @@ def calibrate(
         ],
     )  # fmt: skip
     write_calibration(result, content, out, force=force)
-    others = [name for name in content.sections_of("summary") if name != "values"]
-    show_result(content, "values", "answer", others=others, every=every)
+    others = [name for name in content.sections_of("summary") if name not in ("values", "prediction")]
+    show_result(content, "values", "prediction", "answer", others=others, every=every)
     say_where(out, every=every)
-    say_next({}, every=every)
     return 0 if result.fit.converged else NOT_CONVERGED
 
 

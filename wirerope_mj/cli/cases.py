@@ -46,7 +46,7 @@ def cases(
     from wirerope_mj.content.numbers import several
     from wirerope_mj.runs.job import CASES, run_job
     from wirerope_mj.runs.job_file import load_job
-    from wirerope_mj.views.terminal import console, show_result
+    from wirerope_mj.views.terminal import console, show, show_result
 
     if blank:
         from wirerope_mj.cli.isolators import write_form
@@ -82,8 +82,8 @@ def cases(
     if others:
         screen.print(f"  no longer in the job, and left as they are: {escape(', '.join(others))}", soft_wrap=True)
     content = job_content(result.job)
+    show(content, "warnings")
     show_result(content, "brief", others=("limits", "required-spectra"), every=every)
     say_where(folder, seconds=perf_counter() - began, every=every)
-    commands = {f"wirerope show {folder / 'job.rrd'}": f"{TIMELINE} of every case"}
-    say_next(commands | {f"wirerope report {folder} --pdf": DOCUMENT}, every=every)
+    say_next({("show", folder / "job.rrd"): f"{TIMELINE} of every case", ("report", folder, "--pdf"): DOCUMENT})
     return 0

@@ -92,7 +92,7 @@ def compare(
     others = ("differences", "accelerations", "travel", "credibility")
     show_result(content, "headlines", "findings", others=others, every=every)
     print_lines(["", f"written to {target}, {target.stat().st_size / 1e6:.1f} MB"])
-    say_next({f"wirerope show {target}": TIMELINE}, every=every)
+    say_next({("show", target): TIMELINE}, again="" if every else "--force --all")
     return 0
 
 
@@ -117,9 +117,9 @@ def _compare_tests(
         check_writable(page, force=force or out is None)
     tests = write_correlation(run, dict(zip(called, files, strict=True)), read_map(mapped) | options, page, force=force)
     content = correlation_content(run.resolve().name, tests)
-    show_result(content, "tests", others=content.sections_of("summary"), every=every)
+    show_result(content, *content.sections_of("headline"), others=content.sections_of("summary"), every=every)
     print_lines(["", f"written to {page}"])
-    say_next({f"wirerope show {page.with_suffix('.rrd')}": TIMELINE}, every=every)
+    say_next({("show", page.with_suffix(".rrd")): TIMELINE})
     return 0
 
 
@@ -150,7 +150,7 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None, 
             models[name][case.name] = known[digests]
     content = job_comparison_content(judged, inputs, models)
     show_result(content, "headlines", "inputs", others=("cases", "limits"), every=every)
-    say_next({}, every=every)
+    say_next({}, again="" if every else "--all")
     return 0
 
 

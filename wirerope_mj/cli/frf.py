@@ -97,9 +97,9 @@ def frf(
     findings = level_summaries(result)
     content = response_content(result, findings, bands)
     write_frequency_response(result, findings, content, folder, force=force)
-    show_result(content, "brief", "peaks", others=("levels", "answer"), every=every)
+    show_result(content, "brief", "answer", "peaks", others=("levels",), every=every)
     say_where(folder, every=every)
-    say_next({f"wirerope show {folder}": TIMELINE} if (folder / "run.rrd").is_file() else {}, every=every)
+    say_next({("show", folder): TIMELINE} if (folder / "run.rrd").is_file() else {})
     return 0 if result.complete else NOT_COMPLETE
 
 

@@ -56,5 +56,5 @@ def modes(
         write_modes(system, system.name, [small, *large], target, force=force)
     show(modes_content(system, small, large, ddam=ddam and (ship, ddam)))
     print_lines(["", f"written to {target}"])
-    say_next({f"wirerope show {target}": TIMELINE})
+    say_next({("show", target): TIMELINE})
     return 0

@@ -75,7 +75,6 @@ def select(
     """
     import numpy as np
 
-    from wirerope_mj.cli.tables import say_next
     from wirerope_mj.content.part_selection import catalogue_selection_content
     from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.foundation.payload_limits import limit_from_text
@@ -145,7 +144,7 @@ def select(
         path = write_selected(chosen, out or Path(chosen.name.lower()), box=box, force=force)
         print(plain(f"  written: {path}, on {chosen.mounts} {chosen.name}"))
     elif selection.meeting:
-        say_next({"the same with --out FOLDER": "writes the model on the first part"}, every=all)
+        print("  the same with --out FOLDER writes the model on the first part; with --all it prints every table")
     return 0 if selection.meeting else NOTHING_FOUND
 
 

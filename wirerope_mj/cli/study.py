@@ -1,6 +1,7 @@
 """`wirerope study`: a study file's options, or a scenario's and what varies of it, become those of the command."""
 
 import inspect
+import shlex
 import sys
 import warnings
 from collections.abc import Callable, Sequence
@@ -194,9 +195,9 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
         print_warnings(model_warnings(load_system(first.model_source(), isolators=first.isolators)))
         _warn_of_unjudged(limits_of(first)[1])
         content = study_job(job, folder, vary=_quantities(first, varied), how={**own, "progress": True}, drawn=drawn)
-        show_result(content, "cases", others=("answer",), every=own["all"])
+        show_result(content, "cases", "answer", others=(), every=own["all"])
         say_where(folder, every=own["all"])
-        say_next({f"wirerope study-report {folder} --pdf": DOCUMENT}, every=own["all"])
+        say_next({("study-report", folder, "--pdf"): DOCUMENT})
 
     def none() -> None:
         """Compute the same variants under every load case of a job."""
@@ -269,7 +270,9 @@ def compute_and_print(
 
     _computed(study, folder, resume=resume, when_done=show, **how)
     say_where(folder, every=all)
-    say_next({f"wirerope study-report {folder} --pdf": DOCUMENT}, every=all)
+    say_next(
+        {("study-report", folder, "--pdf"): DOCUMENT}, again="" if all else f"--resume --out {shlex.quote(str(folder))} --all"
+    )
     _open([folder / path for path in worst])
     if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
         raise WireRopeError(f"{folder}: {NOT_COMPUTED}")

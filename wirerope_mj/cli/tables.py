@@ -1,5 +1,6 @@
 """Results on the terminal: a run's verdict as soon as it is known, what was written where, lists of what ships."""
 
+import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -57,22 +58,23 @@ def run_and_print(
 def print_written(folder: Path, *, seconds: float, every: bool) -> None:
     """Print where the files of a run are, how long all of it took [s], and what to do next."""
     say_where(folder, seconds=seconds, every=every)
-    say_next({f"wirerope show {folder}": TIMELINE, f"wirerope report {folder} --pdf": DOCUMENT}, every=every)
+    say_next({("show", folder): TIMELINE, ("report", folder, "--pdf"): DOCUMENT})
 
 
 def say_where(folder: Path, *, seconds: float | None = None, every: bool) -> None:
     """Print where a result was written, with its page, and how long that took [s]; where asked, the names of all files."""
-    page = REPORT if (folder / REPORT).is_file() else ""
-    took = "" if seconds is None else f", {seconds:.1f} s in all"
+    page = f"{REPORT}, with every table" if (folder / REPORT).is_file() else ""
+    took = "" if seconds is None else f"; {seconds:.1f} s in all"
     print()
     print_lines([f"written to {folder}/{page}{took}"])
     if every:  # what begins with a dot another process is writing just now
         print_lines([", ".join(sorted(f"{path.name}{'/' * path.is_dir()}" for path in folder.glob("[!.]*")))])
 
 
-def say_next(commands: Mapping[str, str], *, every: bool = True) -> None:
-    """Print commands that go on from a result, each with what it does."""
-    shown = {**commands, **({} if every else {"the same with --all": "prints every table"})}
-    longest = max(map(len, shown), default=0)
-    for command, effect in shown.items():
-        console().print(f"  [bold]{escape(command)}[/]{' ' * (longest - len(command))}  {effect}", soft_wrap=True)
+def say_next(commands: Mapping[tuple[str | Path, ...], str], *, again: str = "") -> None:
+    """Print commands that go on from a result, each with what it does, as a shell takes them; or options of the same one."""
+    texts = {f"wirerope {shlex.join(map(str, words))}": effect for words, effect in commands.items()}
+    texts |= {f"the same with {again}": "prints every table"} if again else {}
+    longest = max(map(len, texts), default=0)
+    for text, effect in texts.items():
+        console().print(f"  [bold]{escape(text)}[/]{' ' * (longest - len(text))}  {effect}", soft_wrap=True)

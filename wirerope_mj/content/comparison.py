@@ -228,7 +228,9 @@ def better_run(comparison: Comparison) -> Statement:
     names = [run.name for run in comparison.runs]
     if others and all(identical(first.response, run.response) for run in others):
         return Statement("better", "The runs are identical: none is better.", values={"better": None})
-    used = {run.name: row for run in comparison.runs if (row := most_used(run.verdicts))}
+    # Loads at rest tell nothing of the motions, unless nothing else is judged.
+    timed = {run.name: most_used(row for row in run.verdicts if row.time is not None) for run in comparison.runs}
+    used = {run.name: row for run in comparison.runs if (row := timed[run.name] or most_used(run.verdicts))}
     if len(used) < len(names):
         rows = [row for row in acceleration_rows(comparison) if row.label != BASE.label and None not in row.values]
         if not rows:

@@ -41,7 +41,9 @@ def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
     for test in tests:
         text = "Said of the measurement, on which every figure here rests:"
         warnings = Statement(f"warnings-{test.name}", text, items=test.warnings, tone="unjudged")
-        measures = [test.table, test.ratings, *([warnings] if test.warnings else [])]
+        if test.warnings:
+            yield Section(f"warnings-{test.name}", "", partial(list, [warnings]), "headline")
+        measures = [test.table, test.ratings]
         yield Section(f"measures-{test.name}", f"Agreement with {test.name}", partial(list, measures), "summary")
         for kind, build in kinds.items():
             yield Section(f"{kind}-{test.name}", f"{test.name}: {kind}", partial(build, test))

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.verdict import RMS
+from wirerope_mj.assessment.criteria.verdict import RMS, by_use
 from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import BASE, OTHERS, Block, Chart, Panel, Statement, short
 from wirerope_mj.content.histories import Line, history_panel, subject_called
@@ -31,24 +31,32 @@ def brief_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def passage(run: JudgedRun) -> Statement | None:
-    """State the base's motion and the largest acceleration of the payload; of random vibration the largest rms."""
-    base, *others = body_peaks(run.response)
-    if not others:
+    """State the base's motion and the most critical acceleration of the payload; of random vibration the largest rms.
+
+    Its fraction of the base's stands behind it where both are of one event: of shocks and random vibration.
+    """
+    names = worst_names(run.response)
+    if not names:
         return None
-    where, out, into, measure = others[0].name, others[0].value, base.value, ""
+    where, measure, into = names[0], "", 0.0
+    out = max(row.value for row in body_peaks(run.response) if row.name == where)
+    known = [row.amplification for row in run.verdicts if row.subject == where and row.amplification is not None]
     if run.random and not isinstance(run.random, Absent):
         most = max((row for row in run.random if row.criterion.kind == RMS), key=lambda row: row.value)
         axis = most.criterion.axis
         where, out, into, measure = most.subject, most.value, float(run.base_rms["xyz".index(axis)]), f" rms along {axis}"
-    of_base = f", {out / into:.0%} of the base's {with_unit(into, 'g')}".replace("%", " %") if into > STILL else ""
+    elif known:
+        into = known[0].base
+    of_base = f", {100.0 * out / into:.0f} % of the base's {with_unit(into, 'g')}" if into > STILL else ""
     text = f"{run.acting} → {with_unit(out, 'g')}{measure} at {where}{of_base}"
-    return Statement("passage", text, values={"base_m_s2": into, "payload_m_s2": out, "where": where})
+    return Statement("passage", text, values={"base_m_s2": into or None, "payload_m_s2": out, "where": where})
 
 
 def first_charts(run: JudgedRun) -> Chart | None:
     """Draw side by side the most critical acceleration and deflection over time, and the payload's spectra."""
     response, selection, panels = run.response, run.selection, list[Panel]()
-    mount = selection.governing
+    timed = by_use(row for row in run.verdicts if row.time is not None)
+    mount = next((name for name in timed if name in selection.mounts), selection.governing)
     colour: int | str = 0
     if names := worst_names(response)[:1]:
         along = main_direction(response)

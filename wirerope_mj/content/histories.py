@@ -52,7 +52,10 @@ def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tupl
     unit = UNITS[quantity]
     curves = [_curve(line, quantity, along, unit) for line in lines]
     if quantity == "acceleration":
-        what, label = ("Acceleration" if along == TOTAL else f"Acceleration along {along}"), f"along {along} [{unit}]"
+        what, label = (
+            ("Acceleration" if along == TOTAL else f"Acceleration along {along}"),
+            f"along {along} [{unit}]" if along != TOTAL else f"magnitude [{unit}]",
+        )
     else:
         what, label = f"{along.capitalize()} {quantity}", f"{along} [{unit}]"
     levels: dict[tuple[str, float], None] = {}  # rated travels that deflections come near: of the first mount, or in all runs

@@ -67,11 +67,13 @@ class JudgedJob:
 def job_content(job: JudgedJob) -> Content:
     """Compose the content of a job: answer, limits, envelopes and basis, then each load case."""
 
-    def answers() -> Iterator[Block]:
+    def warnings_said() -> Iterator[Block]:
         warnings = dict.fromkeys(text for run in job.runs.values() for text in run.model_warnings)
         for number, warning in enumerate(warnings, start=1):
             yield Statement(f"model-warning-{number}", f"warning: {warning}", tone="unjudged")
-        yield Statement("cases-answers", items=tuple(f"{name}: {headline(rows).text}" for name, rows in job.verdicts.items()))
+
+    def answers() -> Iterator[Block]:
+        yield Statement("cases-answers", items=tuple(f"{name}: {text}" for name, text in answers_of(job.verdicts).items()))
 
     def brief() -> Iterator[Block | None]:
         for case in job.cases:
@@ -81,6 +83,8 @@ def job_content(job: JudgedJob) -> Content:
         worst = {name: row for name, rows in job.verdicts.items() if (row := most_used(rows))}
         named = ((name, f"{row.subject} {criterion_text(row.criterion)}", row) for name, row in worst.items())
         yield verdict_bars("load case", named)
+        others = [f"{name}: {text}" for name, text in answers_of(job.verdicts).items() if text.startswith(UNKNOWN)]
+        yield Statement("cases-open", items=tuple(others), tone="unjudged")
         yield open_statement(row for rows in job.verdicts.values() for row in rows)
 
     def required() -> Iterator[Block]:
@@ -110,6 +114,7 @@ def job_content(job: JudgedJob) -> Content:
     first, document = job.cases[0].run, job.document
     texts = document.paragraphs if document else lambda name: []
     sections = [
+        Section("warnings", "", warnings_said, "headline"),
         Section("brief", "", brief, "headline"),
         Section("answer", "", answers, "headline"),
         Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
@@ -142,10 +147,14 @@ def job_content(job: JudgedJob) -> Content:
     )  # fmt: skip
 
 
+def answers_of(verdicts: Mapping[str, Sequence[Verdict]]) -> dict[str, str]:
+    return {name: headline(rows).text for name, rows in verdicts.items()}
+
+
 def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
     """State the verdict of a job: the load cases that exceed a limit, and the most critical limit with its case."""
     every = [row for rows in verdicts.values() for row in rows]
-    answers = {name: headline(rows).text for name, rows in verdicts.items()}
+    answers = answers_of(verdicts)
     over = [name for name, text in answers.items() if text.startswith(FAIL)]
     open_cases = [name for name, text in answers.items() if text.startswith(UNKNOWN)]
     judged = sum(row.utilisation is not None for row in every)
@@ -155,6 +164,7 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
     count, (restriction, missing) = several(len(verdicts), "load case"), scope(every)
     if over:
         text = fail_text(f"{len(over)} of {count} {'exceeds' if len(over) == 1 else 'exceed'} a limit", every, f", in {where}")
+        text += f"; {listed(open_cases)} not judged" if open_cases else ""
         tone = "exceeded"
     elif open_cases or worst is None:
         text, tone = f"{UNKNOWN}: of {count} {listed(open_cases) or 'none'} cannot be judged", "unjudged"

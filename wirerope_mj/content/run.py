@@ -53,6 +53,7 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Drop, Sweep, VibrationLines
 
+_LARGE_ERROR = 0.01  # fraction of the peaks that is said of a step that was given
 START = {
     "settled": "at rest in the equilibrium of the first loading",
     "relaxed": "at rest in the relaxed equilibrium, as after long vibration",
@@ -84,7 +85,9 @@ def run_content(run: JudgedRun) -> Content:
         verdict=headline(run.verdicts),
         sections=(
             section("warnings", "", warnings, "headline"),
-            section("brief", "", brief_blocks, "headline"),
+            section(
+                "brief", "", lambda judged: (*brief_blocks(judged), doubtful_numerics(judged.response.numerics)), "headline"
+            ),
             section("answer", "", lambda judged: [*answer_blocks(judged)][:1], "headline"),
             section("grounds", "", grounds_blocks),
             section("accelerations", "Peak accelerations", acceleration_blocks, "summary"),
@@ -106,6 +109,14 @@ def run_content(run: JudgedRun) -> Content:
             section("verdicts", "All verdicts", lambda run: [full_table(run.verdicts)]),
         ),
     )
+
+
+def doubtful_numerics(numerics: Numerics) -> Statement | None:
+    """State how it was computed where its estimated error is above the one asked for, or above 1 % of the peaks."""
+    error, asked = numerics.error_estimate, numerics.accuracy
+    if numerics.limited_by == SENSITIVE or error > (_LARGE_ERROR if math.isnan(asked) else asked):  # NaN: not estimated
+        return replace(numerics_statement(numerics), id="doubtful-numerics", tone="unjudged")
+    return None
 
 
 def numerics_statement(numerics: Numerics) -> Statement:

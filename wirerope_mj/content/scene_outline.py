@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.assessment.criteria import EXCEEDED
-from wirerope_mj.assessment.criteria.verdict import against_limit, by_use, most_used
+from wirerope_mj.assessment.criteria.verdict import against_limit, by_use
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import with_unit
@@ -183,13 +183,8 @@ _STILL = 1e-6  # [m]: displacement below which a scene is not shown
 
 
 def worst_instant(run: JudgedRun) -> SceneView | None:
-    """Show the scene at the instant of the most critical verdict, displacements enlarged; None without motion.
-
-    A subject that is most critical by its static load is shown at the instant of its next most used limit.
-    """
-    critical = most_used(run.verdicts)
+    """Show the scene at the instant of the most critical verdict that has one, displacements enlarged; None without motion."""
     rows = [(row, row.time) for row in ordered(run.verdicts) if row.time is not None and math.isfinite(row.value)]
-    rows = [pair for pair in rows if critical is not None and pair[0].subject == critical.subject] or rows
     if not rows:
         return None
     worst, instant = rows[0]
@@ -205,7 +200,7 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
             body = bodies[mount.payload_body]
             ring = mount.name, np.asarray(body.position + rotation_matrices(body.orientation) @ mount.payload_point)
     used = {name: row.utilisation or 0.0 for name, row in by_use(run.verdicts).items()}
-    key = " Mounts: the deeper blue, the more of their limits is used; red beyond them." if used else ""
+    key = " Mounts: the deeper blue, the more of their limits is used; red beyond them, grey not judged." if used else ""
     return replace(
         view, id="worst-instant", ring=ring, exceeded=worst.verdict == EXCEEDED, used=used, caption=view.caption + key
     )

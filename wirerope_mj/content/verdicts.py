@@ -16,10 +16,11 @@ from wirerope_mj.assessment.criteria.verdict import (
     criterion_text,
     most_amplified,
     most_used,
+    value_and_limit,
 )
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
-from wirerope_mj.content.numbers import listed, shown, shown_unit, with_unit
+from wirerope_mj.content.numbers import listed, shown, shown_unit
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
 
 TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
@@ -71,28 +72,34 @@ def criteria_blocks(verdicts: Sequence[Verdict]) -> Iterator[Block | None]:
 def verdict_bars(heading: str, named: Iterable[tuple[str, str, Verdict]]) -> Table | None:
     """Draw judged verdicts as bars, the most critical first, each behind two names; None without any."""
     rows = sorted(named, key=lambda entry: -(entry[-1].utilisation or 0.0))
-    values = [f"{shown(row.value, row.unit)} of {with_unit(row.limit, row.unit)}" if row.unit else "" for *_, row in rows]
     if not rows:
         return None
-    return bars_table(
-        heading, [(name, where, row.utilisation, text) for (name, where, row), text in zip(rows, values, strict=True)]
-    )
+
+    def value_text(row: Verdict) -> str:
+        if row.criterion == COMBINED:
+            return "in-house rule"
+        value, limit, unit = value_and_limit(row)
+        return f"{value} of {limit} {unit}" if unit else ""
+
+    over = sum(row.verdict == EXCEEDED for *_, row in rows)
+    bars = [(name, where, row.utilisation, value_text(row)) for name, where, row in rows]
+    return bars_table(heading, bars, most=max(over, _BARS))
 
 
-def bars_table(heading: str, rows: Iterable[tuple[str, str, float | None, str]]) -> Table:
-    """Tabulate utilisations as bars, each behind two names and before a text."""
+def bars_table(heading: str, rows: Iterable[tuple[str, str, float | None, str]], most: int = _BARS) -> Table:
+    """Tabulate utilisations as bars, each behind two names and before a text; those beyond `most` are folded away."""
     return Table(
         "criteria", "",
         [Column(heading, align="text"), *left("where"), Column("used", "%", "z.0f", bar=True), *left("value and limit")],
         [(name, where, Mark(used, _used_tone(used) or "within"), text) for name, where, used, text in rows],
-        shown=_BARS,
+        shown=most,
     )  # fmt: skip
 
 
 def open_statement(verdicts: Iterable[Verdict]) -> Statement | None:
     """Count the values that are not judged by what they are of; None if all are judged."""
-    rows = [row.criterion for row in verdicts if row.verdict == NOT_JUDGED and not row.contact]
-    counts = Counter(str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)) for row in rows)
+    rows = dict.fromkeys((row.criterion, row.subject) for row in verdicts if row.verdict == NOT_JUDGED and not row.contact)
+    counts = Counter(str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)) for row, _ in rows)
     text = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     return Statement("open", f"Not judged: {text}.", tone="unjudged") if rows else None
 

@@ -124,8 +124,9 @@ def _rich_table(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str
         whole = column.align == "left" or (right and max(map(len, column.heading.split("\n"))) <= _LONG)
         texts = [_text(*row[index]) for row in rows]
         if column.bar:
+            longest = max(4, *(len(text.plain) for text in texts)) if texts else 4
             bars = [bar_text(table.value(row, index) or 0.0, cells, " ", _EIGHTHS) for row in range(len(rows))]
-            texts = [Text(f"{bar}{text.plain:>4} %", style=text.style) for bar, text in zip(bars, texts, strict=True)]
+            texts = [Text(f"{bar}{text.plain:>{longest}} %", style=text.style) for bar, text in zip(bars, texts, strict=True)]
         lines = [*([] if drawn else title.split("\n")), *(text.plain for text in texts)]
         shown.add_column(
             _text(title), justify="right" if right else "left", no_wrap=whole, overflow="fold",

@@ -87,14 +87,18 @@ def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
     }
     judged = [part for part, members in parts.items() if any(row.verdict in (WITHIN, EXCEEDED) for row in members)]
     missing = [part for part in ("mounts", "payload") if parts[part] and part not in judged]
+    mounts = {row.subject for row in parts["mounts"]}
+    known = {row.subject for row in parts["mounts"] if row.verdict in (WITHIN, EXCEEDED)}
+    some = bool(known) and known != mounts
+    of = f" of {f'{len(known)} of {len(mounts)} ' if some else 'the '}{' and '.join(judged)}"
     if not missing:
-        return "", ""
+        return of if some else "", ""
     part, why = missing[-1], ": nothing is rated"
     if part == "payload":
         stated = all(row.note.endswith((UNLIMITED, NO_CLEARANCE)) for row in parts[part])
         why = ": no limit stated" if stated else ""
     what = "acceleration of the payload" if part == "payload" and "rattle space" in judged else part
-    return f" of the {' and '.join(judged)}", f"{what} not judged{why}"
+    return of, f"{what} not judged{why}"
 
 
 def amplified_text(verdicts: Sequence[Verdict]) -> str:

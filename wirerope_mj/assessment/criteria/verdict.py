@@ -10,7 +10,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.summary import json_values
-from wirerope_mj.foundation.units import instant_text, shown_in, significant
+from wirerope_mj.foundation.units import force_unit, instant_text, shown_in, significant
 
 ACCELERATION: Final = "acceleration"
 RATTLE_SPACE: Final = "rattle space"
@@ -138,11 +138,21 @@ def against_limit(row: Verdict) -> str:
     """Write a value against its limit: "rack 10.2 g, limit 10 g (102 %) at 27.9 ms"; a ratio as its percentage."""
     what = row.subject if row.criterion == ACCELERATION else f"{row.subject} {criterion_text(row.criterion)}"
     used = f"{100.0 * (row.utilisation or 0.0):.0f} %"
-    at = "" if row.time is None else f" at {instant_text(row.time)}"
+    rest = " at rest" if row.criterion.kind == STATIC_LOAD else ""
+    at = rest if row.time is None else f" at {instant_text(row.time)}"
     if not row.unit:
         return f"{what} {used}{at}"
+    value, limit, unit = value_and_limit(row)
+    return f"{what} {value} {unit}, limit {limit} {unit} ({used}){at}"
+
+
+def value_and_limit(row: Verdict) -> tuple[str, str, str]:
+    """Write a judged value and its limit in the one unit that suits both, and that unit."""
     unit, factor = shown_in(row.unit)
-    return f"{what} {significant(factor * row.value)} {unit}, limit {factor * (row.limit or 0.0):.4g} {unit} ({used}){at}"
+    limit = row.limit or 0.0
+    if row.unit == "N" and force_unit(max(abs(row.value), limit)) == "N":
+        unit, factor = "N", 1.0
+    return significant(factor * row.value), f"{factor * limit:.4g}", unit
 
 
 def largest_each(verdicts: Iterable[Verdict]) -> list[Verdict]:

@@ -60,7 +60,7 @@ def scene_svgs(view: SceneView) -> list[str]:
                 payload = bodies[mount.payload_body]
                 end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
                 (x, y), (to_x, to_y) = place(side.seen(np.stack([mount_position(moved, mount), end]))).tolist()
-                colour = used_colour(view.used[mount.name]) if mount.name in view.used else _COLOURS[0]
+                colour = used_colour(view.used[mount.name]) if mount.name in view.used else _FRAME if view.used else _COLOURS[0]
                 shown.append(f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{colour}" stroke-width="1.4"/>')
                 shown.append(f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="{2.6 if view.used else 1.6}" fill="{colour}"/>')
             if view.ring is not None:
