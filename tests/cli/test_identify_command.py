@@ -59,7 +59,7 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
     write_record(folder / "large.csv", *large, header="time [s];deflection [m];force [N]".replace(";", ","), metre=1, newton=1)
     write_record(folder / "preloaded.csv", *rig_record(TRUTH, [2e-3, 5e-3], seed=3, operating_point=-4e-3, points=100.0))
     out = run(capsys, "small.csv", "large.csv", "preloaded.csv", "--law", "asymmetric-bouc-wen", "--out", "my_isolator.toml")
-    assert "my_isolator, axial: 7 loops of 3 files" in out
+    assert "my_isolator, axial: asymmetric-bouc-wen, 7 loops of 3 files" in out
     assert "the data identify every free parameter" in out
     assert "no noise" not in out
     isolator = wr.load_isolator(folder / "my_isolator.toml")

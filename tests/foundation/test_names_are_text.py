@@ -192,7 +192,7 @@ def terminal_outputs(place, run, study):
     options = ("--out", place / f"{ESCAPE}.rrd")
     yield (
         "compare",
-        printed("compare", folder, other, *options),
+        printed("compare", folder, other, *options, "--all"),
         (BLOCK, MOUNT, plain(folder.name), plain(options[1].name)),
     )
     names = ("--names", NAME, "[bold]b")

@@ -132,7 +132,7 @@ def identify_records(
         _keep_others(target, folder)
         if wanted:
             isolator.save(out)
-    show_result(content, "answer", "parameters", others=("loops-and-residuals", "search"), every=every)
+    show_result(content, "brief", "answer", "parameters", others=("loops-and-residuals", "search"), every=every)
     _print_written(out, f"{target}/ ({f'{REPORT}, {_PDF}' if pdf else REPORT})", wanted=wanted)
     return 0 if result.converged else NOT_CONVERGED
 

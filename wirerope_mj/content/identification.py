@@ -25,11 +25,13 @@ def identification_content(
 
     `sources` are the files that were read, `warnings` of the records, `given` what was not searched for.
     """
+    fitted = f"{several(len(fits), 'loop')} of {several(len(sources), 'file')}"
     return Content(
         title=title, facts=(("Loops", str(len(fits))), ("By", f"wirerope-mj {version('wirerope-mj')}")),
         question=("Which parameters of the law follow the measured loops, and how well are they known?",),
         verdict=_headline(result, fits, warnings),
         sections=(
+            Section("brief", "", lambda: [Statement("fitted", f"{title}, {fitted}")], "headline"),
             Section(
                 "answer", "", lambda: (fit_chart(fits), _findings(result, fits, given), record_warnings(warnings)), "headline"
             ),
