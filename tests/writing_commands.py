@@ -45,8 +45,8 @@ WRITING = {
     "modes": ["modes", "shock_table", "--out", "modes", "--force"],
     "new": ["new", "genset", "--mounts", "tables/mounts.csv", "--masses", "tables/masses.csv", "--pdf", "--force"],
     "schemas": ["schemas", "schemas", "--force"],
-    "select": ["select", "--mass", "100", "--mounts", "4", "--shock", "half-sine 10 g 11 ms z", "--travel", "60",
-               "--parts", "CB1400*", "--out", "selected", "--force"],
+    "select": ["select", "--mass", "100", "--size", "400", "400", "400", "--mounts", "4", "--shock", "half-sine 10 g 11 ms z",
+               "--travel", "60", "--parts", "CB1400*", "--out", "selected", "--force"],
     "share": ["share", "run", "shared", "--force"],
     "statics": ["statics", "shock_table", "--json", "statics.json"],
 }  # fmt: skip

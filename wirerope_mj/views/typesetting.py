@@ -35,11 +35,12 @@ def typeset(template: str | Path, data: object, path: Path) -> None:
     fonts = typst.Fonts(include_system_fonts=others, include_embedded_fonts=others, font_paths=sorted(folders))
     source = template if isinstance(template, Path) else template.encode()
     try:
-        typst.compile(source, output=path, format="pdf", font_paths=fonts, sys_inputs=inputs)
+        pages = typst.compile(source, format="pdf", font_paths=fonts, sys_inputs=inputs)
     except typst.TypstError as error:
         place = re.search(r"\S+:\d+:\d+", error.diagnostic or "")
         where = f"{template} ({place[0]})" if place else template
         raise WireRopeError(f"{where}: Typst cannot set this, {' '.join([error.message, *error.hints])}.") from None
+    path.write_bytes(pages)  # here: Typst has words of its own for a full disk
 
 
 def _plain(data: object, texts: list[str], *, drawing: bool = False) -> object:
