@@ -160,7 +160,6 @@ def test_parts_are_simulated_and_the_chosen_one_becomes_a_model_with_the_limits(
         ((*BOX, "--mounts", "4", *SHOCK, "--parts", "XX*"), "no part of the vendors' tables is called 'XX*'"),
         (("--mass", "300", "--mounts", "4+2", *SHOCK), "stand behind the equipment: give its `size`"),
         (("--mass", "300", "--mounts", "4", *SHOCK, "--room", "900", "900", "900"), "needs the box's own `--size`"),
-        (("--mass", "300", "--mounts", "4", *SHOCK, "--travel", "30"), "`--travel` needs the box's own `--size`"),
         (("cabinet", *BOX, *SHOCK), "give the equipment as a model or a job, or as a box"),
         (("cabinet", *SHOCK, "--mounts", "4"), "a model has its mounts"),
         (SHOCK, "give the equipment as a model or a job"),

@@ -209,6 +209,7 @@ def test_the_command_says_struck_stops_in_every_output(tmp_path):
         "5e-4",
         "--out",
         "here",
+        "--all",
         cwd=tmp_path,
     )
     warned = done.stderr.splitlines()

@@ -37,7 +37,7 @@ def test_tables_become_a_report_in_at_most_twelve_commands(tmp_path, monkeypatch
     assert sentence in printed  # as the page says; the limit is that of the run
     assert "Stops are struck in 65 of 128" in printed
     assert "beyond 100 % in 0 of 128" in printed
-    assert "of 6 g" in json.loads(Path("runs/shock/summary.json").read_text())["verdicts"][0]
+    assert "limit 6 g" in json.loads(Path("runs/shock/summary.json").read_text())["verdicts"][0]
 
 
 def test_the_tables_of_the_page_are_those_of_the_template():

@@ -209,7 +209,7 @@ def test_the_command_makes_a_study_of_a_scenario_and_opens_its_worst(file, tmp_p
     folder = tmp_path / "out"
     vary = ["--vary", "mount/m1/axial/alpha = Normal(1, 0.2, relative)", "--vary", "motion/level = Uniform(0.5, 1.5)"]
     how = ["--peak", "90", "--variants", "16", "--study-seed", "2", "--workers", "1", "--open-worst", "2"]
-    assert main(["study", str(file), *vary, *how, "--out", str(folder)]) == 0
+    assert main(["study", str(file), *vary, *how, "--out", str(folder), "--all"]) == 0
     result = wr.load_study(folder)
     table = result.table
     assert table.num_rows == 16

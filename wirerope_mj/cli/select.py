@@ -97,9 +97,8 @@ def select(
         raise ValueError("`--mounts` and `--size` belong to `--mass`: a model has its mounts.")
     if mass is not None and not mounts:
         raise ValueError('`--mounts` must say how many there are, "4", or below and behind, "4+2".')
-    for option, kept in (("--room", room), ("--travel", travel)):
-        if kept is not None and mass is not None and size is None:
-            raise ValueError(f"`{option}` needs the box's own `--size`, such as --size 800 800 1800: its corners stay there.")
+    if room is not None and mass is not None and size is None:
+        raise ValueError("`--room` needs the box's own `--size`: what must stay in the room has none without it.")
     stated = {} if prices is None else read_prices(prices)
     if by in ("price", "mass") and not any(by in own for own in stated.values()):
         raise ValueError(f"`--by {by}` needs `--prices`, a table with a column {by!r}.")

@@ -188,15 +188,15 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
 
     def action(_: Entries, own: Entries) -> None:
         drawn = {name: own.pop(name) for name in ("variants", "sampling", "seed", "timestep", "accuracy")}
-        folder, varied = own.pop("out") or Path("runs") / f"{path.stem}-study", own.pop("vary")
+        folder, varied, every = own.pop("out") or Path("runs") / f"{path.stem}-study", own.pop("vary"), own.pop("all")
         if (deck := own.pop("deck")) is not None:
             raise ValueError(f"`--deck {deck}` is for a scenario; a job names its model.")
         first = job.cases[0].scenario
         print_warnings(model_warnings(load_system(first.model_source(), isolators=first.isolators)))
         _warn_of_unjudged(limits_of(first)[1])
         content = study_job(job, folder, vary=_quantities(first, varied), how={**own, "progress": True}, drawn=drawn)
-        show_result(content, "cases", "answer", others=(), every=own["all"])
-        say_where(folder, every=own["all"])
+        show_result(content, "cases", "answer", others=(), every=every)
+        say_where(folder, every=every)
         say_next({("study-report", folder, "--pdf"): DOCUMENT})
 
     def none() -> None:
