@@ -14,12 +14,8 @@ from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
 
 
-_UNPLAYED = {
-    "scale": 1.0,
-    "baseline": "none",
-    "start": 0.0,
-    "gaps": "refuse",
-}  # options of a record that are not None by default
+# defaults of the options of a record that are not None
+_UNPLAYED = {"scale": 1.0, "baseline": "none", "start": 0.0, "gaps": "refuse"}
 # the options that say a motion, by their names, and its kind
 MOTIONS = {(form.option or kind).replace("-", "_"): kind for kind, form in SPOKEN_MOTIONS.items()}
 

@@ -63,12 +63,7 @@ def first_charts(run: JudgedRun) -> Chart | None:
         taken = kind_of(selection, mount, 0) if mount else 0
         colour = next(kind for kind in (kind_of(selection, names[0], 1), 1, 2) if kind != taken)
         lines = [
-            Line(
-                response=response,
-                subject=subject_called(response, names[0]),
-                name=names[0],
-                kind=colour,
-            ),
+            Line(response=response, subject=subject_called(response, names[0]), name=names[0], kind=colour),
             Line(response=response, subject=THE_BASE, name="base", kind=BASE, history=base_acceleration(response, run.motion)),
         ]
         panels.append(history_panel("acceleration", along, lines, selection.window))

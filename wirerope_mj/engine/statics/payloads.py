@@ -129,7 +129,7 @@ def _roots(system: System) -> list[int]:
 
 
 def _lowest(model: mujoco.MjModel, body: int, roots: list[int]) -> int:
-    """Return which of the lowest bodies carries a body, 0 if none."""
+    """Find the lowest body that carries a body; 0 if none does."""
     return next((carrier for carrier in carriers(model, body) if carrier in roots), 0)
 
 

@@ -23,7 +23,7 @@ def write_pdf(content: Content, path: Path) -> None:
 
 
 def _report(content: Content) -> Entries:
-    """Return what a template reads: texts, tables by rows, drawings as SVG."""
+    """Collect the data that a template reads: texts, tables by rows, drawings as SVG."""
     filed = content.document
     return {
         "kind": "Shock and vibration report", "program": f"wirerope-mj {version('wirerope-mj')}", "title": content.title,
