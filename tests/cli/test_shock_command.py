@@ -217,7 +217,7 @@ def test_a_limit_of_the_command_is_judged_stored_and_replayed(tmp_path, monkeypa
     [
         ([], "say how the base moves"),
         (["--half-sine", "15 g z"], "a time must stand there"),
-        (["--half-sine", "15 g 11 ms z", "--direction", "x"], "belong to a `record`"),
+        (["--half-sine", "15 g 11 ms z", "--direction", "x"], "`--direction` belongs to `--record`"),
         (["--half-sine", "15 g 11 ms z", "--limit", "acceleration/rack = 15"], "is written like"),
         (["--half-sine", "15 g 11 ms z", "--limit", "acceleration/nothing = 15 g", *QUICK], "no point 'nothing'"),
         (["--levels", "missing.toml"], "missing.toml"),

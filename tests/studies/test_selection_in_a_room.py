@@ -189,6 +189,23 @@ def test_the_command_takes_motions_heights_and_rooms_and_says_the_answer_first(t
     assert re.search(r"CB1500-[\d, CB-]*: it is higher than 100 mm", every)
 
 
+def test_a_measured_record_is_a_load_case_with_the_options_that_shock_has(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    time = np.arange(0.0, 0.3, 5e-4)
+    pulse = np.where(time < 0.011, 5.0 * np.sin(math.pi * time / 0.011), 0.0)
+    rows = "\n".join(f"{t:.4f},{a:.6f}" for t, a in zip(time, pulse, strict=True))
+    (tmp_path / "deck.csv").write_text(f"time [s],up [g]\n{rows}\n", encoding="utf-8")
+    played = ("--record", "deck.csv", "--scale", "2", "--direction", "z", "--start", "0.05")
+    code, out = shown(capsys, "--mounts", "4", "--fragility", "30", *played, "--all", "--out", "chosen")
+    assert code == 0
+    assert "Load cases 1: deck" in out
+    system = wr.load_system(tmp_path / "chosen" / "chosen.xml")
+    motion = wr.load_record("deck.csv", channels={"up": "z"}, scale=2.0, start=0.05)
+    body = wr.simulate(system, motion, duration=1.5, accuracy=1e-4).peaks.bodies["equipment"]
+    peak = float(re.search(r"peak ([\d.]+) g", out)[1])
+    assert body.acceleration.value / 9.80665 == pytest.approx(peak, abs=0.006)  # as printed, and 1e-3 of the peak
+
+
 def test_the_command_says_what_would_do_when_no_part_does(capsys):
     code, out = shown(capsys, "--mounts", "4", "--half-sine", "60 g 11 ms z", "--fragility", "4", "--travel", "500")
     assert code == 1
@@ -201,6 +218,7 @@ def test_the_command_says_what_would_do_when_no_part_does(capsys):
     (("--room", "1000", "0", "700"), "`--room` must be > 0, got 0"),
     (("--drop", "300 mm onto -x"), "'drop 300 mm onto -x' lands on another side than the one on which the model stands"),
     (("--mounts", "4 roof"), "`mounts` must be how many stand where"),
+    (("--scale", "2"), "`--scale` belongs to `--record`, which is not given."),
 ])  # fmt: skip
 def test_bad_rooms_are_one_message(capsys, arguments, message):
     words = [*WORDS, "--half-sine", "10 g 11 ms z", *(() if "--mounts" in arguments else ("--mounts", "4")), *arguments]

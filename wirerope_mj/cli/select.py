@@ -3,12 +3,12 @@
 import sys
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from cyclopts import App
 
 from wirerope_mj.cli.options import Flag, Force, Integer, Integers, Repeated, RepeatedPaths
-from wirerope_mj.cli.shock import MOTIONS, with_motions
+from wirerope_mj.cli.shock import said_in_options, with_motions
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.plain_text import plain
 
@@ -41,13 +41,13 @@ def select(
     take: str | None = None,
     out: Path | None = None,
     force: Force = False,
-    **motions: list[str] | None,
+    **motions: Any,
 ) -> int:
     """Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.
 
     The equipment is a model, whose mounts take every part in turn, the model and load cases of a job, or a box by its mass.
-    Each motion is a load case, in the options of `wirerope shock`, such as --psd, or by --shock with the kind of the motion
-    among its words; without a direction it is along z there. Exits 1 if no part keeps every limit.
+    Each motion is a load case, in the options of `wirerope shock`, such as --psd or --record, or by --shock with the kind of
+    the motion among its words; without a direction it is along z there. Exits 1 if no part keeps every limit.
 
     wirerope select --mass 420 --size 800 800 1800 --mounts 4+2 --shock "half-sine 15 g 11 ms y" --fragility 15 --travel 60
 
@@ -81,7 +81,7 @@ def select(
     from wirerope_mj.foundation.units import STANDARD_GRAVITY
     from wirerope_mj.motions.registry import motion_from_phrase, motion_from_words, motion_of_levels
     from wirerope_mj.runs.new_model import KIND, marks
-    from wirerope_mj.runs.said_motion import listed_phrases
+    from wirerope_mj.runs.said_motion import said_motion
     from wirerope_mj.runs.selection import equipment, read_prices, write_selected
     from wirerope_mj.studies.catalogue import catalogue, select_parts
     from wirerope_mj.views.terminal import show_result
@@ -103,9 +103,9 @@ def select(
     if by in ("price", "mass") and not any(by in own for own in stated.values()):
         raise ValueError(f"`--by {by}` needs `--prices`, a table with a column {by!r}.")
     said = {text: motion_from_words(text) for text in shock or ()}
-    given = {kind: motions.get(name) or () for name, kind in MOTIONS.items()}
-    phrases = [(kind, phrase) for kind, texts in given.items() for text in texts for phrase in listed_phrases(text)]
+    phrases, recorded = said_in_options(motions)
     said |= {f"{kind} {text}": motion_from_phrase(kind, text) for kind, text in phrases}
+    said |= {} if recorded["record"] is None else {recorded["record"].stem: said_motion([], **recorded)}
     said |= {file.stem: motion_of_levels(file) for file in levels or ()}
     box = None if mass is None else {"mass": mass, "size": None if size is None else tuple(1e-3 * one for one in size)}
     systems, cases = equipment(
