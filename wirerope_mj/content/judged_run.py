@@ -1,6 +1,5 @@
 """A judged run: response, verdicts, and derived results that outputs share, computed at first use."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
@@ -10,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
+from wirerope_mj.assessment.criteria import Verdict, headline, judge, stationary_verdicts
 from wirerope_mj.assessment.criteria.sampled import SAMPLED, steady_interval
 from wirerope_mj.assessment.criteria.travel import falling_line, untested_line
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION, LARGEST, RMS, Amplification
@@ -154,7 +153,7 @@ def judged_run(system: System, motion: BaseMotion, response: Response, inputs: E
     statics = result_or_absent(partial(static_table, system))
     has_gravity = bool(system.model.opt.gravity.any())  # without a load there is no static load to judge
     known = statics if has_gravity and isinstance(statics, StaticTable) else None
-    random = result_or_absent(partial(_random_verdicts, response))
+    random = result_or_absent(partial(stationary_verdicts, response))
     rows = () if isinstance(random, Absent) else random
     limited = tuple(row for row in rows if row.limit is not None or row.note.startswith(SAMPLED))
     verdicts = (*judge(response, statics=known), *limited)
@@ -188,14 +187,6 @@ def _base_rms(response: Response) -> Array:
     _, first, last = steady_interval(response.motion)
     rows = slice(*np.searchsorted(response.time, [first, last]))
     return response.base.acceleration[rows].std(axis=0)
-
-
-def _random_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Judge rms and 3-sigma accelerations; empty unless random vibration is the only motion of the base."""
-    alone, first, _ = steady_interval(response.motion)
-    if not alone or first == -math.inf:
-        return ()
-    return tuple(row for row in judge_random(response) if row.criterion.kind != LARGEST)
 
 
 def result_or_absent(compute: Callable[[], Result]) -> Result | Absent:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from wirerope_mj.assessment.criteria.sampled import steady_interval
-from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, most_used
+from wirerope_mj.assessment.criteria.verdict import SIGMA, STATIC_LOAD, most_used
 from wirerope_mj.assessment.selection import IMPULSE, WORKSHEET_GRAVITY, PartSelection, Worksheet, mode_text
 from wirerope_mj.content.base import amplified
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
@@ -57,7 +57,8 @@ def _brief(selection: CatalogueSelection) -> Iterator[Block]:
     rows = []
     for part in (selection.meeting or [part for part in selection.tried if not part.reason])[:_FIRST]:
         used, criterion, case = part.governing
-        peak = f"peak {with_unit(part.acceleration, 'g')}, moves {with_unit(part.displacement, 'mm')}"
+        sigma = "" if math.isnan(part.largest("three_sigma")) else f"3 sigma {with_unit(part.largest('three_sigma'), 'g')}, "
+        peak = f"peak {with_unit(part.acceleration, 'g')}, {sigma}moves {with_unit(part.displacement, 'mm')}"
         under = f", {case}" if case and len(selection.cases) > 1 and criterion != STATIC_LOAD else ""
         rows.append((_part_label(part), f"{criterion}{under}", _finite(used), peak))
     yield bars_table("part", rows)
@@ -129,10 +130,12 @@ def _parts_table(
 ) -> Table:  # fmt: skip
     placed = len({part.placement for part in selection.tried if part.placement}) > 1
     extra = [by for by in ("price", "mass") if any(by in stated for stated in selection.stated.values())]
+    random = any(not math.isnan(part.largest("three_sigma")) for part in parts)
     columns = [
         *left("part"), *(left("mounts") if placed else []), Column("used", "%", "z.0f"),
         *left("most critical"), Column("case"), Column("static\nload", "%", "z.0f"),
-        Column("travel", "%", "z.0f"), Column("peak", "g", ".1f"), Column("moves", "mm", ".1f"),
+        Column("travel", "%", "z.0f"), Column("peak", "g", ".1f"),
+        *([Column("3 sigma", "g", ".1f")] if random else []), Column("moves", "mm", ".1f"),
         Column("height", "mm", ".0f"), *(_HEADINGS[by] for by in extra),
     ]  # fmt: skip
     cases = list(selection.cases)
@@ -143,7 +146,8 @@ def _parts_table(
         cells: list[Cell] = [part.name, *([part.placement] if placed else [])]
         cells += [used_mark(_finite(used)), criterion, number]
         cells += [used_mark(_finite(part.used(measure)[0])) for measure in ("static_load", "travel")]
-        cells += [part.acceleration, part.displacement, selection.figure(part, "height")]
+        cells += [part.acceleration, *([part.largest("three_sigma")] if random else [])]
+        cells += [part.displacement, selection.figure(part, "height")]
         rows.append([*cells, *(selection.figure(part, by) for by in extra)])
     return Table(
         name, title, columns, rows, shown=most,
@@ -155,17 +159,18 @@ def _parts_table(
 def _unjudged(selection: CatalogueSelection) -> Iterator[str]:
     tried = [part for part in selection.tried if not part.reason]
     for measure, criterion in CRITERIA.items():
+        if measure == "sigma":
+            continue
         missing = [part.name for part in tried if math.isnan(part.used(measure)[0])]
         if missing and len(missing) == len(tried):
             yield f"{criterion}: no limit, not judged"
         elif missing:
             yield f"{criterion}: not rated by the vendor, not judged: {listed(missing)}"
     vibrations = [case for case, motion in selection.cases.items() if steady_interval(motion.to_dict())[1] > -math.inf]
-    if vibrations:
-        yield (
-            f"under {listed(vibrations)} the largest accelerations are judged; 3-sigma accelerations are not judged here: "
-            "`wirerope shock` on the model that is chosen judges them"
-        )
+    unjudged = [case for case in vibrations if all(math.isnan(part.largest("sigma", case)) for part in tried)]
+    if unjudged and not all(math.isnan(part.used("fragility")[0]) for part in tried):
+        why = "the base does more than vibrate at random, or not for long enough"
+        yield f"{SIGMA} under {listed(unjudged)}: not judged, since {why}"
 
 
 def _notes(selection: CatalogueSelection) -> Iterator[str]:

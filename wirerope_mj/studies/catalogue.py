@@ -13,9 +13,11 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria import rested_verdicts
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, COMBINED, RATTLE_SPACE, STATIC_LOAD, TRAVEL
-from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
+from wirerope_mj.assessment.criteria import rested_verdicts, stationary_verdicts
+from wirerope_mj.assessment.criteria.sampled import elements, steady_interval
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, COMBINED, RATTLE_SPACE, SIGMA, STATIC_LOAD, TRAVEL
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.simulation import BatchFailure, simulate_batch
 from wirerope_mj.engine.simulation.engines import unsupported_run
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.simulation.stepper import HISTORIES
@@ -49,7 +51,7 @@ _GREW = "a mount goes beyond where its law holds, or the motion grows without bo
 # Measures that are utilisations of limits, and the criteria that they stand for.
 CRITERIA = {
     "static_load": STATIC_LOAD, "travel": TRAVEL, "combined_travel": str(COMBINED), "fragility": ACCELERATION,
-    "clearance": RATTLE_SPACE,
+    "clearance": RATTLE_SPACE, "sigma": SIGMA,
 }  # fmt: skip
 
 
@@ -107,6 +109,7 @@ class Race:
         self._systems = {name: run.system for name, run in runs.items() if run.system is not None}
         self._periods = {name: slowest_period(system) for name, system in self._systems.items()}
         self._cases, self._initial, self._accuracy = cases, initial, accuracy
+        self._random = {case: vibrates_at_random(motion) for case, motion in cases.items()}
         self._left = [(case, name) for case in cases for name in sorted(self._systems, key=self._periods.__getitem__)]
         self.found: dict[str, dict[str, Mapping[str, float]]] = {name: {} for name in self._systems}
         self.reasons: dict[str, str] = {}
@@ -130,7 +133,7 @@ class Race:
                 if self.reasons.get(name, "").startswith(label):
                     del self.reasons[name]
                 system = self._systems[name]
-                self.found[name][case] = now = measures(system, result.peaks, result.initial_state, result.response)
+                self.found[name][case] = now = result
                 if now["static_load"] > 1.0:
                     beyond.add(name)
                 elif before is None:
@@ -149,16 +152,49 @@ class Race:
             self.reasons.pop(name, None)
         self._left = [(case, name) for case, name in remaining if name not in beyond]
 
-    def _batch(self, case: str, names: Sequence[str], step: float) -> Sequence[BatchResult | BatchFailure]:
-        systems, motion = [self._systems[name] for name in names], self._cases[case]
+    def _batch(self, case: str, names: Sequence[str], step: float) -> list[Mapping[str, float] | BatchFailure]:
+        """Simulate parts side by side; return their measures, beside which no response is kept."""
+        systems, motion, random = [self._systems[name] for name in names], self._cases[case], self._random[case]
         samples = needs_samples(systems[0])
+        rate = _RATE if samples or random else _SAMPLES
+        if random:  # up to half of it densities are known
+            rate = max(rate, *(2.0 * float(part["psd"][-1][0]) for part in elements(motion.to_dict())))
         kernel = not unsupported_run(systems[0], motion)
         initial = self._initial if motion.up is None else motion.initial
-        return simulate_batch(
+        results = simulate_batch(
             systems, motion, duration=motion.end + _SWINGS * max(self._periods[name] for name in names), timestep=step,
-            initial=initial, sample_rate=_RATE if samples else _SAMPLES, threads=1,
-            engine="kernel" if kernel else "auto", responses=samples, judged=False,
+            initial=initial, sample_rate=rate, threads=1, engine="kernel" if kernel else "auto",
+            responses=samples or random, judged=False,
         )  # fmt: skip
+        found: list[Mapping[str, float] | BatchFailure] = []
+        for system, result in zip(systems, results, strict=True):
+            if isinstance(result, BatchFailure):
+                found.append(result)
+                continue
+            response = result.response
+            own = measures(system, result.peaks, result.initial_state, response if samples else None)
+            found.append(own | sigma_measures(response if random else None))
+        return found
+
+
+def vibrates_at_random(motion: BaseMotion) -> bool:
+    """Tell whether random vibration is a motion's only part, so that 3-sigma accelerations are judged under it."""
+    alone, first, _ = steady_interval(motion.to_dict())
+    return alone and first > -math.inf
+
+
+def sigma_measures(response: Response | None) -> dict[str, float]:
+    """Judge 3-sigma accelerations as a run does: the largest utilisation, and the largest of them [m/s^2].
+
+    NaN without a response or a limit, or where the run is too short.
+    """
+    try:
+        verdicts = () if response is None else stationary_verdicts(response)
+    except ValueError:
+        verdicts = ()
+    rows = [row for row in verdicts if row.criterion.kind == SIGMA]
+    used = [row.utilisation for row in rows if row.utilisation is not None]
+    return {"sigma": max(used, default=math.nan), "three_sigma": max((row.value for row in rows), default=math.nan)}
 
 
 _ACCURACY = 1e-3  # of the peaks: the figures are shown to three digits

@@ -9,7 +9,7 @@ from wirerope_mj.assessment.criteria.loads import (
     static_load_verdicts,
 )
 from wirerope_mj.assessment.criteria.payload import acceleration_verdicts, rattle_verdicts, spectrum_verdict
-from wirerope_mj.assessment.criteria.random import judge_random, random_verdicts
+from wirerope_mj.assessment.criteria.random import judge_random, random_verdicts, stationary_verdicts
 from wirerope_mj.assessment.criteria.summary import BodyPeak, MountPeak, body_peaks, mount_peaks, summary, verdict_lines
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, rest_travel_verdicts, travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (

@@ -146,3 +146,14 @@ def judge_random(
         return tuple(verdicts)
     note = f"{sampled_text(response.time)}, and the vibration reaches up to {highest:.4g} Hz"
     return tuple(replace(row, limit=None, note=f"{note}; {row.note}" if row.note else note) for row in verdicts)
+
+
+def stationary_verdicts(response: Response) -> tuple[Verdict, ...]:
+    """Judge rms and 3-sigma accelerations by the model's limits; empty unless the base vibrates at random alone.
+
+    ValueError if the run is too short.
+    """
+    alone, first, _ = steady_interval(response.motion)
+    if not alone or first == -math.inf:
+        return ()
+    return tuple(row for row in judge_random(response) if row.criterion.kind != LARGEST)
