@@ -16,8 +16,9 @@ from wirerope_mj.foundation.errors import Absent, ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.selection import equipment
-from wirerope_mj.studies.catalogue import limits_in_room, select_parts
+from wirerope_mj.studies.catalogue import select_parts
 from wirerope_mj.studies.needed_mount import DAMPING, needed_mount
+from wirerope_mj.studies.room import limits_in_room
 
 PART = next(part for part in vendor_parts() if part.name == "CB1500-20")
 SIZE = (0.6, 0.5, 0.4)

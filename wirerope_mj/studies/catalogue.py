@@ -23,20 +23,20 @@ from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.simulation.stepper import HISTORIES
 from wirerope_mj.engine.statics import equilibrium, static_table
 from wirerope_mj.engine.statics.find import settle_together
-from wirerope_mj.engine.statics.payloads import payloads_of, point_positions
+from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System, load_system, with_rotation
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent, ModelError, ModelWarning, WireRopeError
 from wirerope_mj.foundation.lanes import WIDTH
-from wirerope_mj.foundation.payload_limits import SIDES, PayloadLimit
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator, bottom_in_place
 from wirerope_mj.mounts.vendor_parts import catalogue as catalogue
 from wirerope_mj.studies.measures import measures, needs_samples, payload_bodies, payload_points
 from wirerope_mj.studies.needed_mount import NeededMount, needed_mount
+from wirerope_mj.studies.room import NO_ROOM, limits_in_room
 
 _LONGEST = 5e-4  # Step from which the halving begins [s]: a mode of 100 Hz has twenty of them in a period
 LEVELS = 8  # steps that are tried, the last of them 4 microseconds
@@ -198,8 +198,6 @@ def sigma_measures(response: Response | None) -> dict[str, float]:
 
 
 _ACCURACY = 1e-3  # of the peaks: the figures are shown to three digits
-_NO_ROOM = "it does not fit into the room"
-LEAST_ROOM = 1e-6  # of a point that stands at a wall [m]: a clearance of zero would not be judged
 _HOPELESS = 10.0  # times the rated static load from which on there is no equilibrium worth a search
 Progress = Callable[[float], None]
 
@@ -245,40 +243,6 @@ def replaced(system: System) -> list[str]:
     return mounts
 
 
-def limits_in_room(system: System, room: Array) -> tuple[PayloadLimit, ...]:
-    """Return the system's limits with clearances that keep the payload's points off the walls of a room, (3,) [m].
-
-    The ends of the mounts on the base's side stand at the walls; where mounts stand at neither or at both of two opposite
-    walls, the equipment stands in the middle between them. Clearances that are stated already hold where they are smaller.
-
-    ModelError if the equipment and its mounts at rest are larger than the room, or the payload has no points.
-    """
-    kept = payload_points(system)
-    points = {name: position for name, position in point_positions(system).items() if name in kept}
-    if not points:
-        raise ModelError("the model has no points to keep in a `--room`: give it sites called point/NAME.")
-    mounts = [system.mounts[name] for name in replaced(system)]
-    heights = [mount.isolator.geometry.height if mount.isolator.geometry else None for mount in mounts]
-    bars = np.array([mount.position - 0.5 * (h or 0.0) * mount.axes[:, 2] for mount, h in zip(mounts, heights, strict=True)])
-    corners = np.array(list(points.values()))
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    before, behind = np.maximum(low - bars.min(axis=0), 0.0), np.maximum(bars.max(axis=0) - high, 0.0)
-    rest = room - (high - low) - before - behind
-    if lacking := [axis for axis, clearance in zip("xyz", rest, strict=True) if clearance < 0.0]:
-        raise ModelError(f"{_NO_ROOM} along {' and '.join(lacking)}, even at rest")
-    alone = (before > 0.0) == (behind > 0.0)
-    under = before + np.where(alone, 0.5 * rest, np.where(before > 0.0, 0.0, rest))
-    over = behind + np.where(alone, 0.5 * rest, np.where(before > 0.0, rest, 0.0))
-    stated = {limit.name: limit.ways for limit in system.limits if limit.kind == "clearance" and limit.name in points}
-    limits = {(limit.kind, limit.name): limit for limit in system.limits}
-    for name, position in points.items():
-        walls = np.column_stack([position - low + under, high - position + over]).ravel()
-        least = [min(wall, stated.get(name, {}).get(side, math.inf)) for side, wall in zip(SIDES, walls, strict=True)]
-        values = tuple(max(float(value), LEAST_ROOM) for value in least)
-        limits["clearance", name] = PayloadLimit(kind="clearance", name=name, values=values)
-    return tuple(limits.values())
-
-
 def _systems(
     system: System, parts: Mapping[str, Isolator], room: Array | None = None
 ) -> Iterator[tuple[str, System | None, str]]:
@@ -309,7 +273,7 @@ def _systems(
         try:
             yield name, on if room is None else replace(on, limits=limits_in_room(on, room)), ""
         except ModelError as error:
-            if not str(error).startswith(_NO_ROOM):
+            if not str(error).startswith(NO_ROOM):
                 raise
             yield name, None, str(error)
 
