@@ -1,5 +1,6 @@
 """Runs over each other: every run's own samples and scene, what is shared in the same axes, and what differs in words."""
 
+import json
 import re
 import subprocess
 from dataclasses import replace
@@ -350,6 +351,22 @@ def saved(tmp_path_factory):
     return place
 
 
+def test_compare_writes_a_folder_as_every_command_does(saved, tmp_path, capsys):
+    out = tmp_path / "both"
+    command = ["compare", str(saved / "g10"), str(saved / "g12"), "--out", str(out)]
+    assert main(command) == 0
+    assert f"wirerope show {out}" in capsys.readouterr().out
+    assert {path.name for path in out.iterdir()} == {"comparison.json", "report.html", "run.rrd"}
+    figures = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
+    page = (out / "report.html").read_text(encoding="utf-8")
+    for name in ("findings", "accelerations"):
+        assert name in figures
+        assert f'data-id="{name}"' in page
+    assert main(command) == 2
+    assert "there is a comparison already. Replace it with --force" in capsys.readouterr().err
+    assert main([*command, "--force"]) == 0
+
+
 def test_compare_prints_what_differs_and_writes_one_file(saved, tmp_path, capsys):
     from rerun.chunk import RrdReader
 
@@ -391,7 +408,7 @@ def test_compare_prints_what_differs_and_writes_one_file(saved, tmp_path, capsys
         (["g10", "g12", "--names", "A", "A"], "`--names` must be different names, got 'A' 2 times"),
         (["g10", "g12", "--names", "A"], "`--names` must be one for each of the 2 runs, got 1"),
         (["g10", "g12", "--names", "A", " "], "`--names` must not be empty"),
-        (["g10", "g12", "--out", "x.txt"], "`--out` must be a file that ends with .rrd"),
+        (["g10", "g12", "--out", "."], "this folder exists and is not a comparison; nothing in it was touched"),
         (["g10", "g12", "--out", "folder.rrd"], "this is a folder; a file is written here"),
         (["g10", "g12", "--out", "new/both.rrd"], "there is no folder"),
         (["g10", "g12", "--align", "end"], "Invalid value"),

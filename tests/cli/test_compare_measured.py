@@ -148,9 +148,10 @@ def test_a_map_may_be_a_file_and_tests_several(run, drop, tmp_path, capfd):
     both = [str(drop), str(tmp_path / "again.csv")]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        assert main(["compare", str(folder), *both, "--map", str(tmp_path / "map.toml")]) == 0
+        assert main(["compare", str(folder), *both, "--map", str(tmp_path / "map.toml"), "--out", str(tmp_path / "both")]) == 0
     assert "lowest ISO/TS 18571" in capfd.readouterr().out
-    page = (folder / "correlation.html").read_text(encoding="utf-8")
+    assert {path.name for path in (tmp_path / "both").iterdir()} == {"correlation.html", "correlation.rrd"}
+    page = (tmp_path / "both" / "correlation.html").read_text(encoding="utf-8")
     assert "shaker against drop and again" in page
     assert 'data-id="agreement-drop"' in page
     assert 'data-id="agreement-again"' in page
@@ -170,7 +171,7 @@ def test_a_map_may_be_a_file_and_tests_several(run, drop, tmp_path, capfd):
         (["--map", "T=point/mass_top z g", "T=base z g"], "must say once what a column is, got 'T' twice"),
         (["--map", "nonsense"], "`--map` must be COLUMN=PHRASE"),
         (["--map", "missing.toml"], "missing.toml: cannot read this map of a measurement"),
-        (["--map", "B=base z g", "--out", "page.pdf"], "`--out` must be a page that ends with .html"),
+        (["--map", "B=base z g", "--out", "."], "this folder exists and is not a comparison with tests"),
         ([], "drop.csv is no run. If it was measured, say what its columns are"),
         (["--start", "1"], "`--start` is for measured tests, whose columns --map names"),
     ],

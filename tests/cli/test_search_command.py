@@ -61,7 +61,7 @@ def test_a_search_without_a_design_within_its_limits_says_which_is_nearest(done,
     shares = np.where(np.asarray(result.table["status"]) == "done", np.asarray(result.table["travel"]), np.inf)
     assert result.chosen[:3] == np.argsort(shares, kind="stable")[:3].tolist()  # nearest to the one limit there is
     chart = front_chart(result)
-    ((panel,),) = chart.rows
+    panel = chart.rows[0][0]
     named = {curve.name for curve in panel.curves} | {name for name, _ in panel.xlimits}
     assert named == {"beyond a limit", "given", "limit"}  # nothing that is not there
     assert "front" not in chart.caption
@@ -89,11 +89,27 @@ def test_the_report_holds_front_and_designs(done):
 
 def test_axes_and_labels_say_what_they_are(done):
     result = wr.load_study(done)
-    ((panel,),) = front_chart(result).rows
-    assert panel.xlabel == "largest utilisation of a rated travel along one axis [%]"
+    (panel,), (whole,) = front_chart(result).rows
+    assert panel.xlabel == whole.xlabel == "largest utilisation of a rated travel along one axis [%]"
     assert panel.ylabel == "acceleration [g]"
     assert any(f"design {result.knee}" in text for *_, text, _ in panel.notes)
     assert any(curve.name == "knee of the front" for curve in panel.curves)
+
+
+def test_every_design_that_was_computed_is_drawn(done):
+    """The chart ended around the front: "not shown: 404 designs farther out"."""
+    result = wr.load_study(done)
+    whole = front_chart(result).rows[-1][0]
+    marks = {(x, y) for curve in whole.curves if curve.marks for x, y in zip(curve.x, curve.y, strict=True)}
+    assert len(result.failed) > 0
+    computed, failed = result.table.num_rows - len(result.failed), len(result.failed)
+    assert whole.title == f"all {computed} designs; {failed} failed designs are not drawn"
+    for row in result.table.to_pylist():
+        if row["status"] == "done":
+            x, y = 100.0 * row["travel"], row["acceleration"] / wr.STANDARD_GRAVITY
+            assert any(np.allclose((x, y), mark, rtol=1e-9) for mark in marks)  # units of the table, rounded once
+            assert whole.xlim[0] < x < whole.xlim[1]
+            assert whole.ylim[0] < y < whole.ylim[1]
 
 
 @pytest.mark.parametrize(("middle", "knee"), [(0.4, 1), (0.5, None), (0.6, None)])

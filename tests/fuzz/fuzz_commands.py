@@ -91,7 +91,7 @@ READING = (
       "--predict": ("half-sine 5 g 11 ms z",), "--residuals": ("srs", "x"), "--baseline": ("rest", "x"),
       "--frequency-response": ("answers.csv=body/block z",), "--loops": ("answers.csv=mount/m1 axial",)},
      ("drop.csv", "answers.csv")),
-    (3, ("compare", "RUN", "drop.csv", "--map", *MAP, "--out", "c.html"),
+    (3, ("compare", "RUN", "drop.csv", "--map", *MAP, "--out", "c"),
      {"--start": SOME, "--clock": SOME, "--baseline": ("rest", "mean", "x"), "--gaps": ("fill", "x"),
       "--names": ("a", "", "a/b")}, ("drop.csv",)),
     (2, ("frf", "sdof_shaker", "--acceleration", "1", *FRF, "--out", "f"),

@@ -5,6 +5,7 @@ import shutil
 import signal
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from kills import interruptible
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.content.job_comparison import job_comparison_content
+from wirerope_mj.content.job_envelope import envelope_blocks
 from wirerope_mj.foundation.atomic_files import worked_on_alone
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.half_written import hidden_file
@@ -266,7 +268,9 @@ def test_two_jobs_are_compared_case_by_case(done, tmp_path, capsys):
     text = CASES.replace('"20 g 11 ms z"', '"30 g 11 ms z"').replace('"Down, mild"', '"Down"')
     wr.run_job(written(tmp_path, text), tmp_path / "out", workers=1)
     capsys.readouterr()
-    assert main(["compare", str(folder / "out"), str(tmp_path / "out"), "--names", "before", "after", "--all"]) == 0
+    both = [str(folder / "out"), str(tmp_path / "out")]
+    assert main(["compare", *both, "--names", "before", "after", "--all", "--out", str(tmp_path / "both")]) == 0
+    assert 'data-id="cases"' in (tmp_path / "both" / "report.html").read_text(encoding="utf-8")
     said = " ".join(capsys.readouterr().out.split())
     assert "after uses more of the limits in Up and hard." in said or "after exceeds limits in Up and hard" in said
     assert "Up and hard: half-sine: 20 g 11 ms z -> 30 g 11 ms z" in said
@@ -298,12 +302,12 @@ def test_two_jobs_say_which_mounts_have_another_isolator_and_not_digests(tmp_pat
         job("one", parts, 400), job("other", [*parts[:2], "CB1500-15", parts[3]], 400), job("heavier", ["CB1500-15"] * 4, 430)
     )  # fmt: skip
     capsys.readouterr()
-    assert main(["compare", one, other]) == 0
+    assert main(["compare", one, other, "--out", str(tmp_path / "part")]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "Down: b3: CB1500-20 -> CB1500-15" in said
     assert "digest" not in said
     assert "alpha" not in said  # the parameters of a part are those of its name
-    assert main(["compare", one, heavier]) == 0
+    assert main(["compare", one, heavier, "--out", str(tmp_path / "mass")]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "Down: b1, b2, b3, b4: CB1500-20 -> CB1500-15" in said
     assert "mass of rack: 400 kg -> 430 kg" in said
@@ -324,9 +328,30 @@ def test_a_law_that_was_edited_is_said_by_its_parameter(done):
     assert statement.items == (f"every case: {stated}: {facts[stated]} -> 1",)
 
 
-def test_a_job_compared_with_itself_shows_no_table_without_rows(done, capsys):
+def test_spectra_of_cases_along_different_axes_have_the_envelope_that_their_caption_promises(done):
+    """Each axis had one curve, and none was the envelope."""
+    run = judged_job(done[0] / "out").runs["Up and hard"]
+
+    def spectra_chart(**axes):
+        spectra = {name: SimpleNamespace(shock={axis: run.spectra.shock["z"]}) for name, axis in axes.items()}
+        runs = {name: SimpleNamespace(response=run.response, spectra=spectra[name], motion=run.motion) for name in axes}
+        runs = {name: SimpleNamespace(**vars(case), verdicts=run.verdicts) for name, case in runs.items()}
+        return next(block for block in envelope_blocks(runs) if getattr(block, "id", "") == "envelope-spectra")
+
+    def named(chart):
+        return [{curve.name for curve in panel.curves} for panel in chart.rows[0]]
+
+    chart = spectra_chart(down="z", athwartships="y")
+    assert named(chart) == [{"athwartships", "envelope"}, {"down", "envelope"}]
+    assert "envelope" in chart.caption
+    chart = spectra_chart(down="z")
+    assert named(chart) == [{"down"}]
+    assert "envelope" not in chart.caption
+
+
+def test_a_job_compared_with_itself_shows_no_table_without_rows(done, tmp_path, capsys):
     out = str(done[0] / "out")
-    assert main(["compare", out, out, "--names", "one", "other", "--all"]) == 0
+    assert main(["compare", out, out, "--names", "one", "other", "--all", "--out", str(tmp_path / "both")]) == 0
     said = capsys.readouterr().out
     assert "They use the same fraction of every limit." in said
     assert "use different fractions" not in said

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from wirerope_mj.cli.options import All, Flag, Texts, dated
-from wirerope_mj.foundation.atomic_files import check_writable
+from wirerope_mj.foundation.atomic_files import check_folder, check_writable
 from wirerope_mj.foundation.plain_text import plain
 
 
@@ -17,10 +17,10 @@ def compare(
 ) -> int:  # fmt: skip
     """Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.
 
-    The recording holds the scenes side by side and as ghosts in one, the histories of all runs in the same axes, their loops,
-    and tables of what differs, where and when. Runs of different models are compared in what they share by name; the rest is
-    listed. Differences are those to the first run. Of two jobs the tables say what each uses of the limits in every load case,
-    and which inputs differ.
+    The folder holds a page with every table, the figures as JSON and, of runs, a recording: the scenes side by side and as
+    ghosts in one, the histories of all runs in the same axes, their loops, and tables of what differs, where and when. Runs of
+    different models are compared in what they share by name; the rest is listed. Differences are those to the first run. Of two
+    jobs the tables say what each uses of the limits in every load case, and which inputs differ.
 
     With --map the files behind the first run are measured tests, CSV, MATLAB, XLSX, Parquet or universal files:
 
@@ -30,8 +30,8 @@ def compare(
 
     Args:
         runs: folders of runs, two or more, or of two jobs; or one run, and files of tests.
-        out: recording to write (.rrd); runs/compare-DATE-TIME.rrd by default. Of tests the page (.html), by default
-            correlation.html in the run's folder, with the recording beside it.
+        out: folder of the result, or, of runs, a .rrd file for the recording alone; runs/compare-DATE-TIME by default, of
+            tests the run's folder.
         names: what the runs, jobs or tests are called, one for each; the names of their folders or files by default.
         align: start: runs begin together; shock: their base motions do.
         map: what the columns of the tests are, COLUMN=PHRASE, such as "A1=point/rack_top -z g" or "F1=mount/m1 axial kN", or a
@@ -40,7 +40,7 @@ def compare(
         clock: of tests: seconds of the run in a second of the file's clock.
         baseline: of tests: none, rest (the level at rest is taken off each channel) or mean.
         gaps: of tests: refuse missing samples, or fill them with straight lines.
-        force: replace a recording or a page that is there, or another test of the same name.
+        force: replace what is at --out, or another test of the same name.
     """
     given = {"start": start, "clock": clock, "baseline": baseline, "gaps": gaps}
     options = {name: value for name, value in given.items() if value is not None}
@@ -48,15 +48,16 @@ def compare(
         return _compare_tests(runs, names, map, options, out, every=every, force=force)
     if options:
         raise ValueError(f"`--{next(iter(options))}` is for measured tests, whose columns --map names.")
-    from wirerope_mj.cli.tables import TIMELINE, say_next
+    from wirerope_mj.cli.tables import TIMELINE, say_next, say_where
     from wirerope_mj.content.comparison import comparison_content
     from wirerope_mj.content.numbers import listed
     from wirerope_mj.engine.response import load_response
     from wirerope_mj.motions.records.record import is_measurement, record_channels
+    from wirerope_mj.runs.analyses import COMPARISON_KIND, COMPARISON_MARKS, write_comparison
     from wirerope_mj.runs.folder import warn_of_alterations
     from wirerope_mj.runs.job import is_job
     from wirerope_mj.runs.scenario_file import is_run, judged_folder, run_inputs, run_verdicts
-    from wirerope_mj.views.terminal import print_lines, show_result
+    from wirerope_mj.views.terminal import show_result
 
     for path in runs:
         if path.is_file() and is_measurement(path):
@@ -68,13 +69,14 @@ def compare(
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
     called = _names(runs, names)
+    target = out or dated("compare")
+    alone = target.suffix == ".rrd"
+    if alone:
+        check_writable(target, force=force)
+    else:
+        check_folder(target, force=force, kind=COMPARISON_KIND, marks=COMPARISON_MARKS)
     if any(is_job(folder) for folder in runs):
-        return _compare_jobs(runs, called, out, every=every)
-    target = out or dated("compare").with_suffix(".rrd")
-    if target.suffix != ".rrd":
-        raise ValueError(f"`--out` must be a file that ends with .rrd, got {target}.")
-    if out is not None:
-        check_writable(out, force=force)
+        return _compare_jobs(runs, called, target, every=every, force=force)
     for folder in runs:
         warn_of_alterations(folder)
     from wirerope_mj.views.recording.drawn_runs import several_runs  # late: rerun takes long to import
@@ -87,11 +89,18 @@ def compare(
     verdicts = {name: one.verdicts for name, one in judged.items()}
     verdicts |= {name: run_verdicts(folder, responses[name]) for name, folder in pairs if name not in judged}
     drawn = several_runs(responses, align, verdicts)
-    record_runs(drawn, target, inputs=inputs, judged=judged)
     content = comparison_content(drawn.comparison, inputs, judged)
+
+    def record(path: Path) -> None:
+        record_runs(drawn, path, inputs=inputs, judged=judged)
+
+    if alone:
+        record(target)
+    else:
+        write_comparison(content, target, record, force=force)
     others = ("differences", "accelerations", "travel", "credibility")
     show_result(content, "headlines", "findings", others=others, every=every)
-    print_lines(["", f"written to {target}, {target.stat().st_size / 1e6:.1f} MB"])
+    say_where(target, every=every and not alone)
     say_next({("show", target): TIMELINE}, again="" if every else "--force --all")
     return 0
 
@@ -110,11 +119,9 @@ def _compare_tests(
         raise ValueError('compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..')
     run, *files = paths
     called = _names(files, names) if names else [file.stem for file in files]
-    page = out or run / "correlation.html"
-    if page.suffix.lower() != ".html":
-        raise ValueError(f"`--out` must be a page that ends with .html, got {page}.")
-    if run.is_dir():
-        check_writable(page, force=force or out is None)
+    page = (out or run) / "correlation.html"
+    if out is not None:
+        check_folder(out, force=force, kind="comparison with tests", marks=(page.name,))
     tests = write_correlation(run, dict(zip(called, files, strict=True)), read_map(mapped) | options, page, force=force)
     content = correlation_content(run.resolve().name, tests)
     show_result(content, *content.sections_of("headline"), others=content.sections_of("summary"), every=every)
@@ -123,18 +130,19 @@ def _compare_tests(
     return 0
 
 
-def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None, *, every: bool) -> int:
+def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], target: Path, *, every: bool, force: bool) -> int:
     """Print what two jobs use of their limits, case by case, and what differs between their inputs."""
-    from wirerope_mj.cli.tables import say_next
+    from wirerope_mj.cli.tables import say_next, say_where
     from wirerope_mj.content.job_comparison import job_comparison_content
+    from wirerope_mj.runs.analyses import write_comparison
     from wirerope_mj.runs.job import CASES, is_job, judged_job
     from wirerope_mj.runs.scenario_file import run_facts, run_inputs
     from wirerope_mj.views.terminal import show_result
 
     if len(jobs) != 2 or not all(map(is_job, jobs)):
         raise ValueError("compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN")
-    if out is not None:
-        raise ValueError("`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs.")
+    if target.suffix == ".rrd":
+        raise ValueError(f"`--out` must be a folder, since two jobs have no recording, got {target}.")
     judged = {name: judged_job(folder) for name, folder in zip(names, jobs, strict=True)}
     inputs = {
         name: {case.name: run_inputs(folder / CASES / case.folder) for case in judged[name].cases}
@@ -149,8 +157,10 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None, 
                 known[digests] = run_facts(folder / CASES / case.folder)
             models[name][case.name] = known[digests]
     content = job_comparison_content(judged, inputs, models)
+    write_comparison(content, target, force=force)
     show_result(content, "headlines", "inputs", others=("cases", "limits"), every=every)
-    say_next({}, again="" if every else "--all")
+    say_where(target, every=every)
+    say_next({}, again="" if every else "--force --all")
     return 0
 
 

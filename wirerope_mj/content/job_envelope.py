@@ -139,13 +139,14 @@ def _spectra_chart(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
                 lines[axis][case] = spectra[name].frequencies, in_unit(spectra[name].maximax, "g")
                 q = spectra[name].q
     panels: list[Panel] = []
+    several_cases = len(set[str]().union(*lines.values())) > 1
     for axis, along in lines.items():
         curves = []
         for number, case in enumerate(runs):
             if case in along:
                 dash = "" if number < _COLOURS else "dashed"
                 curves.append(Curve(*along[case], name=short(case), kind=number % _COLOURS, dash=dash))
-        if len(curves) > 1:
+        if curves and several_cases:
             grid = max((x for x, _ in along.values()), key=len)
             every = [np.interp(np.log(grid), np.log(x), y, left=0.0, right=0.0) for x, y in along.values()]
             curves.append(Curve(grid, np.max(every, axis=0), name="envelope", kind=OTHERS, weight=4.0, opacity=0.6))
@@ -156,9 +157,9 @@ def _spectra_chart(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
         left_out = f" Without {listed(missing)}: steady or random motions have no such spectrum." if missing else ""
         yield Chart(
             id="envelope-spectra", rows=[panels], height=190.0,
-            caption=f"Shock response spectra of {name} under each load case along the axes that it moves the base, and their "
-            f"envelope, maximax, Q = {q:g}.{left_out}",
-            alt=f"Shock response spectra of {name} under all load cases and their envelope.",
+            caption=f"Shock response spectra of {name} under each load case along the axes that it moves the base"
+            f"{', and their envelope' * several_cases}, maximax, Q = {q:g}.{left_out}",
+            alt=f"Shock response spectra of {name} under all load cases{' and their envelope' * several_cases}.",
         )  # fmt: skip
     elif missing:
         yield Statement("envelope-spectra", "No load case has a shock response spectrum.", tone="quiet")

@@ -1,6 +1,7 @@
 """Content of a design search: its Pareto front in a table and a chart, and some of its designs as scenes."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,8 @@ _SHOWN, _EMPTY = 24, 12  # designs shown at once; names listed of mounts that ar
 _DRAWN, _NEAREST = 4, 8  # designs drawn as scenes; designs in the chart if all exceed limits
 _NAMED = 12  # designs of the front with a label
 _MARGIN = 0.35  # around the front and the given designs, as a fraction of their extent
+_EDGE = 0.05  # the same around all designs
+_WIDEST_LINEAR = 20.0  # ratio of the largest to the least value from which an axis with all designs is logarithmic
 _LABEL_DISTANCE = 0.05  # least vertical distance of labels, as a fraction of the chart's height
 _LABEL_WIDTH = 0.15  # room of a label on the left of its design, as a fraction of the chart's width
 
@@ -134,32 +137,51 @@ def front_chart(result: SearchResult) -> Chart:
         _axis_range(values[shown], None if measure is None else result.limits.get(measure.name), measure)
         for measure, values in ((across, x), (up, y))
     )
-    outside = int((known & ((x < xlim[0]) | (x > xlim[1]) | (y < ylim[0]) | (y > ylim[1]))).sum())
-    left_out = [f"{outside} designs farther out"] * bool(outside) + [f"{len(result.failed)} failed"] * bool(result.failed)
+    failed = f"{len(result.failed)} failed designs are not drawn" if result.failed else ""
     panel = Panel(
         curves, up.column.title(), xlabel="design" if across is None else across.label,
         limits=_limit_levels(result, up), xlimits=[] if across is None else _limit_levels(result, across),
-        notes=_labels(result, front, (x, y), (xlim, ylim)), xlim=xlim, ylim=ylim,
-        title=f"not shown: {'; '.join(left_out)}" if left_out else "", unit=up.unit,
+        notes=_labels(result, front, (x, y), (xlim, ylim)), xlim=xlim, ylim=ylim, title=failed, unit=up.unit,
         xunit="" if across is None else across.unit,
     )  # fmt: skip
+    panels = [panel]
+    outside = known & ((x < xlim[0]) | (x > xlim[1]) | (y < ylim[0]) | (y > ylim[1]))
+    if outside.any():
+        drawn = int(known.sum())
+        log = "x" * (across is not None and _spreads(x[known])) + "y" * _spreads(y[known])
+        xlim, ylim = (
+            (0.9 * values[known].min(), 1.1 * values[known].max())
+            if axis in log
+            else _axis_range(values[known], None, None, margin=_EDGE)
+            for axis, values in (("x", x), ("y", y))
+        )
+        title = "; ".join(filter(None, (f"all {several(drawn, 'design')}", failed)))
+        panels = [
+            replace(panel, title=f"{int((known & ~outside).sum())} of {several(drawn, 'design')}"),
+            replace(panel, title=title, notes=(), xlim=xlim, ylim=ylim, log=log),
+        ]
     text = " and ".join(measure_of(name).text for name in result.minimise)
     front_text = " Line: the front, designs within the limits that no other one beats." if front.size else ""
     caption = f"All designs by {text}, some with their numbers of mounts.{front_text}"
-    return Chart(id="front", rows=[[panel]], height=260.0, caption=caption, alt=caption)
+    height = 260.0 if len(panels) == 1 else 200.0
+    return Chart(id="front", rows=[[panel] for panel in panels], height=height, caption=caption, alt=caption)
+
+
+def _spreads(values: Array) -> bool:
+    return bool(values.min() > 0.0 and values.max() > _WIDEST_LINEAR * values.min())
 
 
 def _limit_levels(result: SearchResult, measure: Measure) -> list[tuple[str, float]]:
     return [("limit", measure.factor * result.limits[measure.name])] if measure.name in result.limits else []
 
 
-def _axis_range(values: Array, limit: float | None, measure: Measure | None) -> tuple[float, float]:
+def _axis_range(values: Array, limit: float | None, measure: Measure | None, *, margin: float = _MARGIN) -> tuple[float, float]:
     """Compute the range of an axis around values and limit, from 0 on unless values are negative."""
     ends = values[np.isfinite(values)]
     ends = ends if ends.size else np.zeros(1)
     if measure is not None and limit is not None:
         ends = np.append(ends, measure.factor * limit)
-    room = _MARGIN * float(np.ptp(ends) or abs(ends[0]) or 1.0)
+    room = margin * float(np.ptp(ends) or abs(ends[0]) or 1.0)
     low = float(ends.min()) - room
     return (max(low, 0.0) if ends.min() >= 0.0 else low), float(ends.max()) + room
 

@@ -1,7 +1,7 @@
-"""Modes and frequency responses as folders: settings, summary, pictures, and the model as it was used."""
+"""Modes, frequency responses and comparisons as folders: settings, summary, pictures, and the model as it was used."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -28,6 +28,7 @@ FORMAT = 1
 SETTINGS = "settings.toml"
 # Names of such folders in messages, and the files by which they are known.
 MODES_KIND, MODES_MARKS = "folder of modes", (SETTINGS, "modes.json")
+COMPARISON_KIND, COMPARISON_MARKS = "comparison", ("comparison.json", REPORT)
 KIND, MARKS = "frequency response", (SETTINGS, "frequency_response.json")
 # Files of the charts, by their ids.
 PICTURES = {"amplitude": "frequency_response.png", "transmissibility": "transmissibility.png", "orbit-loops": "loops.png"}
@@ -59,7 +60,7 @@ def write_frequency_response(
     RecordError if the folder exists and is not one of a frequency response that `force` replaces.
     """
     with atomic_folder(folder, force=force, kind=KIND, marks=MARKS) as temporary:
-        _write_settings(temporary, result.name, result.system, _question(result), "pyarrow", "matplotlib")
+        _write_settings(temporary, result.name, result.system, _question(result), "pyarrow")
         tables = {block.id: block.to_dict() for block in content.blocks() if isinstance(block, Table)}
         levels = [plain_summary(finding) for finding in findings]
         said = {"format": FORMAT, "headline": content.verdict.text, "levels": levels, "tables": tables}
@@ -79,6 +80,23 @@ def write_frequency_response(
             from wirerope_mj.views.recording.frequencies import record_branches
 
             record_branches(result, findings, content, temporary / "run.rrd")
+
+
+def write_comparison(
+    content: Content, folder: Path, record: Callable[[Path], object] | None = None, *, force: bool = False
+) -> None:
+    """Write what differs between runs or jobs as `folder`, atomically: figures, page, and what `record` writes as recording.
+
+    RecordError if the folder exists and is not one of a comparison that `force` replaces.
+    """
+    with atomic_folder(folder, force=force, kind=COMPARISON_KIND, marks=COMPARISON_MARKS) as temporary:
+        figures = {"format": FORMAT, **content.to_dict(*(section.id for section in content.sections))}
+        (temporary / COMPARISON_MARKS[0]).write_text(json_text(figures), encoding="utf-8")
+        from wirerope_mj.views.report import report_html  # late: the page takes longer to import than checking the options
+
+        (temporary / REPORT).write_text(report_html(content), encoding="utf-8")
+        if record is not None:
+            record(temporary / "run.rrd")
 
 
 def is_frequency_response(folder: Path) -> bool:

@@ -132,6 +132,7 @@ def write_correlation(
     for test in measured:
         store_test(folder, test, force=force)
     content = correlation_content(folder.resolve().name, tests)
+    page.parent.mkdir(parents=True, exist_ok=True)
     with atomic_file(page) as beside:
         beside.write_text(report_html(content), encoding="utf-8")
     from wirerope_mj.views.recording.record import record_run  # late: rerun takes long to import
