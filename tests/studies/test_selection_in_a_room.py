@@ -12,6 +12,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.engine.from_tables import mjcf_of
 from wirerope_mj.engine.from_tables.layout import box_layout
+from wirerope_mj.engine.statics.payloads import point_positions
 from wirerope_mj.foundation.errors import Absent, ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
@@ -78,14 +79,15 @@ def on(mounts):
 
 
 ROOM = np.array([0.7, 0.8, 0.7])
+OUT = 0.5 * PART.width - 0.125 * 0.5  # by which mounts an eighth of the box from its edge stand out of it
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("mounts", "down", "up", "back"), [
-    ("4", HEIGHT, 0.3 - HEIGHT, 0.15),  # on the floor; in the middle between the walls
-    ("4 ceiling", 0.3 - HEIGHT, HEIGHT, 0.15),
-    ("4 top + 4 bottom", 0.15, 0.15, 0.15),
-    ("4+2", HEIGHT, 0.3 - HEIGHT, HEIGHT),  # and at the wall behind, at +y
+    ("4", HEIGHT, 0.3 - HEIGHT, 0.15 - OUT),  # on the floor; in the middle between the walls
+    ("4 ceiling", 0.3 - HEIGHT, HEIGHT, 0.15 - OUT),
+    ("4 top + 4 bottom", 0.15, 0.15, 0.15 - OUT),
+    ("4+2", HEIGHT, 0.3 - HEIGHT - (0.5 * PART.width - 0.125 * 0.4), HEIGHT - OUT),  # and at the wall behind, at +y
 ])  # fmt: skip
 def test_points_keep_clear_of_the_walls_that_the_mounts_leave(mounts, down, up, back):
     limits = {one.name: one.ways for one in limits_in_room(on(mounts), ROOM)}
@@ -104,6 +106,40 @@ def test_a_clearance_that_is_stated_holds_where_it_is_smaller_and_a_room_that_is
     assert (found.ways["-x"], found.ways["-z"]) == pytest.approx((0.02, HEIGHT))
     with pytest.raises(ModelError, match="does not fit into the room along x and z, even at rest"):
         limits_in_room(system, np.array([0.5, 0.8, 0.4 + 0.5 * HEIGHT]))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("mounts", "behind"), [("8 corners 45 deg", 2), ("4 corners 30 deg", 1), ("4 wall", 1)])
+def test_a_room_holds_the_bodies_of_mounts_as_they_stand(mounts, behind):
+    """Half a box turned reaches along x, y and z as far as the sum of its half sizes times the cosines."""
+    system, width = on(mounts), PART.width
+    boxes = [(mount.position, mount.axes) for mount in system.mounts.values()]
+    reach = [0.5 * (width * np.abs(axes[:, 0]) + HEIGHT * np.abs(axes[:, 2])) for _, axes in boxes]
+    ends = np.array([place + way * half for (place, _), half in zip(boxes, reach, strict=True) for way in (-1.0, 1.0)])
+    corners = np.array(list(point_positions(system).values()))
+    sizes = np.ptp(np.concatenate([ends, corners]), axis=0)
+    axis = 1 if mounts == "4 wall" else 2
+    axial = max(abs(axes[axis, 2]) for _, axes in boxes)
+    assert sizes[axis] > SIZE[axis] + behind * HEIGHT * axial - 1e-12
+    if mounts != "4 wall":  # leaning, a mount reaches farther than its axis
+        assert sizes[axis] == pytest.approx(
+            SIZE[axis] + behind * (HEIGHT * axial + 0.5 * width * math.sqrt(1.0 - axial**2)), abs=1e-9
+        )
+    assert len(limits_in_room(system, sizes + 1e-9)) == 8
+    for short in range(3):
+        with pytest.raises(ModelError, match=f"along {'xyz'[short]}, even at rest"):
+            limits_in_room(system, sizes + 1e-9 - 1e-3 * np.eye(3)[short])
+
+
+@pytest.mark.quick
+def test_a_mount_that_stands_out_of_the_equipment_sways_with_it():
+    narrow = box_layout(PART, mass=100.0, mounts="4", size=(0.6, 0.2, 0.4))
+    system = wr.load_system(mjcf_of(narrow), isolators={PART.name: load_isolator(PART.name)})
+    out = 0.5 * PART.width - 0.125 * 0.2  # from an eighth of the box on, bars along x
+    assert out > 0.01
+    limits = {one.name: one.ways for one in limits_in_room(system, np.array([0.7, 0.2 + 2.0 * out + 0.06, 0.7]))}
+    assert limits["corner_1"]["-y"] == pytest.approx(0.03)
+    assert limits["corner_1"]["-x"] == pytest.approx(0.05)
 
 
 CASES = {"pulse": wr.HalfSine(peak=150.0, duration=0.011, direction="z")}

@@ -62,7 +62,8 @@ def select(
         fragility: acceleration that each body of the payload stands [g].
         travel: room around each point of the payload, for a box its corners, both ways along x, y and z [mm].
         height_max: largest height of a part [mm].
-        room: box along x, y and z [mm] in which equipment and mounts must stay, with the sway of every load case.
+        room: box along x, y and z [mm] in which equipment and mounts must stay, with the sway of every load case; mounts count
+            by their height and width, turned as they stand.
         limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm", as `wirerope shock` takes it.
         initial: state in which each case begins: settled under its weight, or relaxed (after long vibration).
         parts: which parts of the vendors' tables, such as "CB1400*".

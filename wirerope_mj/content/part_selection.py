@@ -166,6 +166,8 @@ def _unjudged(selection: CatalogueSelection) -> Iterator[str]:
             yield f"{criterion}: no limit, not judged"
         elif missing:
             yield f"{criterion}: not rated by the vendor, not judged: {listed(missing)}"
+    if selection.room is not None:
+        yield "length of the mounts along their bars: not stated, so that the room is judged without it"
     vibrations = [case for case, motion in selection.cases.items() if steady_interval(motion.to_dict())[1] > -math.inf]
     unjudged = [case for case in vibrations if all(math.isnan(part.largest("sigma", case)) for part in tried)]
     if unjudged and not all(math.isnan(part.used("fragility")[0]) for part in tried):

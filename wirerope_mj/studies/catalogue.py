@@ -321,6 +321,7 @@ class CatalogueSelection(Summarised):
     # "price" and "mass" of one part, by the part's name, as a table of one's own states them
     stated: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
+    room: Array | None = None  # sizes along x, y and z in which equipment and mounts must stay [m], (3,)
     # what a mount of stiffness, load and travel would do under these limits, or why none would
     needed: NeededMount | Absent = field(default=Absent(reason=""), repr=False)
 
@@ -379,7 +380,7 @@ def select_parts(
             system, devices, cases, initial=initial, placement=placement, room=room,
             progress=lambda done, first=number: progress((first + done) / len(systems)),  # type: ignore[misc]
         )  # fmt: skip
-    selection = CatalogueSelection(tried=tuple(tried), cases=cases, by=by, stated=stated or {})
+    selection = CatalogueSelection(tried=tuple(tried), cases=cases, by=by, stated=stated or {}, room=room)
     if not selection.meeting:
         first = next((part.system for part in tried if part.system is not None), next(iter(systems.values())))
         selection = replace(selection, needed=needed_mount(first, len(replaced(first)), cases))
