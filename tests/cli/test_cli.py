@@ -159,9 +159,10 @@ def test_help_of_a_scenario_shows_its_options(capsys):
 
 def test_show_hands_the_folder_to_the_viewer(monkeypatch):
     seen = []
-    monkeypatch.setattr("wirerope_mj.views.recording.show", lambda folder, *, web: seen.append((folder, web)))
-    assert main(["show", "somewhere", "--web"]) == 0
-    assert seen == [(Path("somewhere"), True)]
+    monkeypatch.setattr("wirerope_mj.views.recording.show", lambda folder: seen.append((folder, "window")))
+    monkeypatch.setattr("wirerope_mj.views.share.server.show_in_browser", lambda folder: seen.append((folder, "browser")))
+    assert main(["show", "somewhere"]) == main(["show", "somewhere", "--web"]) == 0
+    assert seen == [(Path("somewhere"), "window"), (Path("somewhere"), "browser")]
 
 
 def test_show_without_a_run_is_an_error_of_the_recording(tmp_path):

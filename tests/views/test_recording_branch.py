@@ -10,11 +10,11 @@ from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.foundation.resources import models_folder
-from wirerope_mj.views.recording.animation import FREQUENCY, MOST_POINTS, POINT, ROWS, animation_of, strips_of
+from wirerope_mj.views.recording.animation import FREQUENCY, MOST_POINTS, ROWS, animation_of, strips_of
 from wirerope_mj.views.recording.frequencies import record_branches
 from wirerope_mj.views.recording.ghosts import enlarged, factor_of
-from wirerope_mj.views.recording.paths import TIMELINE
-from wirerope_mj.views.recording.viewer import viewer_binary
+from wirerope_mj.views.recording.paths import POINT, TIMELINE
+from wirerope_mj.views.recording.viewer import openings_of, viewer_binary
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +62,12 @@ def test_the_file_is_whole_and_small(recording):
     assert verified.returncode == 0, verified.stderr
     assert recording.stat().st_size < 2e6
     assert [path.name for path in recording.parent.iterdir()] == ["run.rrd"]
+
+
+def test_the_viewer_opens_at_the_resonance_of_the_highest_level(recording, animation):
+    (opening,) = openings_of(recording)
+    assert opening.timeline == POINT
+    assert animation.strip.amplitude[int(opening.at)] == animation.strip.amplitude.max()
 
 
 def test_each_level_stands_on_its_curve_at_its_frequency(chunks, findings):

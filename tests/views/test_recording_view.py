@@ -2,6 +2,7 @@ import signal
 import socket
 import sys
 import time
+import urllib.error
 import urllib.request
 from dataclasses import replace
 
@@ -27,9 +28,10 @@ from wirerope_mj.views.recording import loops, record_rerun, show
 from wirerope_mj.views.recording.drawn_runs import run_texts
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.panels import log_panel
-from wirerope_mj.views.recording.paths import known_letters
+from wirerope_mj.views.recording.paths import POINT, known_letters
 from wirerope_mj.views.recording.shapes import quaternion_of, rotate
-from wirerope_mj.views.recording.viewer import free_port, web_address
+from wirerope_mj.views.recording.viewer import Opening, free_port, openings_of
+from wirerope_mj.views.share.server import address_of
 from wirerope_mj.views.thin import rows_of_extremes, rows_of_line, rows_of_steps
 
 
@@ -260,15 +262,22 @@ def test_a_folder_without_a_recording_is_named(tmp_path):
         show(tmp_path)
 
 
-def test_the_browser_gets_the_viewer_from_this_machine_only(recording):
-    code = f"from wirerope_mj.views.recording import show; show({str(recording)!r}, web=True)"
+def test_the_browser_gets_recording_and_viewer_from_this_machine_only_and_opens_at_the_most_critical_instant(recording):
+    (opening,) = openings_of(recording)
+    code = f"from wirerope_mj.views.share.server import show_in_browser as show; show({str(recording)!r})"
     with interruptible([sys.executable, "-c", code]) as process:
         address = process.stdout.readline().split()[1]
         page = fetch(address, process)
+        root = address.partition("/viewer/")[0]
+        assert fetch(f"{root}/run.rrd", process) == recording.read_bytes()
+        assert fetch(f"{root}/viewer/re_viewer_bg.wasm", process).startswith(b"\0asm")
+        foreign = urllib.request.Request(f"{root}/run.rrd", headers={"Host": "example.org"})
+        with pytest.raises(urllib.error.HTTPError, match="for this machine only"):
+            urllib.request.urlopen(foreign, timeout=120)
         process.send_signal(signal.SIGINT)
         assert process.wait(timeout=120) == 0
     assert address.startswith("http://127.0.0.1:")
-    assert "rerun%2Bhttp%3A%2F%2F127.0.0.1%3A" in address
+    assert address.endswith(f"/viewer/index.html#{opening.at:.9g}")
     assert b"<html" in page.lower()
 
 
@@ -288,7 +297,7 @@ def test_a_port_in_use_is_avoided():
         listener.listen()
         taken = listener.getsockname()[1]
         assert free_port(taken) != taken
-    assert web_address(1, 2) == "http://127.0.0.1:2/?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A1%2Fproxy"
+    assert address_of(2, Opening("id", POINT, 34)) == "http://127.0.0.1:2/viewer/index.html#point@34"
 
 
 def test_letters_that_the_viewer_lacks_are_spelled_wherever_they_stand(tmp_path):

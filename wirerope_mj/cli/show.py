@@ -13,8 +13,9 @@ def show(folder: Path, *, web: Flag = False) -> int:
         web: show it in a browser of this machine instead of a window.
     """
     from wirerope_mj.runs.folder import warn_of_alterations
-    from wirerope_mj.views.recording import show as show_recording
+    from wirerope_mj.views.recording import show as show_in_window
+    from wirerope_mj.views.share.server import show_in_browser
 
     warn_of_alterations(folder)
-    show_recording(folder, web=web)
+    (show_in_browser if web else show_in_window)(folder)
     return 0

@@ -12,7 +12,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.directions import unit_vector
-from wirerope_mj.views.recording.paths import TIMELINE, Columns, Stream, nanoseconds
+from wirerope_mj.views.recording.paths import POINT, TIMELINE, Columns, Stream, nanoseconds
 
 MOST_POINTS = 60  # motions of a branch that are recorded: small steps, a small file
 ROWS = 36  # Rows of a period of the base: ten degrees each
@@ -95,7 +95,7 @@ def with_values(like: Response, values: Array) -> Response:
 
 # Timelines over the branch: the number of the motion, and its frequency in integer millihertz, as rerun takes integers alone.
 # Where a branch folds, the point distinguishes its motions.
-POINT, FREQUENCY = "point", "frequency_mHz"
+FREQUENCY = "frequency_mHz"
 
 
 def at_points(animation: Animation, strip: Strip) -> list[rr.TimeColumn]:

@@ -1,19 +1,17 @@
 """Layout of the viewer, the same for one run and for several: the answer above scenes and tabs, texts and events below."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import rerun.blueprint as rrb
 
 from wirerope_mj.assessment.criteria.verdict import by_use
-from wirerope_mj.content.histories import TOTAL, USED
+from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import BANNER, BELOW, Drawn, DrawnRun
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
-from wirerope_mj.views.recording.ghosts import ghost_factor
-from wirerope_mj.views.recording.loops import LoopPlot, drawn_loops, grid_shape, loop_plots
+from wirerope_mj.views.recording.loops import LoopPlot, grid_shape
 from wirerope_mj.views.recording.now import CURSOR, PLAN, plan_bounds
 from wirerope_mj.views.recording.panels import lane_paths, over_frequency_view, panel_view
 from wirerope_mj.views.recording.paths import entity
@@ -42,7 +40,7 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     scenes = _scenes(drawn, factor)
     left: rrb.Container = tabs_with(scenes, "scene", scene or str(scenes[0].name))
     if (run := drawn.alone) is not None and (governing := drawn.shared.governing) is not None:
-        below_scene: Pane = _close_up(run, governing, wide=True, figures=not drawn.cases)
+        below_scene: Pane = _close_up(run, governing, wide=True)
         if drawn.shared.used:
             below_scene = rrb.Horizontal(below_scene, _plan_view(run), column_shares=[3, 2])
         left = rrb.Vertical(left, below_scene, row_shares=[3, 2])
@@ -51,32 +49,7 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     texts = [_text(text.path, text.name) for text in drawn.texts if text.place == BELOW]
     texts = [*([_text((CURSOR,), "At the time cursor")] if drawn.alone else []), *texts]
     below = rrb.Horizontal(rrb.Tabs(*texts, active_tab=0), event_view(entity("events")), column_shares=[5, 6])
-    return layout(rrb.Vertical(*banner, top, below, row_shares=[6, 76, 18]), drawn.shared.window, cases=drawn.cases)
-
-
-def layout_of_cases(cases: Sequence[Drawn]) -> tuple[rrb.Blueprint, float]:
-    """Lay out all cases alike; find the factor that enlarges the ghosts' motion."""
-    shared, factor = cases[0].shared, min(map(ghost_factor, cases))
-    panels = {key: panel for drawn in reversed(cases) for key, panel in drawn.panels.items()}
-    panels = {key: panels[key] for drawn in cases for key in drawn.panels}
-    if (USED,) in panels:
-        panels[USED,] = replace(panels[USED,], title="Used of the limits [%]")
-    over_frequency = [drawn.over_frequency for drawn in cases if drawn.over_frequency is not None]
-    labels = {panel.ylabel or panel.title for panel in over_frequency}
-    if len(labels) > 1:
-        over_frequency[0] = replace(over_frequency[0], ylabel="Spectra")
-    drawn = replace(
-        cases[0], panels=panels, over_frequency=over_frequency[0] if over_frequency else None,
-        texts=tuple({text.path: text for case in cases for text in case.texts}.values()),
-    )  # fmt: skip
-    plots: dict[str, LoopPlot] = {}
-    for case in cases:
-        for plot in loop_plots(drawn_loops(case.runs, shared), shared, loop_widths(case)):
-            loops = (*plots[plot.path].loops, *plot.loops) if plot.path in plots else plot.loops
-            # The view of a loop has one length of trail: the shortest that any case needs.
-            ordered = sorted(loops, key=lambda loop: -(loop[1].trail or float("inf")))
-            plots[plot.path] = replace(plots.get(plot.path, plot), loops=tuple(ordered))
-    return blueprint_of(drawn, list(plots.values()), factor, tab="Overview", scene=""), factor
+    return layout(rrb.Vertical(*banner, top, below, row_shares=[6, 76, 18]), drawn.shared.window, listed=drawn.listed)
 
 
 def loop_widths(drawn: Drawn) -> dict[str, float]:
@@ -132,10 +105,10 @@ def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()
     return scene_view(run.root + _origin(run), contents, name, camera)
 
 
-def _close_up(run: DrawnRun, mount: str, *, wide: bool = False, figures: bool = True) -> rrb.Spatial3DView:
+def _close_up(run: DrawnRun, mount: str, *, wide: bool = False) -> rrb.Spatial3DView:
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
-    worst = by_use(run.selection.verdicts).get(mount) if figures else None
+    worst = by_use(run.selection.verdicts).get(mount)
     used = f", {worst.criterion} {in_unit(worst.utilisation or 0.0, '%'):.0f} %" if worst else ""
     name = ": ".join(filter(None, (run.name, f"Mount {mount}{used}")))
     return _scene(run, name, close_up_of(run.response, mount, wide=wide), hidden)
@@ -160,7 +133,7 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
         views = []
         for plot in (plot for plot in plots if plot.axis == axis):
             ratio = drawn.shared.utilisation(plot.mount, plot.axis)
-            without_ratio = np.isnan(ratio) or not drawn.alone or drawn.cases
+            without_ratio = np.isnan(ratio) or not drawn.alone
             name = f"{plot.mount}: kN over mm{'' if without_ratio else f', {100 * ratio:.0f} % of rated travel'}"
             views.append(loop_view(plot.path, name, width=plot.plot.width, trails=plot.trails))
         tabs.append(rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops"))
@@ -178,9 +151,9 @@ def _overview(drawn: Drawn) -> rrb.Container:
         return rrb.Grid(*views, grid_columns=1 if len(views) <= 3 else 2, name="Overview")
     shares = [3.0] * len(views)
     if drawn.over_frequency is not None:
-        views.append(over_frequency_view(drawn.over_frequency, narrow=drawn.cases))
+        views.append(over_frequency_view(drawn.over_frequency))
         shares.append(4.0)
-    lanes = lane_paths(run.response, drawn.shared)
+    lanes = lane_paths(run.response, run.selection)
     name, window = "Base, stops, use of limits [%]", time_axis(drawn.shared.window)
     views.append(rrb.StateTimelineView(origin=entity(), contents=lanes, name=name, time_view=window))
     return rrb.Vertical(*views, row_shares=[*shares, 0.9 + 0.6 * len(lanes)], name="Overview")

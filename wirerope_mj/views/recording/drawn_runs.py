@@ -77,8 +77,7 @@ class Drawn:
     panels: Histories  # over time
     over_frequency: Panel | None = None  # panel over frequency; None without one
     texts: tuple[Text, ...] = field(default=())
-    # whether the layout is shared by several load cases: names of views then hold no figure of one
-    cases: bool = False
+    listed: bool = False  # whether its file holds several recordings: the panel that lists them is then open
 
     @property
     def alone(self) -> DrawnRun | None:
@@ -195,8 +194,9 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
     numerics = markdown(numerics_statement(run.response.numerics).text)
     scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
     modes = markdown_blocks(run_modes_blocks(run)) if isinstance(run, JudgedRun) else ""
+    named = f"{markdown(title)}: " if title else ""
     return (
-        Text(path=("verdict",), name="Verdict", place=BANNER, text=f"**{markdown(run.headline)}**"),
+        Text(path=("verdict",), name="Verdict", place=BANNER, text=f"{named}**{markdown(run.headline)}**"),
         Text(path=("scenario",), name="Scenario", place=BELOW, text="\n\n".join(filter(None, scenario))),
         Text(path=("peaks",), name="Peaks", place="Peaks", text=markdown_blocks(peaks)),
         Text(path=("verdicts",), name="Verdicts", place="Verdicts", text=markdown_blocks([full_table(run.verdicts)])),

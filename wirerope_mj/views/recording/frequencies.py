@@ -23,12 +23,24 @@ from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.markdown import markdown_blocks, markdown_table
-from wirerope_mj.views.recording.animation import POINT, Along, Animation, Strip, animation_of, at_points, strips_of, timelines
+from wirerope_mj.views.recording.animation import Along, Animation, Strip, animation_of, at_points, strips_of, timelines
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.ghosts import enlarged, factor_of
 from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.panels import log_frequency_panel
-from wirerope_mj.views.recording.paths import AXES, TIMELINE, Stream, at, child, entity, known_letters, nanoseconds
+from wirerope_mj.views.recording.paths import (
+    AXES,
+    POINT,
+    PROPERTIES,
+    TIMELINE,
+    WORST_POINT,
+    Stream,
+    at,
+    child,
+    entity,
+    known_letters,
+    nanoseconds,
+)
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.shapes import Frame, frames_of
 from wirerope_mj.views.recording.viewer import atomic_recording, target_of
@@ -81,6 +93,7 @@ def record_branches(result: FrequencyResponse, findings: list[LevelSummary], con
     with atomic_recording(target) as rec:
         rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
         rec.send_recording_name(content.title)
+        rec.send_property(PROPERTIES, rr.AnyValues(**{WORST_POINT: int(animation.strip.amplitude.argmax())}))
         strip, kind = animation.strip, rr.MediaType.MARKDOWN
         loops = shown_loops(animation)
         texts = []

@@ -125,9 +125,9 @@ def lane_paths(response: Response, selection: Selection) -> list[str]:
     return [_lane_path("base"), *stops, *(_lane_path(name) for name in _lane_subjects(selection))]
 
 
-def log_lanes(rec: Stream, response: Response, selection: Selection, shared: Selection) -> None:
-    """Log the lanes of a run alone; `shared` selects the lanes, and ends the interval shown."""
-    end = shared.window[1]
+def log_lanes(rec: Stream, response: Response, selection: Selection) -> None:
+    """Log the lanes of a run alone."""
+    end = selection.window[1]
     start = float(response.time[0])
     phases = [(start, 1 if response.base.acceleration.any() else 0)]
     if response.events:
@@ -140,7 +140,7 @@ def log_lanes(rec: Stream, response: Response, selection: Selection, shared: Sel
     closed = _pressing(response)
     if closed is not None:
         _log_lane(rec, "stops", [(float(response.time[row]), int(closed[row])) for row in changes(closed)], _STOPS, end)
-    names = _lane_subjects(shared)
+    names = _lane_subjects(selection)
     for used in selection.used:
         if used.subject in names:
             state = (used.course >= NEAR).astype(int) + (used.course > 1.0)
@@ -188,11 +188,8 @@ _LEGEND, _LINE = (WIDTH + 46.0, 8.0), 9.0
 _LEGEND_WIDTH = 92.0  # width of the legend
 
 
-def log_over_frequency(rec: Stream, run: RunResult, panel: Panel, *, titled: bool = False) -> None:
-    """Log frame and curves of a panel over frequency; for a sweep also the frequency at the time cursor.
-
-    With `titled` the title of the panel stands in the plot, because load cases share the name of the view.
-    """
+def log_over_frequency(rec: Stream, run: RunResult, panel: Panel) -> None:
+    """Log frame and curves of a panel over frequency; for a sweep also the frequency at the time cursor."""
     path = entity(ROOT)
     plot = log_frequency_panel(rec, path, panel, width=WIDTH, lift=_LIFT)
     data, hidden = child(path, "data"), rr.Radius.ui_points(0.0)
@@ -208,10 +205,6 @@ def log_over_frequency(rec: Stream, run: RunResult, panel: Panel, *, titled: boo
     rec.log(entity(ROOT, "legend"), legend, static=True)
     if run.sweep is not None:
         _log_sweep_cursor(rec, data, run, run.sweep, plot)
-    if titled:
-        place, labels = [[0.5 * WIDTH, -_LINE]], [panel.ylabel or panel.title]
-        title = rr.Points2D(place, labels=labels, colors=DARK.base, radii=hidden, show_labels=True)
-        rec.log(child(path, "title"), title, static=True)
 
 
 def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, lift: float) -> Plot:
@@ -273,9 +266,8 @@ def _log_sweep_cursor(rec: Stream, data: str, run: RunResult, sweep: Sweep, plot
     rec.send_columns(child(data, "cursor"), at(time), rr.LineStrips2D.columns(strips=strips))
 
 
-def over_frequency_view(panel: Panel, *, narrow: bool = False) -> rrb.Spatial2DView:
-    aside = (1.4 if narrow else 1.0) * _LEGEND_WIDTH
-    bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + aside], y_range=[-6.0, HEIGHT + 15.0])
+def over_frequency_view(panel: Panel) -> rrb.Spatial2DView:
+    bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + _LEGEND_WIDTH], y_range=[-6.0, HEIGHT + 15.0])
     name = f"{panel.ylabel or panel.title}, over frequency [Hz]"
     return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)
 

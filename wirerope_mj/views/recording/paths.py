@@ -15,7 +15,9 @@ from wirerope_mj.views.thin import Rows as Rows
 
 APPLICATION = "wirerope_mj"
 TIMELINE = "sim_time"
-PROPERTIES, WORST_INSTANT = "run", "worst_s"  # properties of a recording, and among them the most critical instant [s]
+POINT = "point"  # timeline over the motions of a branch
+# properties of a recording, and among them the most critical instant [s] or motion of a branch, at which it opens
+PROPERTIES, WORST_INSTANT, WORST_POINT, UTILISATION = "run", "worst_s", "worst_point", "utilisation_percent"
 EVENT = "event"  # timeline of a few instants: the viewer's key for the next event jumps along it
 AXIAL = AXES.index("axial")
 

@@ -1,12 +1,12 @@
 """Recordings of one response, or of two or more over each other: one writer, one layout."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
-import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
 from wirerope_mj.assessment.comparison import Align
@@ -26,7 +26,7 @@ from wirerope_mj.foundation.half_written import hidden_folder
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.recording.blueprint import blueprint_of, layout_of_cases, loop_widths
+from wirerope_mj.views.recording.blueprint import blueprint_of, loop_widths
 from wirerope_mj.views.recording.drawn_runs import (
     Drawn,
     DrawnRun,
@@ -34,7 +34,6 @@ from wirerope_mj.views.recording.drawn_runs import (
     overlay_texts,
     run_texts,
     several_runs,
-    shared_selection,
     test_texts,
 )
 from wirerope_mj.views.recording.ghosts import ghost_factor, log_ghosts
@@ -45,6 +44,7 @@ from wirerope_mj.views.recording.paths import (
     APPLICATION,
     PROPERTIES,
     TIMELINE,
+    UTILISATION,
     WORST_INSTANT,
     AtEvents,
     Below,
@@ -86,68 +86,46 @@ def record_rerun(
 
 def record_run(
     run: RunResult, path: str | Path, *, title: str = "", scenario_text: str = "", tab: str = "Overview",
-    state: bool = False, over_frequency: Panel | None = None, tests: Sequence[Correlation] = (),
+    state: bool = False, over_frequency: Panel | None = None, tests: Sequence[Correlation] = (), application: str = APPLICATION,
 ) -> Path:  # fmt: skip
     """Write a judged run as a recording, and return its path; other arguments as for `record_rerun`.
 
     `over_frequency` is the panel over frequency; measured channels of `tests` are ghosts among the curves of the run.
+    Recordings of one `application` share a layout.
     """
     drawn = one_run(run, over_frequency)
     drawn = replace(drawn, panels=with_ghosts(drawn.panels, tests))
     texts = run_texts(run, title=title, scenario_text=scenario_text)
-    drawn = replace(drawn, texts=(*texts, *test_texts(tests)))
+    drawn = replace(drawn, texts=(*texts, *test_texts(tests)), listed=application != APPLICATION)
     target = target_of(path)
-    with atomic_recording(target) as rec:
-        _write_alone(rec, run, drawn, title=title, tab=tab, state=state)
+    with atomic_recording(target, application=application) as rec:
+        shown = AtEvents(rec, main_instants(run.response, run.selection))
+        _write(rec, shown, drawn, tab=tab, state=state)
+        _send_properties(rec, drawn.runs[0], title)
+        log_lanes(shown, run.response, run.selection)
+        log_cursor(shown, run)
+        log_plan(shown, run.response, run.selection)
+        if drawn.over_frequency is not None:
+            log_over_frequency(shown, run, drawn.over_frequency)
     return target
 
 
 def record_cases(runs: Mapping[str, JudgedRun], path: Path, *, notes: Mapping[str, str]) -> None:
-    """Write the runs of the load cases of one model, by their names, as one file: a recording for each, in one layout.
+    """Write the runs of the load cases of one model, by their names, as one file: a recording with its layout for each.
 
-    The viewer has one layout for all recordings of an application: this one holds what any case shows, and its names of views
-    no figure of a single case. `notes` say what the cases are.
+    The viewer has one layout for all recordings of an application: here each case is one. `notes` say what the cases are.
     """
-    drawn = _drawn_cases(runs, notes)
-    layout, factor = layout_of_cases(list(drawn.values()))
     with hidden_folder(path) as folder:
         if folder is None:
             raise RecordError(f"{path}: another process is writing this recording. Wait for it, or choose another folder.")
         parts = []
-        for number, (name, run) in enumerate(runs.items()):
+        for number, (name, run) in enumerate(runs.items(), start=1):
             parts.append(folder / f"{number}.rrd")
-            with atomic_recording(parts[-1], application=f"{APPLICATION} cases") as rec:
-                _write_alone(rec, run, drawn[name], title=name, common=(None if number else layout, factor))
+            text = "\n\n".join(filter(None, (markdown_lines(notes[name]), f"**Base motion:** {markdown(run.acting)}")))
+            application = f"{number} {re.sub('[^A-Za-z0-9_ -]', '-', name)[:60]}".rstrip(" _-")  # letters that rerun takes
+            over = panel_over_frequency(run)
+            record_run(run, parts[-1], title=name, scenario_text=text, over_frequency=over, application=application)
         join_recordings(parts, path)
-
-
-def _drawn_cases(runs: Mapping[str, JudgedRun], notes: Mapping[str, str]) -> dict[str, Drawn]:
-    """Compose the recordings of all load cases, with a common selection of mounts, loops and lanes."""
-    alone = {name: one_run(run, panel_over_frequency(run)) for name, run in runs.items()}
-    drawn_runs = [drawn.runs[0] for drawn in alone.values()]
-    shared = shared_selection(drawn_runs, drawn_runs[0].selection.mounts)
-    cases = {}
-    for name, run in runs.items():
-        text = "\n\n".join(filter(None, (markdown_lines(notes[name]), f"**Base motion:** {markdown(run.acting)}")))
-        texts = run_texts(run, title=name, scenario_text=text)
-        banner = replace(texts[0], text=f"{markdown(name)}: {texts[0].text}")
-        cases[name] = replace(alone[name], shared=shared, texts=(banner, *texts[1:]), cases=True)
-    return cases
-
-
-def _write_alone(
-    rec: rr.RecordingStream, run: RunResult, drawn: Drawn, *, title: str, tab: str = "Overview", state: bool = False,
-    common: tuple[rrb.Blueprint | None, float] | None = None,
-) -> None:  # fmt: skip
-    """Write a run alone, with lanes, the table at the cursor, the plan, and the panel over frequency."""
-    shown = AtEvents(rec, main_instants(run.response, run.selection))
-    _write(rec, shown, drawn, tab=tab, state=state, common=common)
-    _send_properties(rec, drawn.runs[0], title)
-    log_lanes(shown, run.response, run.selection, drawn.shared)
-    log_cursor(shown, run)
-    log_plan(shown, run.response, run.selection)
-    if drawn.over_frequency is not None:
-        log_over_frequency(shown, run, drawn.over_frequency, titled=drawn.cases)
 
 
 def record_overlay(
@@ -188,25 +166,17 @@ def record_runs(
     with atomic_recording(target) as rec:
         rec.send_recording_name(" and ".join(run.name for run in drawn.runs))
         _write(rec, rec, drawn, tab=tab, scene=scene, state=state)
+        if (instant := opening_instant(drawn.runs)) is not None:
+            rec.send_property(PROPERTIES, rr.AnyValues(**{WORST_INSTANT: instant}))
     return target
 
 
-def _write(
-    rec: rr.RecordingStream, shown: Stream, drawn: Drawn, *, tab: str, scene: str = "", state: bool,
-    common: tuple[rrb.Blueprint | None, float] | None = None,
-) -> None:  # fmt: skip
-    """Log the layout first, then texts, events, scenes, panels, loops and ghosts of one run or several.
-
-    `common` is the layout of several load cases, None in all but the first recording, and its factor of enlarged motion.
-    """
+def _write(rec: rr.RecordingStream, shown: Stream, drawn: Drawn, *, tab: str, scene: str = "", state: bool) -> None:
+    """Log the layout first, then texts, events, scenes, panels, loops and ghosts of one run or several."""
     loops = drawn_loops(drawn.runs, drawn.shared)
     plots = loop_plots(loops, drawn.shared, loop_widths(drawn))
-    if common is None:
-        factor = ghost_factor(drawn)
-        common = blueprint_of(drawn, plots, factor, tab=tab, scene=scene), factor
-    layout, factor = common
-    if layout is not None:
-        rec.send_blueprint(layout, make_active=True, make_default=True)
+    factor = ghost_factor(drawn)
+    rec.send_blueprint(blueprint_of(drawn, plots, factor, tab=tab, scene=scene), make_active=True, make_default=True)
     for text in drawn.texts:
         rec.log(entity(*text.path), rr.TextDocument(text.text, media_type=rr.MediaType.MARKDOWN), static=True)
     for run in drawn.runs:
@@ -240,11 +210,25 @@ def _send_properties(rec: rr.RecordingStream, run: DrawnRun, title: str) -> None
         "level_g": in_unit(base.acceleration.value, "g") if base else None, "verdict": headline(run.verdicts),
         "exceeded": int(np.sum([verdict.verdict == EXCEEDED for verdict in run.verdicts])),
         "worst": worst.subject if worst else None, "criterion": worst.criterion if worst else None,
-        WORST_INSTANT: worst.time if worst else None,
-        "utilisation_percent": in_unit(used[0].largest, "%") if used else None,
+        WORST_INSTANT: opening_instant([run]),
+        UTILISATION: in_unit(used[0].largest, "%") if used else None,
     }  # fmt: skip
     texts = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
     rec.send_property(PROPERTIES, rr.AnyValues(**{name: value for name, value in texts.items() if value is not None}))
+
+
+def opening_instant(runs: Sequence[DrawnRun]) -> float | None:
+    """Find the instant of the most critical check of all runs [s]; without limits that of the largest acceleration."""
+    used = [
+        (entry.largest, entry.governing.time + run.moved)
+        for run in runs for entry in run.selection.used if entry.governing.time is not None
+    ]  # fmt: skip
+    parts = [(run, run.response.peaks.bodies | run.response.peaks.points) for run in runs]
+    peaks = [
+        (known[name].acceleration.value, known[name].acceleration.time)
+        for run, known in parts for name in (*run.selection.bodies, *run.selection.points)
+    ]  # fmt: skip
+    return max(used or peaks, default=(0.0, None))[1]
 
 
 ROOT = "state"

@@ -8,12 +8,12 @@ import threading
 import urllib.request
 import uuid
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any, BinaryIO
-from urllib.parse import quote
 
 import rerun as rr
 import rerun_bindings
@@ -25,68 +25,95 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.interrupts import interrupts_held
 from wirerope_mj.foundation.processes import process_beside
-from wirerope_mj.views.recording.paths import APPLICATION, PROPERTIES, TIMELINE, WORST_INSTANT, KnownLetters, Stream
+from wirerope_mj.views.recording.paths import (
+    APPLICATION,
+    POINT,
+    PROPERTIES,
+    TIMELINE,
+    UTILISATION,
+    WORST_INSTANT,
+    WORST_POINT,
+    KnownLetters,
+    Stream,
+)
 
 FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
 # In the folder of a study: its definition, its worst variants, and their recording
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
 _MAGIC = b"RRF"  # First bytes of every recording
-_LOCAL = "127.0.0.1"  # the viewer's own default is every network
+LOCAL = "127.0.0.1"  # the viewer's own default is every network
 
 
-def show(path_or_folder: str | Path, *, web: bool = False) -> None:
-    """Open a recording and return when the viewer is closed or interrupted; with `web`, serve it to a browser of this machine.
+def show(path_or_folder: str | Path) -> None:
+    """Open a recording in a window and return when it is closed or interrupted; each opens at its most critical instant.
 
     The path is that of a `.rrd` file, of the folder of a run, or of a study whose worst variants were written. RecordError
     if there is no recording; WireRopeError if there is no screen, or no viewer.
     """
     path = find_recording(path_or_folder)
-    if not web and not has_display():
+    if not has_display():
         raise WireRopeError(
             f"there is no screen here to open {path} on. Show it in a browser with --web, or copy the file to a "
             f"machine with a screen and open it there: rerun {path.name}"
         )
-    command = [str(viewer_binary()), "--bind", _LOCAL]
-    moving, ended = None, threading.Event()
-    if web:
-        server, page = free_port(9876), free_port(9090)
-        command += ["--serve-web", "--port", str(server), "--web-viewer-port", str(page), str(path)]
-        print(f"Open {web_address(server, page)} in a browser. Ctrl-C ends it.", flush=True)
-    else:
-        port = free_port(9876)
-        # Of a file with several recordings the viewer opens one; from its standard input it takes all.
-        command += ["--port", str(port), "-" if path.name == JOINED else str(path)]
-        if (instant := opening_instant(path)) is not None:
-            moving = threading.Thread(target=_move_cursor, args=(port, instant, ended), daemon=True)
-            moving.start()
+    port, ended = free_port(9876), threading.Event()
+    # Of a file with several recordings the viewer opens one; from its standard input it takes all.
+    command = [str(viewer_binary()), "--bind", LOCAL, "--port", str(port), "-" if path.name == JOINED else str(path)]
+    moving = threading.Thread(target=_move_cursors, args=(port, openings_of(path), ended), daemon=True)
+    moving.start()
     with path.open("rb") as recording:
         _run_viewer(command, recording)
     ended.set()
-    if moving:
-        moving.join()
+    moving.join()
 
 
-def opening_instant(path: Path) -> float | None:
-    """Read the instant of the most critical check from the first recording of a file [s]; None if it has none."""
-    reader = RrdReader(str(path))
-    for chunk in reader.stream(store=reader.recordings()[0]):
-        if str(chunk.entity_path) == f"/__properties/{PROPERTIES}":
-            batch = chunk.to_record_batch()
-            if WORST_INSTANT in batch.schema.names:
-                return float(batch[WORST_INSTANT].flatten()[0].as_py())
-    return None
+@dataclass(frozen=True)
+class Opening:
+    """Where a recording opens: its id, a timeline, and an instant [s] or a number on it."""
+
+    recording: str
+    timeline: str
+    at: float
 
 
-def _move_cursor(port: int, instant: float, ended: threading.Event) -> None:
-    """Move the cursor of a viewer that is starting, which a layout cannot; one that does not answer opens at the beginning."""
-    until = monotonic() + _START
-    while monotonic() < until and not ended.wait(0.1):
-        try:
-            viewer = ViewerClient(f"rerun+http://{_LOCAL}:{port}/proxy")
-            viewer.set_time(TIMELINE, duration=instant, play_state="paused")
-            break
-        except ConnectionError:
-            continue  # it is not ready yet
+def openings_of(path: Path) -> list[Opening]:
+    """Read where the recordings of a file open, the most critical first; those that do not say it are left out."""
+    reader, found = RrdReader(str(path)), list[tuple[float, Opening]]()
+    for store in reader.recordings():
+        for chunk in reader.stream(store=store):
+            if str(chunk.entity_path) == f"/__properties/{PROPERTIES}":
+                batch = chunk.to_record_batch()
+                names = {UTILISATION, *_CURSORS}.intersection(batch.schema.names)
+                known = {name: batch[name].flatten()[0].as_py() for name in names}
+                for name in _CURSORS.keys() & names:
+                    found.append((known.get(UTILISATION, 0.0), Opening(store.recording_id, _CURSORS[name], known[name])))
+    return [opening for _, opening in sorted(found, key=lambda entry: -entry[0])]
+
+
+_CURSORS = {WORST_INSTANT: TIMELINE, WORST_POINT: POINT}
+
+
+def _move_cursors(port: int, openings: Sequence[Opening], ended: threading.Event) -> None:
+    """Move the cursors of a viewer that is starting, which a layout cannot, and bring the first recording to the front.
+
+    A viewer that does not answer opens at the beginning.
+    """
+    until, left = monotonic() + _START, {opening.recording: opening for opening in openings}
+    while left and monotonic() < until and not ended.wait(0.1):
+        with suppress(ConnectionError, TimeoutError, RuntimeError):  # it is not ready yet
+            client = ViewerClient(f"rerun+http://{LOCAL}:{port}/proxy")
+            loaded = {recording.store_id.rpartition(":")[2]: recording for recording in client.get_state().recordings}
+            for name in left.keys() & loaded.keys():
+                opening = left[name]
+                if opening.timeline in (timeline.name for timeline in loaded[name].timelines):
+                    store = loaded[name].store_id
+                    if opening.timeline == TIMELINE:
+                        client.set_time(TIMELINE, duration=opening.at, play_state="paused", recording=store)
+                    else:
+                        client.set_time(opening.timeline, sequence=round(opening.at), play_state="paused", recording=store)
+                    del left[name]
+            if not left and len(openings) > 1:
+                client.set_location(loaded[openings[0].recording].location)
 
 
 def _run_viewer(command: list[str], recording: BinaryIO) -> None:
@@ -139,17 +166,11 @@ def viewer_binary() -> Path:
     raise WireRopeError("the viewer of rerun-sdk is missing. Install it again: pip install --force-reinstall rerun-sdk")
 
 
-def web_address(server: int, page: int) -> str:
-    """Write the address of the web viewer on port `page`, fed by the server on port `server`."""
-    source = quote(f"rerun+http://{_LOCAL}:{server}/proxy", safe="")
-    return f"http://{_LOCAL}:{page}/?url={source}"
-
-
 def free_port(preferred: int) -> int:
     for port in (preferred, 0):
         with socket.socket() as listener:
             try:
-                listener.bind((_LOCAL, port))
+                listener.bind((LOCAL, port))
             except OSError:
                 continue
             return int(listener.getsockname()[1])
@@ -172,8 +193,8 @@ def join_recordings(recordings: Sequence[Path], target: Path) -> None:
 
 
 FILES = ("re_viewer.js", "re_viewer_bg.wasm")
-# time within which the server of the viewer must answer [s]; usually it takes a tenth of a second
-_START = 15.0
+# time within which a viewer must answer [s]: usually a second, on a busy machine half a minute
+_START = 60.0
 
 
 def viewer_files() -> dict[str, bytes]:

@@ -19,10 +19,10 @@ Pane: TypeAlias = rrb.View | rrb.Container
 SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second takes ten
 
 
-def layout(content: Pane, window: tuple[float, float], *, cases: bool = False) -> rrb.Blueprint:
+def layout(content: Pane, window: tuple[float, float], *, listed: bool = False) -> rrb.Blueprint:
     """Lay out `content`, paused at the start of `window` [s], the interval that playing repeats.
 
-    With `cases` there are several recordings, and the panel that lists them is open.
+    With `listed` the panel that lists the recordings of a file is open.
     """
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
     speed = SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0  # longer motions are slow enough in real time
@@ -30,13 +30,13 @@ def layout(content: Pane, window: tuple[float, float], *, cases: bool = False) -
         state="collapsed", timeline=TIMELINE, playback_speed=speed, play_state="paused", loop_mode="selection",
         time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
     )  # fmt: skip
-    return opening(content, panel, cases=cases)
+    return opening(content, panel, listed=listed)
 
 
-def opening(content: Pane, panel: rrb.TimePanel, *, cases: bool = False) -> rrb.Blueprint:
+def opening(content: Pane, panel: rrb.TimePanel, *, listed: bool = False) -> rrb.Blueprint:
     """Lay out `content` and a time panel, beside the panel that lists the recordings if there are several."""
     return rrb.Blueprint(
-        content, panel, rrb.BlueprintPanel(state="expanded" if cases else "hidden"), rrb.SelectionPanel(state="hidden"),
+        content, panel, rrb.BlueprintPanel(state="expanded" if listed else "hidden"), rrb.SelectionPanel(state="hidden"),
         rrb.TopPanel(state="hidden"), auto_views=False, auto_layout=False,
     )  # fmt: skip
 

@@ -1,8 +1,7 @@
 "use strict";
 // The web viewer of rerun without its own page, which would ask other servers for fonts. It shows the recording of the folder
-// above, at the instant [s] behind the # of the address.
+// above, at the instant [s] behind the # of the address, or the number on a timeline, as in "#point@34".
 
-const TIMELINE = "sim_time";
 const state = document.getElementById("state");
 let handle = null;
 
@@ -19,25 +18,27 @@ function field(number, bytes) {
   return [number * 8 + 2, ...varint(bytes.length), ...bytes];
 }
 
-// ViewerControlRequest of rerun 0.41, set_time_cursor (6): timeline (2: name), time (3: nanoseconds), paused (5: 1).
-function atInstant(seconds) {
-  const name = field(1, [...new TextEncoder().encode(TIMELINE)]);
-  const time = [8, ...varint(Math.max(0, Math.round(seconds * 1e9)))];
+// ViewerControlRequest of rerun 0.41, set_time_cursor (6): timeline (2: name), time (3: nanoseconds or number), paused (5: 1).
+function cursorAt(timeline, value) {
+  const name = field(1, [...new TextEncoder().encode(timeline)]);
+  const time = [8, ...varint(Math.max(0, Math.round(value)))];
   return new Uint8Array(field(6, [...field(2, name), ...field(3, time), 40, 1]));
 }
 
 async function go(tries) {
-  const instant = Number.parseFloat(location.hash.slice(1));
-  if (!handle || !Number.isFinite(instant)) return;
+  const [timeline, number] = location.hash.slice(1).split("@");
+  const value = Number.parseFloat(number ?? timeline);
+  if (!handle || !Number.isFinite(value)) return;
   try {
-    await handle.viewer_control(atInstant(instant));
+    await handle.viewer_control(number ? cursorAt(timeline, value) : cursorAt("sim_time", value * 1e9));
   } catch (error) {
     if (tries > 0) setTimeout(() => go(tries - 1), 250); // the recording is still being read
     return;
   }
+  if (number) return;
   // With its unit the address is another one than the report's link, which moves the cursor back when it is followed again.
-  history.replaceState(null, "", `#${instant}s`);
-  document.title = `Timeline at ${instant.toFixed(4)} s`;
+  history.replaceState(null, "", `#${value}s`);
+  document.title = `Timeline at ${value.toFixed(4)} s`;
 }
 
 // The content of a file, with how much of it is there shown on the way. As bytes the program starts whatever type the server

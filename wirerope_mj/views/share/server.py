@@ -1,0 +1,57 @@
+"""The viewer and one recording for a browser of this machine; pages of other origins read nothing here."""
+
+import shutil
+from functools import partial
+from http import HTTPStatus
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from wirerope_mj.views.recording.paths import TIMELINE
+from wirerope_mj.views.recording.viewer import FILE, LOCAL, Opening, find_recording, free_port, openings_of
+from wirerope_mj.views.share import VIEWER, viewer_pages
+
+_USUAL = 9090  # port, if it is free
+
+
+def show_in_browser(path_or_folder: str | Path) -> None:
+    """Serve a recording to a browser of this machine until it is interrupted; the printed address opens it where it matters.
+
+    The path is as for `wirerope_mj.views.recording.show`. Of several recordings in a file the browser's viewer moves the one
+    that it opens. RecordError if there is no recording; WireRopeError if there is no viewer, or it does not hand out its files.
+    """
+    path = find_recording(path_or_folder)
+    opening = next(iter(openings_of(path)), None)
+    with TemporaryDirectory() as folder:
+        shutil.copyfile(path, Path(folder) / FILE)
+        (Path(folder) / VIEWER).mkdir()
+        for name, content in viewer_pages().items():
+            (Path(folder) / VIEWER / name).write_bytes(content)
+        with ThreadingHTTPServer((LOCAL, free_port(_USUAL)), partial(_Handler, directory=folder)) as server:
+            server.daemon_threads = True
+            print(f"Open {address_of(server.server_port, opening)} in a browser. Ctrl-C ends it.", flush=True)
+            try:
+                server.serve_forever()
+            except KeyboardInterrupt:
+                return
+
+
+def address_of(port: int, opening: Opening | None) -> str:
+    """Write the address of the page, with the instant [s], or timeline and number, at which the viewer opens."""
+    where = ""
+    if opening is not None:
+        where = f"#{opening.at:.9g}" if opening.timeline == TIMELINE else f"#{opening.timeline}@{opening.at:.0f}"
+    return f"http://{LOCAL}:{port}/{VIEWER}/index.html{where}"
+
+
+class _Handler(SimpleHTTPRequestHandler):
+    """Hands out the files of its folder; a request must name this machine, to which a foreign name may have been pointed."""
+
+    def do_GET(self) -> None:
+        if self.headers.get("Host", "") == f"{LOCAL}:{self.connection.getsockname()[1]}":
+            super().do_GET()
+        else:
+            self.send_error(HTTPStatus.FORBIDDEN, "This page is for this machine only.")
+
+    def log_message(self, format: str, *args: object) -> None:
+        """Print nothing: the terminal has the address to show."""
