@@ -14,7 +14,7 @@ import numpy as np
 from house import sdof
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.left_out import group_error
+from wirerope_mj.mounts.identification.identify import group_error
 from wirerope_mj.mounts.identification.measured import prepare
 
 MASS = 50.0

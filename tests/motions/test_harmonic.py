@@ -7,7 +7,7 @@ import pytest
 from scipy.special import exp1
 
 from wirerope_mj.motions import Sine, Sweep, motion_from_dict
-from wirerope_mj.motions.sweep_levels import oscillating_tail
+from wirerope_mj.motions.sweep import oscillating_tail
 
 THESIS = {"start": 0.1, "stop": 30.0, "rate": 2.0, "acceleration": 1.0, "direction": "z"}
 

@@ -8,7 +8,7 @@ import wirerope_mj as wr
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.test_rig import cyclic_test, steady_loops
-from wirerope_mj.mounts.test_rig.recorded import mean_of_cycles
+from wirerope_mj.mounts.test_rig.turning import mean_of_cycles
 
 LAW = wr.BoucWen(alpha=300e3, beta=2.0, gamma=-0.5, n=1.5, k=80e3)
 AMPLITUDES = [0.5e-3, 2e-3, 5e-3, 15e-3]

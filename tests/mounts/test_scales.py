@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.left_out import group_error
+from wirerope_mj.mounts.identification.identify import group_error
 from wirerope_mj.mounts.identification.measured import ScaleLoop, prepare, scales_of
 from wirerope_mj.mounts.identification.scales import APART, LEAST_EXPONENT, SCALES, scales_family
 

@@ -68,13 +68,15 @@ def achieved_spectra(motion: BaseMotion, *, until: float = math.inf) -> tuple[Ac
     """
     found = []
     for target, time, along in _histories(motion, until):
+        axis = int(np.argmax(np.abs(target.direction)))
+        on_axis = abs(target.direction[axis]) > 1.0 - 1e-9
         frequencies, required = interpolated(target.points, FINE_PER_OCTAVE)
         size, energy = np.abs(along), np.cumsum(along**2)
         strong = np.flatnonzero(size >= STRONG * size.max())[[0, -1]]
         significant = np.searchsorted(energy, np.array(ENERGY) * energy[-1])
         found.append(AchievedSpectrum(
-            direction=_text(target), damping=target.damping, frequencies=frequencies,
-            required=required,
+            direction=AXES[axis] if on_axis else direction_text(tuple(map(float, target.direction))),  # type: ignore[arg-type]
+            damping=target.damping, frequencies=frequencies, required=required,
             achieved=shock_response_spectrum(time, along, frequencies, q=0.5 / target.damping).maximax,
             peak=float(size.max()), strong=(float(time[strong[0]]), float(time[strong[1]])),
             significant=(float(time[significant[0]]), float(time[significant[1]])),
@@ -126,9 +128,3 @@ def _histories(motion: BaseMotion, until: float) -> list[tuple[TargetSpectrum, A
     time = np.linspace(0.0, step * (count - 1), count)
     acceleration = motion.acceleration(time)
     return [(target, time, acceleration @ target.direction) for target in motion.targets]
-
-
-def _text(target: TargetSpectrum) -> str:
-    axis = int(np.argmax(np.abs(target.direction)))
-    along = abs(target.direction[axis]) > 1.0 - 1e-9
-    return AXES[axis] if along else direction_text(tuple(map(float, target.direction)))  # type: ignore[arg-type]

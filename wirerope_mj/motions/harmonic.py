@@ -1,21 +1,22 @@
-"""Steady sine, and logarithmic sine sweep of constant acceleration, velocity or displacement amplitude."""
+"""Steady sine of the base, and unbalance of machines that rotate or reciprocate on the payload."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import as_times, the_one_given
-from wirerope_mj.foundation.arrays import Array, ArrayLike
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text
+from wirerope_mj.foundation.arguments import as_times, finite, positive
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
+from wirerope_mj.foundation.quantities import Phrase
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import Said, StraightMotion
-from wirerope_mj.motions.phrases import SpokenMotion, made_of
-from wirerope_mj.motions.sweep_levels import FORMS, Course
+from wirerope_mj.motions.motion import BaseMotion, Said, StraightMotion
+from wirerope_mj.motions.payload_forces import PayloadForce
+from wirerope_mj.motions.phrases import START, SpokenMotion, made_of, site_first
 
 
 @dataclass(frozen=True, init=False)
@@ -82,99 +83,141 @@ class Sine(StraightMotion):
         return -self.amplitude / self._omega**2 * np.sin(self._omega * within) + velocity * (t - within)
 
 
-@dataclass(frozen=True, init=False)
-class Sweep(StraightMotion):
-    """Logarithmic sine sweep, up or down, of constant acceleration, velocity or displacement amplitude.
+_PHRASE: Entries = {
+    "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
+    "may": {"time": 1, "frequency": 2},
+}  # fmt: skip
 
-    With w0 = 2 pi start, K = rate ln 2 / 60, s = +1 (up) or -1 (down), and u = w/K, u0 = w0/K,
 
-        w(t) = w0 e^(s K t),    phase = s (u - u0),
+def _shaft(kind: str) -> Callable[..., BaseMotion]:
+    """Return the function that makes an unbalance from a phrase, whose direction is its `kind`, "axis" or "line"."""
 
-        acceleration A:  a = A sin(phase),   v = -(A/K) Im[e^(i (u - u0)) h1(u)],   x = s (A/K^2) Im[e^(i (u - u0)) h2(u)]
-        velocity V:      a = V w sin(phase),   v = -V cos(phase),   x = s (V/K) Re[e^(i (u - u0)) h1(u)]
-        displacement X:  a = X (w^2 sin(phase) - s K w cos(phase)),   v = -X w cos(phase),   x = -X sin(phase)
+    def make(shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
+        named, frequencies = phrase.named, phrase.quantities.get("frequency", ())
+        if len(frequencies) != (2 if "time" in phrase.quantities else 1):
+            raise ValueError("one frequency must stand there, or two and the time of the run-up between them.")
+        values: Entries = {"unbalance": phrase.one("unbalance"), "frequency": frequencies[0], kind: direction}
+        values |= {"order": named.get("order", 1.0), "start": phrase.start}
+        if len(frequencies) == 2:
+            values |= {"final_frequency": frequencies[1], "run_up": phrase.one("time")}
+        return shape(site=site, **values | ({"duration": named["for"]} if "for" in named else {}))
 
-    where h1 and h2 are the integrals of `oscillating_tails`. Their constants of integration are those that vanish for
-    large u, so that each differs from what a steady sine of that frequency would have by a fraction of the order of 1/u
-    only: the base starts on the steady oscillation and drifts nowhere, however long the sweep.
+    return make
 
-    After `duration` the oscillation goes on at the stop frequency with neither velocity nor displacement jumping. The
-    fraction of 1/u by which the velocity of a sweep of constant acceleration then differs from that of a steady sine stays
-    as a slow drift; for 2 octaves/min and 30 Hz it is at most 1/8160 of the velocity amplitude. With a constant velocity
-    the same fraction of the displacement stays as an offset. A run is best ended where the sweep ends.
 
-    Args:
-        start: frequency at time 0 [Hz].
-        stop: frequency at the end [Hz]; below `start` the sweep goes down.
-        rate: sweep rate [octaves/min], positive in both directions.
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        acceleration: acceleration amplitude A [m/s^2]; exactly one of the three amplitudes is given.
-        velocity: velocity amplitude V [m/s].
-        displacement: displacement amplitude X [m], half of what runs from peak to peak.
+@dataclass(frozen=True, kw_only=True)
+class Unbalance(PayloadForce):
+    """Inertia force of a mass that rotates or reciprocates with a shaft, at constant speed or running up or down.
+
+    The shaft turns by phi with phi' = w and phi'' = a: at `frequency`, or from `frequency` to `final_frequency` at a constant
+    rate within `run_up`. With k the order, U the unbalance, u and v the axes across the shaft,
+
+        rotating:        F = U [(k^2 w^2 cos k phi + k a sin k phi) u + (k^2 w^2 sin k phi - k a cos k phi) v]
+        reciprocating:   F = U  (k^2 w^2 cos k phi + k a sin k phi) along the line
+
+    which is minus mass times acceleration of the eccentric mass; that mass itself is part of the body's.
     """
 
-    kind: ClassVar[str] = "sweep"
+    kind: ClassVar[str] = "unbalance"
     phrases = (
         SpokenMotion(
-            name="sweep", example="0.5 g 5 to 50 Hz 2 oct/min z",
-            summary="logarithmic sine sweep: amplitude, frequencies, rate, direction.",
-            needs={"acceleration": 1, "frequency": 2, "sweep rate": 1}, words={},
-            make=lambda shape, phrase, direction, *_: shape(
-                start=phrase.quantities["frequency"][0], stop=phrase.quantities["frequency"][1], direction=direction,
-                rate=phrase.one("sweep rate"), acceleration=phrase.one("acceleration"),
-            ),
+            name="unbalance", example="engine 20 kg.mm 5 to 30 Hz 20 s x", **_PHRASE, make=_shaft("axis"),
+            summary="a force on the payload, at its site force/engine: unbalance of a shaft about x, running up within 20 s; "
+            '"25 Hz" for constant speed; "order 2", "for 10 s".',
+        ),
+        SpokenMotion(
+            name="reciprocating", example="engine 8 kg.mm 25 Hz order 2 z", **_PHRASE, make=_shaft("line"),
+            summary="the same of what moves to and fro along z.",
         ),
     )  # fmt: skip
 
-    start: float
-    stop: float
-    rate: float
-    quantity: str
-    amplitude: float
-    direction: Direction
-    duration: float
+    site: str
+    unbalance: float  #: mass times eccentricity, or reciprocating mass times amplitude, U [kg m]
+    frequency: float  #: speed of the shaft [Hz]; at the start where it runs up, >= 0 then
+    #: shaft about which it rotates, `"x"`, `"y"`, `"z"` or a 3-vector, site axes; None with `line`
+    axis: Direction | None = None
+    line: Direction | None = None  #: line along which it reciprocates, so too; None with `axis`
+    order: float = 1.0  #: multiple of the shaft's speed
+    final_frequency: float | None = None  #: speed at the end of the run-up [Hz]; None: constant speed
+    run_up: float = 0.0  #: length of the run-up [s]; the final speed stays after it
+    phase: float = 0.0  #: k phi at the start [rad]
+    start: float = 0.0  #: instant at which it begins [s]
+    duration: float = math.inf  #: length [s]; endless by default
 
-    def __init__(
-        self, *, start: float, stop: float, rate: float, acceleration: float | None = None, velocity: float | None = None,
-        displacement: float | None = None, direction: str | Sequence[float],
-    ) -> None:  # fmt: skip
-        self._set(start=ranges.frequency("start", start), stop=ranges.frequency("stop", stop))
-        if self.start == self.stop:
-            raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
-        self._set(rate=ranges.sweep_rate("rate", rate))
-        given = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
-        quantity, amplitude = the_one_given(given)
-        self._set(quantity=quantity, amplitude=ranges.level(quantity, amplitude))
-        self._set(direction=checked_direction(direction), duration=self.course.duration)
+    def __post_init__(self) -> None:
+        self._check()
+        if (self.axis is None) == (self.line is None):
+            raise ValueError("one of `axis`, about which it rotates, and `line`, along which it reciprocates, must be given.")
+        runs_up = self.final_frequency is not None
+        values = {
+            "unbalance": ranges.level("unbalance", self.unbalance),
+            "frequency": ranges.frequency("frequency", self.frequency, least=0.0 if runs_up else ranges.SLOWEST),
+            "order": positive("order", ranges.level("order", self.order)),
+            "run_up": ranges.length("run_up", self.run_up, least=ranges.SHORTEST if runs_up else 0.0),
+            "phase": finite("phase", self.phase),
+            "duration": self.duration if self.duration == math.inf else ranges.length("duration", self.duration),
+        }
+        if runs_up:
+            values["final_frequency"] = ranges.frequency("final_frequency", self.final_frequency, least=0.0)
+        elif self.run_up:
+            raise ValueError("`run_up` needs `final_frequency`.")
+        fastest = max(values["frequency"], values.get("final_frequency", 0.0))
+        ranges.frequency("order` times `frequency", values["order"] * fastest, least=0.0)
+        self._set(**values)
+        for name in ("axis", "line"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, checked_direction(getattr(self, name), name))
 
     @cached_property
-    def course(self) -> Course:
-        """Frequency and phase over time."""
-        return Course(start=self.start, stop=self.stop, rate=self.rate)
+    def _across(self) -> tuple[Array, Array]:
+        """Unit vectors u and v across the shaft, right-handed with it, (3,); of a line, its unit vector and zero."""
+        if self.line is not None:
+            return unit_vector(self.line), np.zeros(3)
+        assert self.axis is not None
+        shaft = unit_vector(self.axis)
+        u = np.roll(np.eye(3)[int(np.argmax(np.abs(shaft)))], 1)  # the next axis: y of x, z of y, x of z
+        u -= (u @ shaft) * shaft
+        u /= np.linalg.norm(u)
+        return u, np.cross(shaft, u)
 
-    def frequency(self, time: ArrayLike) -> Array:
-        """Return the instantaneous frequency [Hz] at the times [s], (n_t,)."""
-        return self.course.frequency(as_times(time))
+    def shaft_frequency(self, time: ArrayLike) -> Array:
+        """Return the speed of the shaft at the times [s], in Hz, (n_t,)."""
+        t = as_times(time) - self.start
+        if self.final_frequency is None:
+            return np.full(t.size, self.frequency)
+        progress = np.clip(t / self.run_up, 0.0, 1.0)
+        return self.frequency + (self.final_frequency - self.frequency) * progress
+
+    def _wrench(self, t: Array) -> Array:
+        omega = 2.0 * math.pi * self.shaft_frequency(t + self.start)
+        shaft_angle, alpha = 2.0 * math.pi * self.frequency * t, np.zeros(t.size)
+        if self.final_frequency is not None:
+            rate = 2.0 * math.pi * (self.final_frequency - self.frequency) / self.run_up
+            during = np.minimum(t, self.run_up)
+            shaft_angle = shaft_angle + rate * during * (t - 0.5 * during)
+            alpha[t < self.run_up] = rate
+        angle, k = self.order * shaft_angle + self.phase, self.order
+        (cosine, sine), square = (np.cos(angle), np.sin(angle)), (k * omega) ** 2
+        u, v = self._across
+        wrench = np.zeros((t.size, 6))
+        along_u, along_v = square * cosine + k * alpha * sine, square * sine - k * alpha * cosine
+        wrench[:, :3] = self.unbalance * (along_u[:, np.newaxis] * u + along_v[:, np.newaxis] * v)
+        return wrench
 
     @property
     def corners(self) -> Array:
-        """End of the sweep [s], (1,)."""
-        return np.array([self.duration])
+        """Start and end, and the end of the run-up [s], (n,)."""
+        if self.final_frequency is None or self.run_up >= self.duration:
+            return super().corners
+        return np.sort(np.append(super().corners, self.start + self.run_up))
 
-    @cached_property
-    def _said(self) -> Said:
-        """Describe the sweep, such as `sweep 0.1 to 30 Hz, 2 octaves/min, 0.1 g along z`, or `... 50 mm/s along z`."""
-        course = f"sweep {self.start:.4g} to {self.stop:.4g} Hz, {self.rate:.4g} octaves/min"
-        if self.quantity == "acceleration":
-            level = f"{self.amplitude / STANDARD_GRAVITY:.4g} g"
-        else:
-            level = f"{1e3 * self.amplitude:.4g} {'mm/s' if self.quantity == 'velocity' else 'mm'}"
-        text = f"{course}, {level} along {direction_text(self.direction)}"
-        events = (0.0, f"sweep begins at {self.start:.4g} Hz"), (self.duration, f"sweep reaches {self.stop:.4g} Hz")
-        return Said(text, events, shortest_time=1 / max(self.start, self.stop))
-
-    def _argument(self, name: str) -> object:
-        return (self.amplitude if name == self.quantity else None) if name in FORMS else super()._argument(name)
-
-    def _along(self, t: Array, order: int) -> Array:
-        return self.amplitude * FORMS[self.quantity][order](self.course, t)
+    def _described(self) -> tuple[str, float]:
+        """Describe the unbalance in a line, such as `unbalance 0.02 kg m at engine about x, 25 Hz`."""
+        about, along = (direction_text(direction) for direction in (self.axis or "z", self.line or "z"))
+        orientation = f"about {about}" if self.axis is not None else f"along {along}"
+        speed = f"{self.frequency:.4g} Hz"
+        if self.final_frequency is not None:
+            speed = f"{self.frequency:.4g} to {self.final_frequency:.4g} Hz in {self.run_up:.4g} s"
+        order = f", order {self.order:g}" if self.order != 1.0 else ""
+        period = 1.0 / (self.order * max(self.frequency, self.final_frequency or 0.0))
+        return f"unbalance {self.unbalance:.4g} kg m at {self.site} {orientation}, {speed}{order}", period

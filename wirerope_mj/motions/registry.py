@@ -25,21 +25,20 @@ from wirerope_mj.foundation.structure import Among, Key, Place, structure
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import PHRASE_UNITS
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
-from wirerope_mj.motions.drop import Drop
-from wirerope_mj.motions.harmonic import Sine, Sweep
+from wirerope_mj.motions.drop import Drop, RotationalDrop
+from wirerope_mj.motions.harmonic import Sine, Unbalance
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce
 from wirerope_mj.motions.phrases import SpokenMotion
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, StruckPlate, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.record import Record
-from wirerope_mj.motions.rotational_drop import RotationalDrop
 from wirerope_mj.motions.scaled import Scaled, Turned
 from wirerope_mj.motions.ship_motion import ShipMotion
 from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
 from wirerope_mj.motions.spectrum_match import SpectrumMatch
+from wirerope_mj.motions.sweep import Sweep
 from wirerope_mj.motions.target_spectra import DesignSpectrum
-from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
 REGISTERED: tuple[type[BaseMotion] | type[DesignSpectrum] | type[SpectrumMatch], ...] = (

@@ -120,10 +120,7 @@ def kind_of(unit: str | None) -> str:
 
 def turned_by(header: Header, columns: Sequence[int]) -> str:
     """Return whether columns are angular rates or accelerations, "" of none; RecordError if neither, or some of each."""
-    kinds = dict.fromkeys(
-        next((kind for kind, units in TURN_UNITS.items() if find_unit(header.units[column] or "", units)), "")
-        for column in columns
-    )
+    kinds = dict.fromkeys(kind_of(header.units[column]) for column in columns)
     if not columns or (len(kinds) == 1 and "" not in kinds):
         return next(iter(kinds), "")
     angles = [header.names[column] for column in columns if find_unit(header.units[column] or "", ANGLE_UNITS)]

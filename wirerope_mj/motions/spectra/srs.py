@@ -105,16 +105,7 @@ class ShockResponseSpectrum(Summarised):
     @property
     def pseudo_velocity(self) -> Array:
         """2 pi f times the relative displacement [m/s]."""
-        return self._pulsation * self.relative_displacement
-
-    @property
-    def equivalent_static_acceleration(self) -> Array:
-        """(2 pi f)^2 times the relative displacement [m/s^2]: the static acceleration that deflects as far."""
-        return self._pulsation**2 * self.relative_displacement
-
-    @property
-    def _pulsation(self) -> Array:
-        return 2.0 * math.pi * self.frequencies.reshape((-1,) + (1,) * (self.maximax.ndim - 1))
+        return 2.0 * math.pi * self.frequencies.reshape((-1,) + (1,) * (self.maximax.ndim - 1)) * self.relative_displacement
 
 
 def shock_response_spectrum(

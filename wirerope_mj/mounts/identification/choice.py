@@ -12,8 +12,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.identification.families import require_law
-from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.identification.left_out import amplitude_groups, criterion, group_error
+from wirerope_mj.mounts.identification.identify import amplitude_groups, criterion, group_error, identify
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.identification.search import Method

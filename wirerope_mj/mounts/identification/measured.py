@@ -16,8 +16,7 @@ from wirerope_mj.mounts.laws.plane import asymmetry_of, elastic_of
 from wirerope_mj.mounts.laws.steady import follow_force, settle
 from wirerope_mj.mounts.test_rig.passive import require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import require_likely
-from wirerope_mj.mounts.test_rig.recorded import RecordedLoop, mean_of_cycles
-from wirerope_mj.mounts.test_rig.turning import rms_noise
+from wirerope_mj.mounts.test_rig.turning import RecordedLoop, mean_of_cycles, rms_noise
 
 STEADY = 1e-12  # Change of the hysteretic force over a cycle, relative to the force range, at which it is steady
 # Standard deviations of the noise by which the two ends of a cycle within a stop's gap may differ: four of a difference.

@@ -18,8 +18,7 @@ from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig import load_cycles
 from wirerope_mj.mounts.test_rig.faults import checked_file
 from wirerope_mj.mounts.test_rig.passive import is_level
-from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
-from wirerope_mj.mounts.test_rig.turning import rms_noise
+from wirerope_mj.mounts.test_rig.turning import RecordedLoop, rms_noise
 
 Tests = Mapping[Path, Sequence[Loop]]
 _Loops = Sequence[tuple[Path, Loop]]

@@ -1,8 +1,14 @@
 """The virtual cyclic test rig: loops of a law, what they measure, what an acquisition would see of them, and their files."""
 
 from wirerope_mj.mounts.test_rig.cycles import load_cycles, steady_loops
-from wirerope_mj.mounts.test_rig.measures import Transition, hardening_overlap, softening_to_hardening
 from wirerope_mj.mounts.test_rig.reading import load_cyclic_test, save_cyclic_test
-from wirerope_mj.mounts.test_rig.rig import CLOSURE, cyclic_test, measured
+from wirerope_mj.mounts.test_rig.rig import (
+    CLOSURE,
+    Transition,
+    cyclic_test,
+    hardening_overlap,
+    measured,
+    softening_to_hardening,
+)
 
 read_cyclic_test = load_cyclic_test  # Earlier name of it

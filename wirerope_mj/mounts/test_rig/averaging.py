@@ -11,8 +11,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.mounts.test_rig.passive import require_area, require_passive
-from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
-from wirerope_mj.mounts.test_rig.turning import Trace
+from wirerope_mj.mounts.test_rig.turning import RecordedLoop, Trace
 
 REACH = 0.03  # Fraction of a cycle on either side: a sine is a parabola there to 1e-4 of its amplitude
 BINS = 3.0  # Bins on either side at least, so that three samples of it give a parabola

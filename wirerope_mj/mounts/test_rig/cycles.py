@@ -14,8 +14,7 @@ from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_lo
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
-from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
-from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
+from wirerope_mj.mounts.test_rig.turning import RecordedLoop, Trace, find_turning_points
 
 Locate = Callable[[int, int], str]  # Returns the text that says where the samples from one index to another stand
 # Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most.

@@ -4,8 +4,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
-from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
-from wirerope_mj.mounts.test_rig.turning import rms_noise
+from wirerope_mj.mounts.test_rig.turning import RecordedLoop, rms_noise
 
 _SURE = 4.0  # standard errors: noise alone goes beyond once in 16 000
 _NOISE_VARIANCE = 1.5  # variance of a series over that of its noise, below which noise is at least two thirds of what it shows
