@@ -136,6 +136,7 @@ _RANGE_1984 = (1.0, 100.0)
 _RANGE_2000 = (10.0**-0.05, 10.0**1.95)  # Outer edges of the third-octave bands of 1 and 80 Hz [Hz]: 0.891 and 89.1
 # Lowest line, in resolutions: below it the integral's drift contaminates a line, the filter of `velocity_lines` ending at six.
 _LOWEST_LINE = 5.75
+_RESOLUTION_2000 = 0.25  # of the density that is weighted [Hz]: a quarter of the lowest frequency that counts
 _TRANSITION = 0.028  # weighted acceleration times this is weighted velocity [s]
 _HOPS = 32  # Windows that start within the length of one: an amplitude through the filter is followed within 2 %
 
@@ -152,7 +153,16 @@ def iso_6954_1984(frequency: ArrayLike, velocity: ArrayLike, *, subject: str) ->
     Raises:
         ValueError: lines are not as they must be, or none lies between 1 and 100 Hz.
     """
-    f, v = _lines_within(frequency, velocity, *_RANGE_1984)
+    f, v = (np.atleast_1d(np.asarray(values, dtype=np.float64)) for values in (frequency, velocity))
+    if f.ndim != 1 or f.shape != v.shape or not f.size:
+        raise ValueError(f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}.")
+    if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
+        raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0.")
+    low, high = _RANGE_1984
+    inside = (f >= low) & (f <= high)
+    if not inside.any():
+        raise ValueError(f"`frequency` must hold a line from {low:.3g} to {high:.3g} Hz, got {f.min():.6g} to {f.max():.6g}.")
+    f, v = f[inside], v[inside]
     verdicts = []
     for name, (plateau, acceleration) in PEAKS_1984.items():
         allowed = np.where(f < _CORNER, acceleration / (2.0 * math.pi * f), plateau)
@@ -165,28 +175,8 @@ def iso_6954_1984(frequency: ArrayLike, velocity: ArrayLike, *, subject: str) ->
 
 
 def iso_6954_2000(
-    frequency: ArrayLike, velocity: ArrayLike, *, subject: str, space: Literal["A", "B", "C"]
+    time: ArrayLike, acceleration: ArrayLike, *, subject: str, space: Literal["A", "B", "C"], discard: float = 0.0
 ) -> tuple[Verdict, ...]:
-    """Judge the lines of a spectrum by ISO 6954:2000: the overall weighted rms velocity.
-
-    Args:
-        frequency: of the lines [Hz]; those outside the third-octave bands of 1 to 80 Hz, 0.891 to 89.1 Hz, do not count.
-        velocity: their peak velocities [m/s].
-        subject: what is judged.
-        space: "A" passenger cabins, "B" crew accommodation, "C" working spaces.
-
-    Raises:
-        ValueError: lines or space are not as they must be, or no line lies in these bands.
-    """
-    f, v = _lines_within(frequency, velocity, *_RANGE_2000)
-    factors = np.abs(WEIGHTINGS["Wm"].gain(f)) * 2.0 * math.pi * f * _TRANSITION
-    return _overall(math.sqrt(0.5 * float(np.sum((factors * v) ** 2))), subject, space)
-
-
-def iso_6954_2000_of_history(
-    time: ArrayLike, acceleration: ArrayLike, *, subject: str, space: Literal["A", "B", "C"],
-    discard: float = 0.0, resolution: float = 0.25,
-) -> tuple[Verdict, ...]:  # fmt: skip
     """Judge a history by ISO 6954:2000: the overall weighted rms velocity from 1 to 80 Hz.
 
     What counts are the third-octave bands of 1 to 80 Hz, from 0.891 to 89.1 Hz, with sharp edges.
@@ -197,17 +187,24 @@ def iso_6954_2000_of_history(
         subject: what is judged.
         space: "A" passenger cabins, "B" crew accommodation, "C" working spaces.
         discard: length at the beginning that is left out [s]: until the response has settled.
-        resolution: of the density that is weighted [Hz]; a quarter of the lowest frequency that counts.
 
     Raises:
         ValueError: the samples are not as they must be, or too short, or there is no such space.
     """
-    density = power_spectral_density(time, acceleration, discard=discard, resolution=resolution)
+    one_of("space", space, RMS_2000)
+    density = power_spectral_density(time, acceleration, discard=discard, resolution=_RESOLUTION_2000)
     half = 0.5 * density.resolution  # a line stands for this much on either side of it
     low, high = _RANGE_2000
     widths = np.minimum(density.frequency + half, high) - np.maximum(density.frequency - half, low)
     weighted = np.abs(WEIGHTINGS["Wm"].gain(density.frequency)) ** 2 * density.density * np.clip(widths, 0.0, None)
-    return _overall(_TRANSITION * math.sqrt(float(np.sum(weighted))), subject, space)
+    return tuple(
+        Verdict(
+            criterion=Criterion(f"ISO 6954:2000 {space} {name}"), subject=subject, limit=limit, unit="m/s",
+            value=_TRANSITION * math.sqrt(float(np.sum(weighted))),
+            note=f"weighted rms velocity from 1 to 80 Hz; {_MEANING[name]}",
+        )
+        for name, limit in zip(("lower", "upper"), RMS_2000[space], strict=True)
+    )  # fmt: skip
 
 
 def velocity_lines(
@@ -262,28 +259,3 @@ def velocity_lines(
     # The trapezoidal rule integrates a sine to (w T / 2) / tan(w T / 2) of its integral.
     half = math.pi * frequency[shown] / rate
     return frequency[shown], largest * np.tan(half) / half
-
-
-def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
-    """Judge an overall weighted rms velocity [m/s] against the lower and upper limit of a space."""
-    one_of("space", space, RMS_2000)
-    return tuple(
-        Verdict(
-            criterion=Criterion(f"ISO 6954:2000 {space} {name}"), subject=subject, value=velocity, limit=limit, unit="m/s",
-            note=f"weighted rms velocity from 1 to 80 Hz; {_MEANING[name]}",
-        )
-        for name, limit in zip(("lower", "upper"), RMS_2000[space], strict=True)
-    )  # fmt: skip
-
-
-def _lines_within(frequency: ArrayLike, velocity: ArrayLike, low: float, high: float) -> tuple[Array, Array]:
-    """Check lines in any order and select those from `low` to `high` [Hz]: frequencies [Hz] and velocities [m/s]."""
-    f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
-    if f.ndim != 1 or f.shape != v.shape or not f.size:
-        raise ValueError(f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}.")
-    if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
-        raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0.")
-    inside = (f >= low) & (f <= high)
-    if not inside.any():
-        raise ValueError(f"`frequency` must hold a line from {low:.3g} to {high:.3g} Hz, got {f.min():.6g} to {f.max():.6g}.")
-    return f[inside], v[inside]

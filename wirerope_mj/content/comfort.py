@@ -11,7 +11,7 @@ from wirerope_mj.assessment.comfort import (
     Exposure,
     exposure,
     iso_6954_1984,
-    iso_6954_2000_of_history,
+    iso_6954_2000,
     velocity_lines,
 )
 from wirerope_mj.assessment.criteria import Verdict
@@ -97,7 +97,7 @@ def _ship_habitability(time: Array, histories: Mapping[str, Array], spaces: Sequ
             rows.append(_habitability_row("1984", subject, [iso_6954_1984(*lines, subject=subject) for lines in spectra]))
             for space in spaces:
                 overall = [
-                    iso_6954_2000_of_history(time, values[:, axis], subject=subject, space=space, discard=discard)  # type: ignore[arg-type]
+                    iso_6954_2000(time, values[:, axis], subject=subject, space=space, discard=discard)  # type: ignore[arg-type]
                     for axis in range(3)
                 ]
                 rows.append(_habitability_row(f"2000 {space}", subject, overall))

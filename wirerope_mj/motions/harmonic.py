@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import ClassVar
 
 import numpy as np
@@ -89,20 +89,16 @@ _PHRASE: Entries = {
 }  # fmt: skip
 
 
-def _shaft(kind: str) -> Callable[..., BaseMotion]:
-    """Return the function that makes an unbalance from a phrase, whose direction is its `kind`, "axis" or "line"."""
-
-    def make(shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
-        named, frequencies = phrase.named, phrase.quantities.get("frequency", ())
-        if len(frequencies) != (2 if "time" in phrase.quantities else 1):
-            raise ValueError("one frequency must stand there, or two and the time of the run-up between them.")
-        values: Entries = {"unbalance": phrase.one("unbalance"), "frequency": frequencies[0], kind: direction}
-        values |= {"order": named.get("order", 1.0), "start": phrase.start}
-        if len(frequencies) == 2:
-            values |= {"final_frequency": frequencies[1], "run_up": phrase.one("time")}
-        return shape(site=site, **values | ({"duration": named["for"]} if "for" in named else {}))
-
-    return make
+def _shaft(kind: str, shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
+    """Make an unbalance from a phrase, whose direction is its `kind`, "axis" or "line"."""
+    named, frequencies = phrase.named, phrase.quantities.get("frequency", ())
+    if len(frequencies) != (2 if "time" in phrase.quantities else 1):
+        raise ValueError("one frequency must stand there, or two and the time of the run-up between them.")
+    values: Entries = {"unbalance": phrase.one("unbalance"), "frequency": frequencies[0], kind: direction}
+    values |= {"order": named.get("order", 1.0), "start": phrase.start}
+    if len(frequencies) == 2:
+        values |= {"final_frequency": frequencies[1], "run_up": phrase.one("time")}
+    return shape(site=site, **values | ({"duration": named["for"]} if "for" in named else {}))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,12 +117,12 @@ class Unbalance(PayloadForce):
     kind: ClassVar[str] = "unbalance"
     phrases = (
         SpokenMotion(
-            name="unbalance", example="engine 20 kg.mm 5 to 30 Hz 20 s x", **_PHRASE, make=_shaft("axis"),
+            name="unbalance", example="engine 20 kg.mm 5 to 30 Hz 20 s x", **_PHRASE, make=partial(_shaft, "axis"),
             summary="a force on the payload, at its site force/engine: unbalance of a shaft about x, running up within 20 s; "
             '"25 Hz" for constant speed; "order 2", "for 10 s".',
         ),
         SpokenMotion(
-            name="reciprocating", example="engine 8 kg.mm 25 Hz order 2 z", **_PHRASE, make=_shaft("line"),
+            name="reciprocating", example="engine 8 kg.mm 25 Hz order 2 z", **_PHRASE, make=partial(_shaft, "line"),
             summary="the same of what moves to and fro along z.",
         ),
     )  # fmt: skip

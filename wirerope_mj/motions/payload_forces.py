@@ -4,7 +4,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import ClassVar
 
@@ -80,16 +80,12 @@ class PayloadForce(BaseMotion):
         object.__setattr__(self, "start", ranges.start("start", self.start))
 
 
-def _harmonic(quantity: str) -> Callable[..., BaseMotion]:
-    """Return the function that makes a harmonic force or moment from a phrase; `quantity` is "force" or "moment"."""
-
-    def make(shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
-        amplitude: Entries = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist()}
-        length = phrase.one("time")
-        amplitude |= {"frequency": phrase.one("frequency"), "duration": length}
-        return shape(site=site, start=phrase.start, **amplitude)
-
-    return make
+def _harmonic(
+    quantity: str, shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str
+) -> BaseMotion:
+    """Make a harmonic "force" or "moment", the quantity, from a phrase."""
+    values: Entries = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist(), "duration": phrase.one("time")}
+    return shape(site=site, start=phrase.start, frequency=phrase.one("frequency"), **values)
 
 
 def _site_and_table(text: str, folder: Path) -> tuple[tuple[str, ForceRows], str]:
@@ -106,12 +102,12 @@ class HarmonicForce(PayloadForce):
     kind: ClassVar[str] = "harmonic-force"
     phrases = (
         SpokenMotion(
-            name="force", option="payload-force", example="engine 500 N 12 Hz 10 s z", make=_harmonic("force"),
+            name="force", option="payload-force", example="engine 500 N 12 Hz 10 s z", make=partial(_harmonic, "force"),
             summary="harmonic force on the payload: site, amplitude, frequency, length, direction.",
             needs={"force": 1, "frequency": 1, "time": 1}, begins=site_first,
         ),
         SpokenMotion(
-            name="moment", example="engine 80 N.m 12 Hz 10 s y", make=_harmonic("moment"),
+            name="moment", example="engine 80 N.m 12 Hz 10 s y", make=partial(_harmonic, "moment"),
             summary="harmonic moment on the payload: site, amplitude, frequency, length, axis.",
             needs={"moment": 1, "frequency": 1, "time": 1}, begins=site_first,
         ),

@@ -1,11 +1,9 @@
 """Limits of the payload: peak accelerations, shock response spectra against test spectra, and the rattle space around it."""
 
 import itertools
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import scipy
 
 from wirerope_mj.assessment.criteria.sampled import has_peak, peak_between, read_columns, sampled_peak, sampled_text
 from wirerope_mj.assessment.criteria.verdict import (
@@ -18,7 +16,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     limits_by_name,
     payload_bodies,
 )
-from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.directions import rotation_matrices
@@ -29,9 +27,7 @@ UNIT = "m/s^2"
 UNLIMITED = "no limit is stated"
 
 
-def acceleration_verdicts(
-    response: Response, limits: Sequence[PayloadLimit] | None = None, *, cutoff: float | None = None
-) -> tuple[Verdict, ...]:
+def acceleration_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
     """Judge the largest absolute acceleration of every payload body and every point.
 
     A limit of one value applies to the norm of the vector, one of three values to its components. Accelerations without a
@@ -40,26 +36,19 @@ def acceleration_verdicts(
     Args:
         response: of a run.
         limits: of kind "acceleration"; without them the model's own.
-        cutoff: frequency [Hz] above which the sampled histories are filtered away first, as a fragility that was measured
-            with a filter asks for: a Butterworth filter of second order, forward and backward. Without it, the peaks of
-            every step.
 
     Raises:
-        ValueError: a limit names neither a body nor a point, or the cutoff is not below half the sampling rate.
+        ValueError: a limit names neither a body nor a point.
     """
     bodies, points = payload_bodies(response), list(response.points)
     driven = response.peaks.bodies.get(response.scene.base)
-    base = driven.acceleration.value if driven is not None and cutoff is None and has_peak(response.motion) else 0.0
+    base = driven.acceleration.value if driven is not None and has_peak(response.motion) else 0.0
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *points])
     verdicts: list[Verdict] = []
-    for kind, names, peaks in (("bodies", bodies, response.peaks.bodies), ("points", points, response.peaks.points)):
+    for names, peaks in ((bodies, response.peaks.bodies), (points, response.peaks.points)):
         for name in names:
-            peak, amplified, note = peaks[name].acceleration, None, ""
-            if base > 0.0:
-                amplified = Amplification(measure="peak", value=peak.value, base=base)
-            if cutoff is not None:
-                peak = _low_pass_peak(response.time, read_columns(response, f"{kind}/{name}/acceleration/x", 3), cutoff)
-                note = f"below {cutoff:.6g} Hz (Butterworth, second order, forward and backward)"
+            peak = peaks[name].acceleration
+            amplified = Amplification(measure="peak", value=peak.value, base=base) if base > 0.0 else None
             allowed = stated[name].values if name in stated else (0.0,)
             rows = [("", peak.value, peak.time, allowed[0])]
             if len(allowed) > 1:
@@ -72,28 +61,11 @@ def acceleration_verdicts(
             verdicts += [
                 Verdict(
                     criterion=Criterion(ACCELERATION, axis=axis), subject=name, value=value, limit=limit or None, unit=UNIT,
-                    time=when, note="; ".join(part for part in (note, "" if limit else UNLIMITED) if part),
-                    amplification=amplified,
+                    time=when, note="" if limit else UNLIMITED, amplification=amplified,
                 )
                 for axis, value, when, limit in rows
             ]  # fmt: skip
     return tuple(largest_each(verdicts))
-
-
-def _low_pass_peak(time: Array, acceleration: Array, cutoff: float) -> Peak:
-    """Find the peak of accelerations (n_t, 3) after a low-pass filter at `cutoff` [Hz]."""
-    half = 0.5 * (time.size - 1) / float(time[-1] - time[0])
-    if not (math.isfinite(cutoff) and 0.0 < cutoff < half):
-        raise ValueError(f"`cutoff` must be between 0 and half the sampling rate, {half:.6g} Hz, got {cutoff!r}.")
-    smooth = scipy.signal.sosfiltfilt(scipy.signal.butter(2, cutoff / half, output="sos"), acceleration, axis=0)
-    value, when = sampled_peak(time, np.linalg.norm(smooth, axis=1))
-    highest = [sampled_peak(time, smooth[:, axis]) for axis in range(3)]
-    lowest = [sampled_peak(time, -smooth[:, axis]) for axis in range(3)]
-    return Peak(
-        value=value, time=when, vector=smooth[int(np.searchsorted(time, when)) - 1],
-        minimum=-np.array([value for value, _ in lowest]), minimum_time=np.array([when for _, when in lowest]),
-        maximum=np.array([value for value, _ in highest]), maximum_time=np.array([when for _, when in highest]),
-    )  # fmt: skip
 
 
 def spectrum_verdict(

@@ -111,12 +111,6 @@ class HarmonicContent:
         wanted = Fraction(order)
         return float(self.amplitude[self.order.index(wanted)]) if wanted in self.order else 0.0
 
-    @property
-    def distortion(self) -> float:
-        """Root of the sum of squares of all harmonics but the fundamental and the mean, over the fundamental."""
-        overtones = [a for order, a in zip(self.order, self.amplitude, strict=True) if order not in (0, 1)]
-        return float(np.linalg.norm(overtones) / self.of(1))
-
 
 def harmonic_content(
     orbit: PeriodicOrbit, *, payload: str, direction: str | tuple[float, float, float] | None = None, highest: int = 20

@@ -107,7 +107,7 @@ class OwnLaw(Law):
         rates = np.full(self.n_states, np.nan)
         here = f"at x = {x:g} m, v = {v:g} m/s, z = {z.tolist()}"
         try:
-            force = type(self).force(self._numbers(), x, v, z.copy(), rates)
+            force = type(self).force(super().kernel_parameters(), x, v, z.copy(), rates)
         except Exception as error:
             raise ValueError(f"`force(p, x, v, z, zdot)` failed {here}: {type(error).__name__}: {error}") from None
         if not isinstance(force, float | int) or not np.isfinite(force):
@@ -116,12 +116,9 @@ class OwnLaw(Law):
             raise ValueError(f"`force` must write {self.n_states} finite rates to `zdot`, got {rates.tolist()} {here}.")
         return float(force), rates
 
-    def _numbers(self) -> Array:
-        return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)
-
     def kernel_parameters(self) -> Array:
         address = _address(type(self).force, len(fields(self)), self.n_states, self.name)
-        return np.append(float(address), self._numbers())
+        return np.append(float(address), super().kernel_parameters())
 
     @property
     def initial_stiffness(self) -> float:
