@@ -355,7 +355,10 @@ def test_compare_writes_a_folder_as_every_command_does(saved, tmp_path, capsys):
     out = tmp_path / "both"
     command = ["compare", str(saved / "g10"), str(saved / "g12"), "--out", str(out)]
     assert main(command) == 0
-    assert f"wirerope show {out}" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert f"wirerope show {out}" in printed
+    assert "report.html, with every table" in printed  # so that nothing is computed again for them
+    assert "the same with --force" not in printed
     assert {path.name for path in out.iterdir()} == {"comparison.json", "report.html", "run.rrd"}
     figures = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     page = (out / "report.html").read_text(encoding="utf-8")

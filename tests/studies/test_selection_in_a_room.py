@@ -185,7 +185,7 @@ def test_what_would_do_keeps_the_limits_and_softer_or_stiffer_does_not():
     for f in (soft, stiff):
         assert peaks[f][0] <= 80.0 * 1.01  # straight lines between samples of the spectrum
         assert peaks[f][1] <= 0.03 * 1.01
-    assert found.travel == pytest.approx(peaks[stiff][1], rel=0.01)
+    assert found.travel == pytest.approx((peaks[soft][1], peaks[stiff][1]), rel=0.01)
     assert peaks[soft / step**1.1][1] > 0.03 * 0.99
     assert peaks[stiff * step**1.1][0] > 80.0 * 0.99
 
@@ -221,6 +221,7 @@ def test_the_command_takes_motions_heights_and_rooms_and_says_the_answer_first(t
     assert "3-sigma acceleration under" not in out  # that it is not judged
     assert "it is higher than 100 mm" in out
     assert "--all lists them" in out
+    assert "--out FOLDER writes the model on the first part, --all prints every table; both simulate again" in out
     assert " CB1500-20, CB1500-25" not in out
     _, every = shown(capsys, *limits, *cases[:2], "--height-max", "100", "--all")
     assert "3 sigma" not in every
@@ -248,7 +249,11 @@ def test_the_command_says_what_would_do_when_no_part_does(capsys):
     code, out = shown(capsys, "--mounts", "4", "--half-sine", "60 g 11 ms z", "--fragility", "4", "--travel", "500")
     assert code == 1
     assert "None of" in out
-    assert re.search(r"What would do: 4 mounts of [\d.]+ to [\d.]+ N/mm each", out)
+    assert "What would do: 4 mounts, rated for 294 N each, from " in out
+    said = r"from ([\d.]+) N/mm \([\d.]+ Hz, ([\d.]+) mm of travel\) to ([\d.]+) N/mm"
+    stiffness, travel, stiff = map(float, re.search(said, out).groups())
+    assert stiffness < stiff
+    assert travel > 30.0 * 9.80665 / stiffness  # beyond the sag, in mm
 
 
 @pytest.mark.parametrize(("arguments", "message"), [

@@ -100,8 +100,8 @@ def compare(
         write_comparison(content, target, record, force=force)
     others = ("differences", "accelerations", "travel", "credibility")
     show_result(content, "headlines", "findings", others=others, every=every)
-    say_where(target, every=every and not alone)
-    say_next({("show", target): TIMELINE}, again="" if every else "--force --all")
+    say_where(target, every=every and not alone)  # a folder's page holds every table
+    say_next({("show", target): TIMELINE}, again="--force --all" if alone and not every else "")
     return 0
 
 
@@ -132,7 +132,7 @@ def _compare_tests(
 
 def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], target: Path, *, every: bool, force: bool) -> int:
     """Print what two jobs use of their limits, case by case, and what differs between their inputs."""
-    from wirerope_mj.cli.tables import say_next, say_where
+    from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.job_comparison import job_comparison_content
     from wirerope_mj.runs.analyses import write_comparison
     from wirerope_mj.runs.job import CASES, is_job, judged_job
@@ -160,7 +160,6 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], target: Path, *, e
     write_comparison(content, target, force=force)
     show_result(content, "headlines", "inputs", others=("cases", "limits"), every=every)
     say_where(target, every=every)
-    say_next({}, again="" if every else "--force --all")
     return 0
 
 

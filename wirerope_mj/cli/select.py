@@ -144,7 +144,7 @@ def select(
         path = write_selected(chosen, out or Path(chosen.name.lower()), box=box, force=force)
         print(plain(f"  written: {path}, on {chosen.mounts} {chosen.name}"))
     elif selection.meeting:
-        print("  the same with --out FOLDER writes the model on the first part; with --all it prints every table")
+        print("  --out FOLDER writes the model on the first part, --all prints every table; both simulate again")
     return 0 if selection.meeting else NOTHING_FOUND
 
 

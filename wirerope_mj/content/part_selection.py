@@ -111,16 +111,18 @@ def needed_statement(selection: CatalogueSelection) -> Statement:
     needed = selection.needed
     if isinstance(needed, Absent):
         return Statement("needed", needed.reason, tone="unjudged")
-    load, travel = with_unit(needed.load, "N"), with_unit(needed.travel, "mm")
-    stiffness = " to ".join(f"{1e-3 * value:.3g}" for value in needed.stiffness)
-    frequency = " to ".join(f"{value:.3g}" for value in needed.frequencies)
+    soft, stiff = (
+        f"{1e-3 * stiffness:.3g} N/mm ({frequency:.3g} Hz, {1e3 * travel:.3g} mm of travel)"
+        for stiffness, frequency, travel in zip(needed.stiffness, needed.frequencies, needed.travel, strict=True)
+    )
     return Statement(
         "needed",
-        f"What would do: {several(needed.mounts, 'mount')} of {stiffness} N/mm each ({frequency} Hz), rated for {load} and "
-        f"{travel} of travel: peaks of a single mass with {100.0 * needed.damping:g} % damping along each axis, not turning.",
+        f"What would do: {several(needed.mounts, 'mount')}, rated for {with_unit(needed.load, 'N')} each, from {soft} to "
+        f"{stiff}: a single mass with {100.0 * needed.damping:g} % damping along each axis, which does not turn, as boxes do; "
+        "travel counts from the unloaded geometry.",
         values={
             "least_stiffness_N_per_m": needed.stiffness[0], "largest_stiffness_N_per_m": needed.stiffness[1],
-            "load_N": needed.load, "travel_m": needed.travel,
+            "load_N": needed.load, "largest_travel_m": needed.travel[0], "travel_m": needed.travel[1],
         },
     )  # fmt: skip
 

@@ -51,7 +51,10 @@ def required_statement(run: JudgedRun) -> Statement:
     worst = min(achieved, key=lambda one: one.lowest[0])
     ratio, frequency = worst.lowest
     where = f"along {worst.direction} at {number(frequency)} Hz"
-    text = f"The base's motion envelops the required spectrum: lowest ratio {fixed(ratio, 3)}, {where}"
+    peaks = [(one.peak / float(one.required[-1]), one.direction) for one in achieved]
+    lowest_peak = min(peaks)[0]
+    ends = f" from {worst.frequencies[0]:.4g} to {worst.frequencies[-1]:.4g} Hz" if lowest_peak < ENVELOPED else ""
+    text = f"The base's motion envelops the required spectrum{ends}: lowest ratio {fixed(ratio, 3)}, {where}"
     if ratio < ENVELOPED:
         text = f"The base's motion falls below the required spectrum, to {fixed(ratio, 3)} of it {where}: " + (
             f"only {simulated:.4g} s of its {run.motion.end:.4g} s are simulated"
@@ -59,12 +62,11 @@ def required_statement(run: JudgedRun) -> Statement:
             else "`required-spectrum` in place of `spectrum`, or a factor, makes it envelop"
         )
     values: dict[str, float | str | None] = {"lowest_ratio": ratio, "at_Hz": frequency, "along": worst.direction}
-    peaks = [(one.peak / float(one.required[-1]), one.direction) for one in achieved]
-    values["lowest_peak_ratio"] = lowest_peak = min(peaks)[0]
+    values["lowest_peak_ratio"] = lowest_peak
     items = []
     if lowest_peak < ENVELOPED:
         ratios = listed([f"{fixed(one, 2)} along {along}" for one, along in peaks if one < ENVELOPED])
-        text += f"; the base's peak is only {ratios} of the last level, the zero-period acceleration"
+        text += f"; its zero-period acceleration, the last level, is not reached: the base's peak is only {ratios} of it"
         items.append(
             "Above the last frequency the achieved spectrum falls to the base's peak: let the file go on to the highest "
             "frequency that matters and end level over an octave, which the peak then reaches as a rule, or scale the motion "

@@ -28,7 +28,7 @@ class NeededMount:
     load: float  # weight on each [N]
     frequencies: tuple[float, float]  # lowest and highest natural frequency that would do [Hz]
     stiffness: tuple[float, float]  # of one mount at these [N/m]
-    travel: float  # deflection from the unloaded geometry at the highest of them, the least that would do [m]
+    travel: tuple[float, float]  # deflection from the unloaded geometry at these [m]: the softer mount needs the longer one
     damping: float = DAMPING
 
 
@@ -72,5 +72,6 @@ def needed_mount(system: System, mounts: int, cases: Mapping[str, BaseMotion]) -
     return NeededMount(
         mounts=mounts, load=mass * float(np.linalg.norm(gravity)) / mounts,
         frequencies=(float(_FREQUENCIES[rows[0]]), float(_FREQUENCIES[rows[-1]])),
-        stiffness=(float(stiffness[0]), float(stiffness[1])), travel=float(moves[rows[-1]].max()),
+        stiffness=(float(stiffness[0]), float(stiffness[1])),
+        travel=(float(moves[rows[0]].max()), float(moves[rows[-1]].max())),
     )  # fmt: skip
