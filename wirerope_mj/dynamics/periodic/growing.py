@@ -124,8 +124,10 @@ class GrowingBranch:
     def _advance(self, last: Point, length: float) -> tuple[Point, float]:
         """Take one step and keep its point and events; `message` is set where the branch ends."""
         options = self.options
-        (point, length), leapt = self._next(last, length), False
-        past = None
+        point, past, leapt = None, None, False
+        while point is None and length * options.largest_step >= options.smallest_step:
+            point = self.path.step(last, length)
+            length /= 2.0 if point is None else 1.0
         if point is not None and last.tangent[-1] * options.sign > 0.0 and turns(last, point):
             past = self._pass_fold(last, point, length)
         elif point is not None and point.tangent[-1] * options.sign < 0.0:
@@ -242,15 +244,6 @@ class GrowingBranch:
         if len(self.rows) == 1:
             return point
         return self.path.turned(point, last.tangent, last.unknowns - self.rows[-2].unknowns)
-
-    def _next(self, last: Point, length: float) -> tuple[Point | None, float]:
-        """Step to the next point, by a shorter arclength where the corrector fails."""
-        while length * self.options.largest_step >= self.options.smallest_step:
-            point = self.path.step(last, length)
-            if point is not None:
-                return point, length
-            length /= 2.0
-        return None, length
 
     def _add_event(self, a: Point, b: Point, length: float) -> None:
         """Find the fold or change of stability between two points (`a` is the last one kept), and keep it and its point.

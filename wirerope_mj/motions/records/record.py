@@ -214,11 +214,8 @@ def load_record(
     highpass = _checked_cutoff(baseline, highpass)
     rate = None if resample is None else positive("resample", resample)
     one_of("gaps", gaps, ("refuse", "fill"))
-    stated = (
-        None
-        if columns is None and interval is None
-        else (columns, interval if interval is None else positive("interval", interval))
-    )
+    interval = None if interval is None else positive("interval", interval)
+    stated = None if columns is None and interval is None else (columns, interval)
     if unit is not None:
         unit = find_unit(unit, ACCELERATION_UNITS) or one_of("unit", unit, ACCELERATION_UNITS)
     directions = None if channels is None else _checked_channels(channels)

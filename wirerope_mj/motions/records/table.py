@@ -152,14 +152,9 @@ def acceleration_channels(path: Path, stated: Stated | None = None) -> tuple[str
 
 
 def read_record_table(
-    path: Path,
-    channels: Mapping[str, Direction] | None,
-    unit: str | None,
-    *,
-    fill: bool = False,
-    turns: bool = False,
+    path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False, turns: bool = False,
     stated: Stated | None = None,
-) -> Reading:
+) -> Reading:  # fmt: skip
     """Return the accelerations in the columns of a table in any container, and what turns the base.
 
     Without `channels` they are in the columns named x, y and z, without a `unit` in the header's. With `fill` empty cells and

@@ -171,13 +171,11 @@ def _stop(s: Scales) -> list[Coordinate]:
     ]  # fmt: skip
 
 
-def _make_stop(values: dict[str, float]) -> Law:
-    elastic = values["loss"] < ELASTIC
-    return Stop(**{name: value for name, value in values.items() if not (elastic and name in ("loss", "reversal"))})  # type: ignore[arg-type]
-
-
 # Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests.
-STOP = Family(coordinates=_stop, make=_make_stop, usual={"exponent": 1.0, "rounding": 0.0})
+STOP = Family(
+    coordinates=_stop, usual={"exponent": 1.0, "rounding": 0.0},
+    make=lambda v: Stop(**{name: v[name] for name in v if v["loss"] >= ELASTIC or name not in ("loss", "reversal")}),  # type: ignore[arg-type]
+)  # fmt: skip
 
 
 def beside_known(family: Family, known: Law | None) -> Family:

@@ -153,7 +153,9 @@ def export_structural(
     natural = frequency
     axes = [(axis, law) for axis in reversed(AXES) if (law := acting.axes[axis]) is not None]
     for axis, law in axes:
-        below, above = _range(acting, axis, law)
+        # As rated, else that of the largest loop worth drawing.
+        rated = (largest_amplitude(acting, axis) if end is None else end for end in acting.rated_travel(axis))
+        below, above = (min(way, math.nextafter(end, 0.0)) for way, end in zip(rated, law.travel_ends, strict=True))
         if not 0.0 < amplitude <= min(below, above):
             raise ValueError(
                 f"`amplitude` must be > 0 and within the range of each axis, {1e3 * min(below, above):.4g} mm along {axis}; "
@@ -173,14 +175,6 @@ def export_structural(
     return StructuralExport(
         isolator=isolator, code=code, amplitude=amplitude, frequency=natural, damping=how, units=units, tables=tables[::-1]
     )
-
-
-def _range(isolator: Isolator, axis: str, law: Law) -> tuple[float, float]:
-    """Return the range of a table below and above zero [m]: as rated, else that of the largest loop worth drawing."""
-    far = largest_amplitude(isolator, axis)
-    below, above = (far if rated is None else rated for rated in isolator.rated_travel(axis))
-    ends = [math.nextafter(end, 0.0) for end in law.travel_ends]
-    return min(below, ends[0]), min(above, ends[1])
 
 
 def _table(axis: str, law: Law, ends: tuple[float, float], amplitude: float, frequency: float, most: int | None) -> AxisTable:
@@ -264,10 +258,7 @@ def _nastran(export: StructuralExport) -> Iterator[str]:
     yield f"PBUSHT,1,KN,{','.join(numbers)}"
     for number, axis in enumerate(present, start=1):
         if axis is not None:
-            cells = [
-                _real(export.scaled(value, unit)) for row in axis.points for value, unit in zip(row, ("m", "N"), strict=True)
-            ]
-            yield from _large("TABLED1", [str(number), *[""] * 7, *cells, "ENDT"])
+            yield from _large("TABLED1", [str(number), *[""] * 7, *_cells(export, axis), "ENDT"])
 
 
 def _large(name: str, fields: Sequence[str]) -> Iterator[str]:
@@ -275,6 +266,10 @@ def _large(name: str, fields: Sequence[str]) -> Iterator[str]:
     for start in range(0, len(fields), 4):
         head = f"{name}*" if start == 0 and name else "*"
         yield (head.ljust(8) + "".join(field.ljust(16) for field in fields[start : start + 4])).rstrip()
+
+
+def _cells(export: StructuralExport, table: AxisTable) -> list[str]:
+    return [_real(export.scaled(value, unit)) for row in table.points for value, unit in zip(row, ("m", "N"), strict=True)]
 
 
 def _real(value: float) -> str:
@@ -320,9 +315,7 @@ def _ansys(export: StructuralExport) -> Iterator[str]:
         yield f"ET,{number},COMBIN39"
         yield f"KEYOPT,{number},1,0 ! unloads along the same curve"
         yield f"KEYOPT,{number},3,{number} ! along the nodal axis {'xyz'[number - 1]}"
-        values = [
-            _real(export.scaled(value, unit)) for row in table.points for value, unit in zip(row, ("m", "N"), strict=True)
-        ]
+        values = _cells(export, table)
         for start in range(0, len(values), 6):
             head = f"R,{number}" if start == 0 else "RMORE"
             yield f"{head},{','.join(values[start : start + 6])}"

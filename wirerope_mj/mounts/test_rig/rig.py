@@ -56,10 +56,8 @@ def cyclic_test(
         integer("cycles", cycles, least=1)
     if integer("points_per_cycle", points_per_cycle, least=4) % 4:
         raise ValueError(f"`points_per_cycle` must be a multiple of 4 and >= 4, got {points_per_cycle}.")
-    memory, remedy = (
-        OF_A_POINT * float(points_per_cycle) * (len(sizes) + 1),
-        "Use fewer `points_per_cycle`, or fewer `amplitudes`.",
-    )
+    memory = OF_A_POINT * float(points_per_cycle) * (len(sizes) + 1)
+    remedy = "Use fewer `points_per_cycle`, or fewer `amplitudes`."
     require_memory(f"{len(sizes)} loops of {points_per_cycle} points", memory, remedy)
     steps = len(sizes) * float(cycles or 1) * points_per_cycle
     require_time(f"{len(sizes)} loops of {cycles or 1} cycles", steps, "Run fewer `cycles`.")
