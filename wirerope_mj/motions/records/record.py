@@ -141,11 +141,7 @@ class Record(BaseMotion):
             return self
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RecordWarning)  # they were given
-            measured = load_record(
-                self.path, channels=self.channels, scale=self.scale, start=self.start, resample=self.resample,
-                gaps=self.gaps, unit=self.unit, rotation=self.rotation, fade=self.fade,
-                sensors_at=self.sensors_at, columns=self.columns, interval=self.interval,
-            )  # fmt: skip
+            measured = load_record(**self._parameters({}) | {"baseline": "none", "highpass": None})
         start = float(self.time[(self.time.size - measured.time.size) // 2])
         later = start - measured.start
         turning = measured.turning and replace(measured.turning, time=measured.turning.time + later)
