@@ -11,6 +11,7 @@ import io
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -21,6 +22,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread
 from typing import Any
+
+from wirerope_mj.content.blocks import Chart, SceneView
 
 HERE = Path(__file__).parent
 IMAGES, MANIFEST = HERE / "img", HERE / "img" / "pictures.json"
@@ -96,6 +99,19 @@ def floating_floor() -> Made:
     said("run", "floating_floor_shock", "--out", "floor")
     recording = Path("floor/run.rrd").resolve()
     return Made(texts_in(recording), in_viewer(recording, duration=0.102))
+
+
+def first_run() -> Made:
+    """Draw the run of the front page: the scene at its worst instant, and the three charts of its first sheet."""
+    from wirerope_mj.content.first_sheet import brief_blocks
+    from wirerope_mj.runs.scenario_file import judged_folder
+    from wirerope_mj.views.pictures import save_pictures
+
+    page = (HERE / "index.md").read_text(encoding="utf-8")
+    _, *command = shlex.split(page.partition("```bash\n")[2].partition("\n")[0])
+    lines = said(*command)
+    blocks = [block for block in brief_blocks(judged_folder(Path(command[-1]))) if isinstance(block, Chart | SceneView)]
+    return Made(lines, lambda picture: save_pictures(blocks, picture))
 
 
 def compare() -> Made:
@@ -227,7 +243,7 @@ def placement_plans() -> Made:
 PICTURES = {
     make.__name__: make
     for make in (
-        floating_floor, compare, explore, damage_spectra, first_model, frequency_response, frequency_response_view,
+        floating_floor, first_run, compare, explore, damage_spectra, first_model, frequency_response, frequency_response_view,
         placement_front, placement_plans,
     )
 }  # fmt: skip

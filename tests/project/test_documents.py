@@ -3,6 +3,7 @@
 import inspect
 import re
 import runpy
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -164,12 +165,31 @@ def test_the_page_of_commands_shows_options_that_stand_before_a_file_is_named(tm
 
 
 @pytest.mark.slow
-def test_the_readme_shows_what_the_main_job_prints_today(tmp_path, capsys):
-    assert main(["run", "floating_floor_shock", "--out", str(tmp_path / "run")]) == 0
+@pytest.mark.parametrize("name", ["README.md", "docs/index.md"])
+def test_a_first_page_shows_what_its_command_prints_today(name, here, capsys):
+    page = (ROOT / name).read_text(encoding="utf-8")
+    command = re.search(r"wirerope ((?:run|shock) .*)", page)[1]
+    assert main(shlex.split(command)) == 0
     printed = [line.rstrip() for line in capsys.readouterr().out.strip("\n").splitlines()]
-    shown = (ROOT / "README.md").read_text(encoding="utf-8").partition("```text\n")[2].partition("\n```")[0].splitlines()
+    shown = page.partition("```text\n")[2].partition("\n```")[0].splitlines()
 
-    def stated(lines):  # without the folder, the seconds that it took, and the room beside commands of another length
-        return [re.sub(r" +", " ", re.sub(r"[\d.]+ s in all|\S*run(s/floor)?(?=[/ ])", "", line)) for line in lines]
+    def stated(lines):  # without the seconds that it took, and the room beside commands of another length
+        return [re.sub(r" +", " ", re.sub(r"[\d.]+ s in all", "", line)) for line in lines]
 
     assert stated(shown) == stated(printed)
+
+
+def test_the_numbers_of_the_front_stand_on_the_page_of_checks():
+    front, checks = ((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("index.md", "verification.md"))
+    counted = re.search(r"(\d+) cases: (\d+) within, (\d+) outside", checks)
+    assert f"[{counted[2]} of {counted[1]}](verification.md#results)" in front
+    assert f"other {counted[3]} say why" in front
+    transient = checks[checks.index("### opensees-transient") :]
+    assert f"[{re.search(r'within, error (.*)', transient)[1]}](verification.md#opensees-transient)" in front
+    building = checks[checks.index("### measured-building") :]
+    deflection, acceleration = (
+        float(re.search(rf"{quantity}, mean error \| 0 \| ([\d.]+)", building)[1])
+        for quantity in ("peak deflection", "peak mean acceleration")
+    )
+    assert f"[{100.0 * deflection:.1f} %](verification.md#measured-building)" in front
+    assert f"acceleration it is {100.0 * acceleration:.0f} %" in front

@@ -35,7 +35,16 @@ def test_every_picture_is_the_one_that_was_built_and_stands_in_a_page(pictures):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    ["floating_floor", "compare", "explore", "damage_spectra", "first_model", "frequency_response", "frequency_response_view"],
+    [
+        "floating_floor",
+        "first_run",
+        "compare",
+        "explore",
+        "damage_spectra",
+        "first_model",
+        "frequency_response",
+        "frequency_response_view",
+    ],
 )
 def test_a_picture_shows_what_the_program_says_today(name, pictures, here, monkeypatch):
     monkeypatch.delenv("RERUN", raising=False)
