@@ -215,6 +215,23 @@ def test_stops_that_point_down_say_where_their_gaps_count_along_their_direction(
     assert f"{along} to {high:.3g} mm" in said
 
 
+def test_one_row_of_the_table_of_stops_stands_at_several_mounts_along_their_axes(here):
+    good_tables()
+    header = "name, mounts, gap [mm], stiffness [MN/m], gap_at, inclination [deg]"
+    write("stops.csv", header, ["s, m1; m3, 20, 10, ,", "t, all, 25, 10, installed,", "u, m[46], 30, 10, , 0"])
+    assert make("--stops", "stops.csv") == 0
+    mounts = wr.load_system("genset/genset.xml").mounts
+    named = {name for name in mounts if name[:2] in ("s_", "t_", "u_")}
+    assert named == {"s_m1", "s_m3", "u_m4", "u_m6"} | {f"t_m{number}" for number in range(1, 7)}
+    for name in named:
+        of = mounts[name[2:]]
+        np.testing.assert_allclose(mounts[name].position, of.position, atol=1e-9)
+        axes = np.eye(3)[:, 2] if name[0] == "u" else of.axes[:, 2]
+        np.testing.assert_allclose(mounts[name].axes[:, 2], axes, atol=1e-9)
+    assert mounts["s_m1"].isolator.axial == wr.Stop(gap_below=0.02, k=1e7, rounding=1e-3)
+    assert len({mounts[f"t_m{number}"].isolator.axial.rest for number in range(1, 7)}) > 1  # each at its own sag
+
+
 def test_gaps_of_an_all_round_snubber_count_from_rest_where_it_is_installed(here, capsys):
     """Pushed by a steady acceleration beyond the gap, each side touches once the payload has moved 3 mm from rest."""
     write("mounts.csv", MOUNTS, FEET)
@@ -410,6 +427,15 @@ BAD = {
                       r'line 2: column "gap_at" must be unloaded or installed, got "fitted"'),
     "a gap of a side that does not act": ("stops", f"{STOPS}, gap_up [mm]", [f"{STOP_ROWS[0]}, 3"],
                                           r'line 2: "s1" has a gap_up, and acts down: leave one of the two columns empty'),
+    "stops at no mount": ("stops", "name, mounts, gap [mm], stiffness [MN/m]", ["s, m1 m9, 20, 10"],
+                          r'line 2: column "mounts" must be all, or names of mounts such as "m1, m2"; no mount is called "m9"'),
+    "stops at mounts and at a place": ("stops", f"{STOPS}, mounts", [f"{STOP_ROWS[0]}, all"],
+                                       r'line 2: "s1" stands at mounts and has x: leave one of the two columns empty'),
+    "stops of two rows with one name": (
+        "stops", f"{STOPS}, mounts", ["s_m1, -800, 0, 100, 40, 10, 15,", "s, , , , 40, 10, 15, all"],
+        r'line 3: the name "s_m1" is given twice, first in stops.csv, line 2'),
+    "a stop without a place": ("stops", "name, gap [mm], stiffness [MN/m]", ["s, 20, 10"],
+                               r'line 2: column "x" is empty; a number is needed'),
     "a stop called like a mount": ("stops", STOPS, [changed(STOP_ROWS[0], c0="m1")], r'line 2: a mount is called "m1" too'),
     "a name with a slash": ("mounts", MOUNTS, [changed(FEET[0], c0="a/b"), *FEET[1:]], r'line 2: column "name": "a/b" holds'),
     "a name with a space": ("mounts", MOUNTS, [changed(FEET[0], c0="fore port"), *FEET[1:]],

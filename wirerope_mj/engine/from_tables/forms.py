@@ -38,6 +38,7 @@ _MEANING = {
     "stops": {
         "name": "of the stop, another than of any mount, without spaces",
         "x": "position where it touches, with y and z",
+        "mounts": "in place of x, y and z: all, or mounts such as m1 m2, at each of which one stands, with its direction",
         "gap": "free travel until it touches: below an upright stop, or along its direction",
         "gap_up": "free travel up, where it acts up, up-down or all-round; empty: gap",
         "gap_across": "free travel across, where it acts all-round; empty: gap",

@@ -5,6 +5,8 @@ import re
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from fnmatch import filter as matching
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
@@ -21,11 +23,11 @@ from wirerope_mj.engine.from_tables.layout import (
     Point,
     Sprung,
     StopLaw,
-    axes_along,
     check_places,
     why_impossible,
 )
 from wirerope_mj.engine.from_tables.mass_text import POSITIVE, read_mass_text
+from wirerope_mj.engine.from_tables.places import ANGLES, DIRECTION, POSITION, axes_of, position_of, site_name
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
 from wirerope_mj.engine.from_tables.urdf import read_urdf
 from wirerope_mj.foundation.arrays import Array
@@ -34,9 +36,6 @@ from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.mounts.isolator import AXES, Bracket
 from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
 
-_POSITION = {"name": TEXT, "x": "length", "y": "length", "z": "length"}
-_DIRECTION = dict.fromkeys(("direction_x", "direction_y", "direction_z", "bars_x", "bars_y", "bars_z"), PURE)
-_ANGLES = {"inclination": "angle", "azimuth": "angle"}
 _CENTRE, _CORNER = (tuple(f"{of}_{axis}" for axis in "xyz") for of in ("centre", "corner"))
 # depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]
 _ROUNDING = 1e-3
@@ -51,7 +50,7 @@ _BRACKETS = {f"bracket_{axis}": axis for axis in AXES}
 # columns of tables with their kinds of quantities: those that must be there, and those that may
 COLUMNS = {
     "mounts": (
-        {**_POSITION, "isolator": TEXT}, {**_DIRECTION, **_ANGLES, **dict.fromkeys(_BRACKETS, "stiffness")},
+        {**POSITION, "isolator": TEXT}, {**DIRECTION, **ANGLES, **dict.fromkeys(_BRACKETS, "stiffness")},
     ),
     "masses": (
         {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}},
@@ -60,8 +59,8 @@ COLUMNS = {
             "frequency": "frequency", "damping": "ratio", "along": TEXT,
         },
     ),
-    "stops": (_POSITION, {**_FIGURES, "isolator": TEXT, **_DIRECTION, **_ANGLES}),
-    "points": (_POSITION, {}),
+    "stops": ({"name": TEXT}, {**POSITION, "mounts": TEXT, **_FIGURES, "isolator": TEXT, **DIRECTION, **ANGLES}),
+    "points": (POSITION, {}),
 }  # fmt: skip
 # words of which the name of a row of totals consists
 _TOTAL = {
@@ -85,8 +84,8 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
     filled evenly; of a subassembly that rings on its own its frequency, and perhaps damping and along, x, y or z. Or a CAD
     program's text, .txt.
 
-    stops: name, x, y, z, direction, and gap, stiffness, damping or an isolator; perhaps acts (`ACTS`), gap_up, gap_across and
-    gap_at, "unloaded" or "installed".
+    stops: name, x, y, z, direction, or mounts, at each of which one stands; and gap, stiffness, damping or an isolator; perhaps
+    acts (`ACTS`), gap_up, gap_across and gap_at, "unloaded" or "installed".
 
     points, forces: name, x, y, z of points that are observed, and of those at which forces may act.
 
@@ -110,7 +109,7 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
     heavy = read_masses(tables["masses"], products=products)
     isolators: dict[str, Path | VendorPart] = {}
     placed = _read_mounts(tables["mounts"], isolators)
-    stopped = _read_stops(tables["stops"], isolators) if "stops" in tables else ()
+    stopped = _read_stops(tables["stops"], isolators, placed) if "stops" in tables else ()
     for stop in stopped:
         if stop.name in {mount.name for mount in placed}:
             raise RecordError(f'{stop.location}: a mount is called "{stop.name}" too. Give the stop another name.')
@@ -127,7 +126,7 @@ def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[P
     rows = read_sheet(path, kind="table of mounts", needed=needed, further=further)
     mounts: list[Placed] = []
     for row in rows:
-        name = _site_name(row)
+        name = site_name(row)
         isolator = _isolator(row, path, isolators)
         stiff = {axis: row.number(column) for column, axis in _BRACKETS.items() if row.has(column)}
         try:
@@ -136,17 +135,16 @@ def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[P
                 replace(load_isolator(isolators[isolator]), bracket=bracket)
         except (ModelError, ValueError) as error:
             raise row.error(f'column "bracket_{next(iter(stiff))}": {error}') from None
-        mounts.append(Placed(name, _position(row), _axes(row), isolator, row.location, bracket=bracket))
+        mounts.append(Placed(name, position_of(row), axes_of(row), isolator, row.location, bracket=bracket))
     return tuple(mounts)
 
 
-def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
+def _read_stops(path: Path, isolators: dict[str, Path | VendorPart], mounts: Sequence[Placed]) -> tuple[Placed, ...]:
     needed, further = COLUMNS["stops"]
     rows = read_sheet(path, kind="table of stops", needed=needed, further=further)
     laws: dict[tuple[StopLaw, str], str] = {}
-    stops = []
-    for row in rows:
-        name = _site_name(row)
+    stops: dict[str, Placed] = {}
+    for row, name, position, axes in (stop for line in rows for stop in _stop_places(line, mounts)):
         if row.has("isolator"):
             if stated := [column for column in _FIGURES if row.has(column)]:
                 raise row.error(
@@ -155,7 +153,7 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
                 )
             law, isolator = None, _isolator(row, path, isolators)
         else:
-            law, rise = _stop_law(row), float(_axes(row)[2, 2])
+            law, rise = _stop_law(row), float(axes[2, 2])
             # beyond 45 degrees a stop acts more across than up or down
             least = -math.sqrt(0.5) if law.gap_across is not None else math.sqrt(0.5)
             if row.has("acts") and rise < least and law.gap != law.gap_up:
@@ -166,8 +164,26 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
                 )
             # rest, and with it the isolator, is another at every place
             isolator = laws.setdefault((law, "" if law.rest is None else name), f"stop_of_table_{len(laws) + 1}")
-        stops.append(Placed(name, _position(row), _axes(row), isolator, row.location, law))
-    return tuple(stops)
+        if name in stops:
+            raise row.error(f'the name "{short(name)}" is given twice, first in {stops[name].location}.')
+        stops[name] = Placed(name, position, axes, isolator, row.location, law)
+    return tuple(stops.values())
+
+
+def _stop_places(row: Row, mounts: Sequence[Placed]) -> list[tuple[Row, str, Array, Array]]:
+    """Return name, position and axes of the stop of a row, or of the stops at all mounts that the row names."""
+    if not row.has("mounts"):
+        return [(row, site_name(row), position_of(row), axes_of(row))]
+    patterns = ["*"] if row.text("mounts") == "all" else re.split(r"[,;\s]+", row.text("mounts"))
+    if unknown := [short(pattern) for pattern in patterns if not matching([mount.name for mount in mounts], pattern)]:
+        raise row.error(f'column "mounts" must be all, or names of mounts such as "m1, m2"; no mount is called "{unknown[0]}".')
+    if where := [axis for axis in "xyz" if row.has(axis)]:
+        raise row.error(f'"{short(row.text("name"))}" stands at mounts and has {where[0]}: leave one of the two columns empty.')
+    turned = any(row.has(column) for column in (*DIRECTION, *ANGLES))
+    return [
+        (row, f"{site_name(row)}_{mount.name}", mount.position, axes_of(row) if turned else mount.axes)
+        for mount in mounts if any(fnmatchcase(mount.name, pattern) for pattern in patterns)
+    ]  # fmt: skip
 
 
 def _stop_law(row: Row) -> StopLaw:
@@ -197,7 +213,7 @@ def _read_points(tables: Mapping[str, Path], kind: str) -> tuple[Point, ...]:
     if kind not in tables:
         return ()
     rows = read_sheet(tables[kind], kind=f"table of {kind}", needed=COLUMNS["points"][0], further={})
-    return tuple(Point(_site_name(row), _position(row), row.location) for row in rows)
+    return tuple(Point(site_name(row), position_of(row), row.location) for row in rows)
 
 
 def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:
@@ -219,42 +235,6 @@ def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:
         centre = np.array(row.vector(*_CENTRE)) if centred else np.array(row.vector(*_CORNER)) + 0.5 * size
         boxes.append(Box(row.text("name"), centre, size))
     return tuple(boxes)
-
-
-def _site_name(row: Row) -> str:
-    name = row.text("name")
-    if "/" in name or any(character.isspace() for character in name):
-        raise row.error(f'column "name": "{short(name)}" holds a space or "/", which names in a model cannot. Write "_".')
-    return name
-
-
-def _position(row: Row) -> Array:
-    return np.array(row.vector("x", "y", "z"))
-
-
-def _axes(row: Row) -> Array:
-    """Return the axes of a mount from its direction, or inclination and azimuth; upright by default."""
-    vector = [column for column in ("direction_x", "direction_y", "direction_z") if row.has(column)]
-    angles = [column for column in ("inclination", "azimuth") if row.has(column)]
-    if vector and angles:
-        raise row.error(f'columns "{vector[0]}" and "{angles[0]}" both say the direction; leave one empty.')
-    axial = np.array([0.0, 0.0, 1.0])
-    if vector:
-        axial = np.array(row.vector("direction_x", "direction_y", "direction_z"))
-        if not axial.any():
-            raise row.error('columns "direction_x" to "direction_z" are all zero.')
-    elif angles:
-        inclination, azimuth = row.number("inclination"), row.number("azimuth", 0.0)
-        if not 0.0 <= inclination <= math.pi * (1.0 + 1e-12):
-            raise row.error('column "inclination" must lie between 0 and 180 degrees.')
-        flat = math.sin(inclination)
-        axial = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), math.cos(inclination)])
-    if not any(row.has(column) for column in ("bars_x", "bars_y", "bars_z")):
-        return axes_along(axial)
-    bars = np.array(row.vector("bars_x", "bars_y", "bars_z"))
-    if np.linalg.norm(np.cross(bars, axial)) <= 1e-3 * np.linalg.norm(bars) * np.linalg.norm(axial):
-        raise row.error('columns "bars_x" to "bars_z" are zero or along the direction, not across it.')
-    return axes_along(axial, bars)
 
 
 def _isolator(row: Row, path: Path, isolators: dict[str, Path | VendorPart]) -> str:
