@@ -52,7 +52,8 @@ class BaseMotion(ABC):
 
     kind: ClassVar[str]  # name of the motion in stored files
     phrases: ClassVar[tuple[SpokenMotion, ...]] = ()  # its phrases in commands, jobs and files of levels
-    renamed: ClassVar[Mapping[str, str]] = {}  # arguments of the constructor that attributes of other names hold
+    # arguments of the constructor that attributes of other names hold; of several in one, the attribute `quantity` names it
+    renamed: ClassVar[Mapping[str, str]] = {}
 
     # length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop, of a sum from time
     # zero; infinite for an endless sine. `end` is the instant after which it is over.
@@ -209,7 +210,8 @@ class BaseMotion(ABC):
         return {name: _plain(value, files) for name, value in stated.items() if value is not None and value != math.inf}
 
     def _argument(self, name: str) -> object:
-        return getattr(self, self.renamed.get(name, name))
+        other = name in self.renamed and name != getattr(self, "quantity", name)
+        return None if other else getattr(self, self.renamed.get(name, name))
 
     def _set(self, **values: object) -> None:
         for name, value in values.items():

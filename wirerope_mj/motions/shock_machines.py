@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
@@ -52,6 +52,7 @@ class DecayingSine(StartedMotion):
     """
 
     kind: ClassVar[str] = "decaying-sine"
+    renamed: ClassVar[Mapping[str, str]] = {"velocity": "level", "acceleration": "level"}
     phrases = (
         SpokenMotion(
             name="struck-deck", example="14 Hz 1.5 m/s damping 5 % blow 4 ms z",
@@ -122,10 +123,6 @@ class DecayingSine(StartedMotion):
         return Said(
             f"{deck}{blow} {self._line_text}", events, shortest_time=min(1 / self.frequency, self.impact_duration or math.inf)
         )
-
-    def _argument(self, name: str) -> object:
-        either = name in ("velocity", "acceleration")
-        return (self.level if name == self.quantity else None) if either else super()._argument(name)
 
     @property
     def _omega(self) -> float:

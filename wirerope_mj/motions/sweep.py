@@ -1,7 +1,7 @@
 """Logarithmic sine sweep of constant acceleration, velocity or displacement amplitude, by integrals that do not drift."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
@@ -221,6 +221,7 @@ class Sweep(StraightMotion):
     """
 
     kind: ClassVar[str] = "sweep"
+    renamed: ClassVar[Mapping[str, str]] = dict.fromkeys(FORMS, "amplitude")
     phrases = (
         SpokenMotion(
             name="sweep", example="0.5 g 5 to 50 Hz 2 oct/min z",
@@ -279,9 +280,6 @@ class Sweep(StraightMotion):
         text = f"{course}, {level} along {direction_text(self.direction)}"
         events = (0.0, f"sweep begins at {self.start:.4g} Hz"), (self.duration, f"sweep reaches {self.stop:.4g} Hz")
         return Said(text, events, shortest_time=1 / max(self.start, self.stop))
-
-    def _argument(self, name: str) -> object:
-        return (self.amplitude if name == self.quantity else None) if name in FORMS else super()._argument(name)
 
     def _along(self, t: Array, order: int) -> Array:
         return self.amplitude * FORMS[self.quantity][order](self.course, t)

@@ -1,7 +1,7 @@
 """Several steady sines at once: ship vibration at shaft, blade and engine orders."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
@@ -82,6 +82,7 @@ class VibrationLines(AsCall, StartedMotion):
     """
 
     kind: ClassVar[str] = "vibration-lines"
+    renamed: ClassVar[Mapping[str, str]] = dict.fromkeys(_ORDER, "lines")
     phrases = (
         SpokenMotion(
             name="amplitude-table", example="levels.csv 10 s z",
@@ -200,9 +201,8 @@ class VibrationLines(AsCall, StartedMotion):
         )
 
     def _argument(self, name: str) -> object:
-        if name in _ORDER:
-            return self.lines if name == self.quantity else None
-        return super()._argument(name) if name not in ("rise", "fall") else getattr(self, name) or None
+        value = super()._argument(name)
+        return value or None if name in ("rise", "fall") else value
 
     @cached_property
     def _terms(self) -> tuple[tuple[float, float, float], ...]:
