@@ -59,7 +59,10 @@ COLUMNS = {
             "frequency": "frequency", "damping": "ratio", "along": TEXT,
         },
     ),
-    "stops": ({"name": TEXT}, {**dict.fromkeys("xyz", "length"), "mounts": TEXT, **_FIGURES, "isolator": TEXT, **DIRECTION, **ANGLES}),
+    "stops": (
+        {"name": TEXT},
+        {**dict.fromkeys("xyz", "length"), "mounts": TEXT, **_FIGURES, "isolator": TEXT, **DIRECTION, **ANGLES},
+    ),
     "points": (POSITION, {}),
 }  # fmt: skip
 # words of which the name of a row of totals consists
