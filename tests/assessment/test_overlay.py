@@ -26,10 +26,11 @@ from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.views.colours import RUNS
 from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording import read_state, record_overlay, record_rerun
 from wirerope_mj.views.recording.animation import with_values
-from wirerope_mj.views.recording.drawn_runs import COLORS, several_runs
+from wirerope_mj.views.recording.drawn_runs import several_runs
 from wirerope_mj.views.recording.ghosts import ghost_factor
 from wirerope_mj.views.recording.viewer import viewer_binary
 
@@ -156,7 +157,7 @@ def test_shared_histories_stand_in_the_same_axes_in_their_units(runs, entities):
 
 
 def test_colours_and_peaks_of_a_run_are_the_same_in_every_view(runs, entities):
-    blue, orange = COLORS[:2]
+    blue, orange = RUNS[:2]
     for rank, name, color in ((2, "A", blue), (1, "run\\ B\\/2", orange)):
         packed = (color[0] << 24) + (color[1] << 16) + (color[2] << 8) + 255
         for path, component in (

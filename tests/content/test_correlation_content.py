@@ -6,8 +6,8 @@ from made_up_floor import floor_response
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge
-from wirerope_mj.content.blocks import Chart, Statement
-from wirerope_mj.content.correlation import GHOST, correlation_content, with_ghosts
+from wirerope_mj.content.blocks import MEASURED, Chart, Statement
+from wirerope_mj.content.correlation import correlation_content, with_ghosts
 from wirerope_mj.content.histories import run_histories
 from wirerope_mj.content.selection import select
 
@@ -72,8 +72,8 @@ def test_measured_channels_are_ghosts_among_the_curves_of_a_run(floor, tests):
     panels = run_histories(floor, select(floor, judge(floor)))
     laid = with_ghosts(panels, tests[1:])
     added = laid["acceleration", "z"].curves[len(panels["acceleration", "z"].curves) :]
-    assert [(curve.name, curve.kind) for curve in added] == [("rack_top measured", GHOST)]
-    assert [curve.kind for curve in laid["deflection", "axial"].curves].count(GHOST) == 1
+    assert [(curve.name, curve.kind) for curve in added] == [("rack_top measured", MEASURED)]
+    assert [curve.kind for curve in laid["deflection", "axial"].curves].count(MEASURED) == 1
     alone = [key for key in laid if key[0] == "measured"]
     assert [key[3] for key in alone] == [one.label for one in tests[1].channels]
     assert len(panels) + len(alone) == len(laid)

@@ -8,7 +8,6 @@ import re
 import warnings
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,8 +30,6 @@ from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import Scenario, load_scenario
-from wirerope_mj.views import report as report_package
-from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.plots.svg_chart import chart_svg
 from wirerope_mj.views.report import report_html
 
@@ -385,27 +382,6 @@ def test_values_are_read_back_from_a_chart_as_they_are(finished):
     exact = np.interp(time, finished.response.time, 1e3 * finished.response.mounts["m1"].deflection[:, 2])
     steep = np.abs(np.gradient(exact, time)).max() * 0.05 * (x1 - x0) / width  # of a place across, rounded too
     np.testing.assert_allclose(value, exact, atol=0.06 * (y1 - y0) / height + steep)
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_texts_of_the_page_can_be_read_in_either_theme(scheme):
-    coloraide = pytest.importorskip("coloraide")
-    css = (Path(report_package.__file__).parent / "report.css").read_text(encoding="utf-8")
-    blocks = re.findall(r":root \{([^}]*--ground[^}]*)\}", css)
-    colors = dict(re.findall(r"(--[a-z-]+): (#[0-9a-f]{6})", blocks[scheme == "dark"]))
-    on_ground = ("--text", "--accent", "--quiet", "--good", "--bad", "--open", "--heading")
-    pairs = [(name, "--ground") for name in on_ground]
-    pairs += [("--bad", "--bad-box"), ("--text", "--good-box"), ("--open", "--open-box"), ("--text", "--box")]
-    for text, ground in pairs:
-        contrast = coloraide.Color(colors[text]).contrast(colors[ground], method="wcag21")
-        assert contrast >= 4.5, (text, ground, contrast)
-
-
-def test_colours_of_the_style_sheet_are_those_of_the_table():
-    css = (Path(report_package.__file__).parent / "report.css").read_text(encoding="utf-8")
-    for number, color in enumerate(DARK.series):
-        assert f".chart .c{number} {{ stroke: #{bytes(color).hex()}; }}" in css
-    assert f".chart .limit {{ stroke: #{bytes(DARK.limit).hex()}; }}" in css
 
 
 @pytest.mark.quick

@@ -1,14 +1,14 @@
 """Blocks on the base's motion: histories, extremes, events, spectrum, and measured records with baseline corrections."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from wirerope_mj.assessment.criteria.loads import foundation_force
 from wirerope_mj.assessment.criteria.sampled import elements, has_peak
 from wirerope_mj.assessment.criteria.verdict import AMPLIFIED
-from wirerope_mj.content.blocks import Block, Chart, Curve, Panel, Statement
+from wirerope_mj.content.blocks import MEASURED, PAYLOADS, Block, Chart, Curve, Panel, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, listed
 from wirerope_mj.content.run_spectra import BASE, moving_axes
@@ -93,20 +93,19 @@ def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Ar
 def _loads_chart(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Chart:
     """Draw forces and moments at the loaded sites, and the force on the foundation without its initial value."""
 
-    def components(values: Array, label: str, unit: str, xlabel: str = "") -> Panel:
+    def components(values: Array, label: str, unit: str, kind: str, xlabel: str = "") -> list[Panel]:
         size = np.abs(values).max(initial=0.0)
         axes = [axis for axis in range(3) if np.abs(values[:, axis]).max(initial=0.0) > _NEGLIGIBLE * size] or [2]
-        curves = [Curve(response.time, values[:, axis], name="xyz"[axis], kind=axis) for axis in axes]
-        return Panel(curves, label, xlabel=xlabel, xlim=window, unit=unit)
+        return _axis_panels(response.time, values, axes, label, unit, xlabel, window, kind)
 
     rows = []
     for site in motion.loaded_sites:
         load = motion.load(site, response.time)
         for values, quantity, unit in ((load[:, :3], "force", "N"), (load[:, 3:], "moment", "N m")):
             if np.abs(values).max(initial=0.0) > 0.0:
-                rows.append([components(values, f"{quantity} at {site} [{unit}]", unit)])
+                rows.append(components(values, f"{quantity} at {site} [{unit}]", unit, PAYLOADS[0]))
     transmitted = foundation_force(response)
-    rows.append([components(transmitted - transmitted[0], "on the foundation [N]", "N", "time [s]")])
+    rows.append(components(transmitted - transmitted[0], "on the foundation [N]", "N", BASE, "time [s]"))
     return Chart(
         rows=rows, height=95.0, id="loads",
         caption="What acts on the payload, along the axes of its site, and what the mounts pass on to the foundation, along "
@@ -115,13 +114,36 @@ def _loads_chart(response: Response, motion: BaseMotion, window: tuple[float, fl
     )  # fmt: skip
 
 
+def _axis_panels(
+    x: Array,
+    values: Array,
+    axes: Sequence[int],
+    label: str,
+    unit: str,
+    xlabel: str,
+    window: tuple[float, float],
+    kind: str = BASE,
+) -> list[Panel]:
+    """Draw components (n_t, 3) beside each other."""
+    return [
+        Panel(
+            [Curve(x, values[:, axis], name="", kind=kind)], label if axis == axes[0] else "", xlabel=xlabel,
+            title="xyz"[axis], xlim=window, unit=unit,
+        )
+        for axis in axes
+    ]  # fmt: skip
+
+
 def _rotation_blocks(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Iterator[Block]:
     """Yield the base's roll, pitch and yaw, with their extremes and those of its angular velocity and acceleration."""
     angles = motion.angular_displacement(response.time)
     spin, turning = motion.angular_velocity(response.time), motion.angular_acceleration(response.time)
     turned = [axis for axis in range(3) if np.abs(angles[:, axis]).max(initial=0.0) > 0.0]
     names = ("roll", "pitch", "yaw")
-    curves = [Curve(response.time, in_unit(angles[:, axis], "deg"), name=names[axis], kind=axis) for axis in turned]
+    curves = [
+        Curve(response.time, in_unit(angles[:, axis], "deg"), name=names[axis], kind=BASE, dash=dash)
+        for axis, dash in zip(turned, ("", "dashed", "dotted"), strict=False)
+    ]
     about = listed([f"{names[axis]} about {'xyz'[axis]}" for axis in turned])
     yield Chart(
         id="base-rotation", rows=[[Panel(curves, "angle [deg]", xlabel="time [s]", xlim=window, unit="deg")]], height=55.0,
@@ -152,8 +174,7 @@ def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, f
         ("velocity [m/s]", "m/s", response.time, response.base.velocity),
         ("displ. [mm]", "mm", response.time, in_unit(response.base.displacement, "mm")),
     ):
-        curves = [Curve(x, values[:, axis], name="xyz"[axis], kind=axis) for axis in axes]
-        rows.append([Panel(curves, label, xlabel="time [s]" if unit == "mm" else "", xlim=window, unit=unit)])
+        rows.append(_axis_panels(x, values, axes, label, unit, "time [s]" if unit == "mm" else "", window))
     names = listed(["xyz"[axis] for axis in axes])
     still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
     end = float(np.linalg.norm(response.base.velocity[-1]))
@@ -203,7 +224,7 @@ def record_chart(played: Record) -> Chart:
         row = []
         for axis in axes:
             curves = []
-            for kind, (record, name) in enumerate(((played, "as played"), (measured, "as measured"))[: 1 + corrected]):
+            for record, name, kind in ((played, "as played", BASE), (measured, "as measured", MEASURED))[: 1 + corrected]:
                 values = (in_unit(record.samples, "g"), record.velocity, record.displacement)[number]
                 y = values if isinstance(values, np.ndarray) else values(record.time)
                 y = in_unit(y, "mm") if unit == "mm" else y

@@ -1,6 +1,6 @@
 """The content of a result: sections of statements, tables, charts and scenes with ids, document data, and appendices."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -16,8 +16,9 @@ from wirerope_mj.foundation.structure import DATE, Key
 from wirerope_mj.foundation.tables import TONES, Column, Table, left
 
 WIDTH, LEFT, RIGHT = 760.0, 58.0, 16.0  # of a chart, about pixels of a page; margins beside its panels
-# Kinds of curves beside the numbered colours; `LIMIT` is a curve that must not be exceeded
-BASE, OTHERS, LIMIT = "base", "others", "limit"
+# What a curve is of, which gives it its colour in every output (`views/colours.py`); `LIMIT` must not be exceeded
+BASE, OTHERS, LIMIT, EXCEEDED, MEASURED, MODEL = "base", "others", "limit", "exceeded", "measured", "model"
+PAYLOADS, MOUNTS = ("payload", "payload-2", "payload-3"), ("mount", "mount-2", "mount-3")  # the most critical ones first
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class Curve:
     y: Array
     _: KW_ONLY
     name: str  # in the legend; "" for a curve without a name
-    kind: int | str  # number of a colour, `BASE`, `OTHERS` or `LIMIT`
+    kind: int | str  # what it is of, by name; a number among runs, cases, levels or choices that a chart compares
     marks: bool = False  # whether dots are drawn at the positions instead of a line
     bars: float = 0.0  # height of the bars that go from zero to each x instead; 0 for none
     ends: Array | None = None  # of an interval across the end of each bar, (n, 2)
@@ -68,6 +69,7 @@ class Panel:
     title: str = ""
     limits: Sequence[tuple[str, float]] = ()  # levels that are dashed, with their names
     xlimits: Sequence[tuple[str, float]] = ()  # the same on the horizontal axis
+    exceeded: Collection[str] = ()  # names of those of both that are exceeded
     dots: Sequence[tuple[float, float]] = ()  # positions of single points
     notes: Sequence[Note] = ()  # texts at positions
     field: Field | None = None  # behind the curves; None for none
@@ -82,6 +84,9 @@ class Panel:
     # unit, xunit: units of the vertical and the horizontal axis
     unit: str = ""
     xunit: str = "s"
+
+    def kind_of_limit(self, name: str) -> str:
+        return EXCEEDED if name in self.exceeded else LIMIT
 
 
 @dataclass(frozen=True, kw_only=True)

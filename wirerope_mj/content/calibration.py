@@ -6,7 +6,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from wirerope_mj.content.blocks import Block, Chart, Content, Curve, Panel, Section, Statement, short
+from wirerope_mj.content.blocks import MEASURED, MODEL, Block, Chart, Content, Curve, Panel, Section, Statement, short
 from wirerope_mj.content.identification import record_warnings
 from wirerope_mj.content.numbers import number, several, with_unit
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
@@ -177,10 +177,10 @@ def _charts(result: Calibration) -> Iterator[Chart]:
             x, y, ylabel, log = np.exp(x), [np.exp(values) for values in y], "transmissibility", "xy"
         panel = Panel(
             (
-                Curve(x, y[1], name="calculated", kind=0, dash="dashed"),
-                Curve(x, y[0], name="measured", kind=1, marks=series.across != "time", weight=2.0),
-                Curve(x, y[2], name="90 % band", kind=0, dash="dotted"),
-                Curve(x, y[3], name="", kind=0, dash="dotted"),
+                Curve(x, y[1], name="calculated", kind=MODEL, dash="dashed"),
+                Curve(x, y[0], name="measured", kind=MEASURED, marks=series.across != "time", weight=2.0),
+                Curve(x, y[2], name="90 % band", kind=MODEL, dash="dotted"),
+                Curve(x, y[3], name="", kind=MODEL, dash="dotted"),
             ),
             ylabel, xlabel=xlabel, unit=unit, log=log,
         )  # fmt: skip

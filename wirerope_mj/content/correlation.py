@@ -8,16 +8,13 @@ import numpy as np
 
 from wirerope_mj.assessment.correlation import ChannelCorrelation, Correlation
 from wirerope_mj.assessment.correlation.over_frequency import THREE_DB, SpectrumRatio
-from wirerope_mj.content.blocks import Block, Chart, Content, Curve, Panel, Section, Statement, short
+from wirerope_mj.content.blocks import MEASURED, MODEL, Block, Chart, Content, Curve, Panel, Section, Statement, short
 from wirerope_mj.content.histories import Histories
 from wirerope_mj.content.numbers import several, with_unit
 from wirerope_mj.content.spectrum_charts import POWER_DECADES, spectrum_panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.isolator import AXES
-
-MEASURED, MODEL = 0, 1  # colour numbers of measured and calculated curves, in every chart
-GHOST = 6  # colour number of a measured channel among the curves of a run, in a recording
 
 _UNITS = {"acceleration": "g", "velocity": "m/s", "displacement": "mm", "deflection": "mm", "force": "kN"}
 _TONES = {"excellent": "within", "good": "within", "fair": "near", "poor": "exceeded"}
@@ -88,7 +85,7 @@ def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:
             key = (channel.channel.quantity, AXES[axis] if kind == "mount" else "xyz"[axis])
             panel = channel_panel(channel)
             if key in overlaid and kind != "base":
-                ghost = replace(panel.curves[1], name=short(f"{subject} measured"), kind=GHOST)
+                ghost = replace(panel.curves[1], name=short(f"{subject} measured"), kind=MEASURED)
                 overlaid[key] = replace(overlaid[key], curves=[*overlaid[key].curves, ghost])
             overlaid["measured", f"{channel.channel.quantity}s", test.name, channel.label] = replace(
                 panel, title=f"{panel.title} {panel.ylabel}"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.decks import deck_bends
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import listed, number, several, with_unit
 from wirerope_mj.engine.simulation.stability import slowest_period
@@ -46,6 +47,23 @@ class _Part:
 
 def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
     yield from _blocks(_run_parts(run))
+
+
+def reliance(run: JudgedRun) -> Statement:
+    """State in a line whether the deck bends, how far the peaks are known, and the weakest part of what they rest on."""
+    parts = _run_parts(run)
+    deck = "bends in the model" if deck_bends(run) else 'rigid (--deck "10 Hz 800 kg 4 %" lets it bend)'
+    weakest = min(parts, key=lambda part: part.grade)
+    band = _band_text(parts) or "How far peaks are known has no number"
+    return Statement("reliance", f"Deck: {deck}. {band}. Weakest: {weakest.name} ({GRADES[weakest.grade]}).", tone="quiet")
+
+
+def _band_text(parts: Sequence[_Part]) -> str:
+    """Write the effect of the parts that have a number on peaks, and name the others; "" if none has one."""
+    known = [part.size for part in parts if math.isfinite(part.size)]
+    unknown = [part.name for part in parts if not math.isfinite(part.size)]
+    text = f"What has a number moves peaks by ±{with_unit(math.hypot(*known), '%', digits=2)} (90 %)"
+    return f"{text}; {listed(unknown)}: no number, so that the true band is wider" if known else ""
 
 
 def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
@@ -123,13 +141,8 @@ def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
     weakest = min(parts, key=lambda part: part.grade)
     known = [part for part in parts if math.isfinite(part.size)]
     total = sum(part.size**2 for part in known)
-    unknown = [part.name for part in parts if part not in known]
     texts = [f"The answer is as good as its weakest part, {weakest.name} ({GRADES[weakest.grade]}): {weakest.text}."]
-    if known:
-        texts.append(
-            f"What has a number moves peaks by ±{with_unit(math.sqrt(total), '%', digits=2)} (90 %); "
-            f"{listed(unknown)}: no number, so that the true band is wider."
-        )
+    texts += [f"{band}."] if (band := _band_text(parts)) else []
     yield Statement(
         "credibility", " ".join(texts), tone="unjudged" if weakest.grade < _STATED else "",
         values={"grade": float(weakest.grade), "band": math.sqrt(total)},

@@ -33,8 +33,8 @@ def decks_blocks(run: JudgedRun) -> Iterator[Block]:
     """Yield the governing peaks on decks of four frequencies if the run asks for them, or why they were not computed."""
     if not run.response.scene.mounts:
         return
-    if run.system.assembly.subjects.modes or any(body.name == NAME for body in run.response.scene.bodies):
-        return  # the deck bends already
+    if deck_bends(run):
+        return
     obstacle = _obstacle(run)
     if not (obstacle or run.decks):
         yield Statement(
@@ -55,6 +55,10 @@ def decks_blocks(run: JudgedRun) -> Iterator[Block]:
             return
     text = f"The deck is rigid here; one that bends was not looked at: {obstacle}. "
     yield Statement("decks", f'{text}--deck "10 Hz 800 kg 4 %" puts the model on one.', tone="unjudged")
+
+
+def deck_bends(run: JudgedRun) -> bool:
+    return bool(run.system.assembly.subjects.modes) or any(body.name == NAME for body in run.response.scene.bodies)
 
 
 def _obstacle(run: JudgedRun) -> str:

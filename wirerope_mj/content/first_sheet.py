@@ -7,7 +7,7 @@ from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.verdict import RMS, by_use
 from wirerope_mj.content.base import base_acceleration
-from wirerope_mj.content.blocks import BASE, OTHERS, Block, Chart, Panel, Statement, short
+from wirerope_mj.content.blocks import BASE, PAYLOADS, Block, Chart, Panel, Statement, short
 from wirerope_mj.content.histories import Line, history_panel, subject_called
 from wirerope_mj.content.judged_run import STILL, JudgedRun
 from wirerope_mj.content.numbers import with_unit
@@ -57,29 +57,22 @@ def first_charts(run: JudgedRun) -> Chart | None:
     response, selection, panels = run.response, run.selection, list[Panel]()
     timed = by_use(row for row in run.verdicts if row.time is not None)
     mount = next((name for name in timed if name in selection.mounts), selection.governing)
-    colour: int | str = 0
     if names := worst_names(response)[:1]:
-        along = main_direction(response)
-        taken = kind_of(selection, mount, 0) if mount else 0
-        colour = next(kind for kind in (kind_of(selection, names[0], 1), 1, 2) if kind != taken)
+        along, kind = main_direction(response), kind_of(selection, names[0])
         lines = [
-            Line(response=response, subject=subject_called(response, names[0]), name=names[0], kind=colour),
+            Line(response=response, subject=subject_called(response, names[0]), name=names[0], kind=kind),
             Line(response=response, subject=THE_BASE, name="base", kind=BASE, history=base_acceleration(response, run.motion)),
         ]
         panels.append(history_panel("acceleration", along, lines, selection.window))
     if mount:
         used = next(row for row in mount_peaks(response) if row.name == mount)
         axis = next((axis for axis, senses in SIDES.items() if used.governing in senses), selection.axes[0])
-        line = Line(response=response, subject=mount, name=mount, kind=kind_of(selection, mount, 0))
+        line = Line(response=response, subject=mount, name=mount, kind=kind_of(selection, mount))
         panels.append(history_panel("deflection", axis, [line], selection.window))
     panels = [replace(panel, xlabel="time [s]") for panel in panels]
     if over := panel_over_frequency(run):
-        first = {short(name) for name in names}  # of several bodies the one beside it alone, in its colour
-        curves = [
-            replace(curve, kind=colour if curve.name.partition(", ")[0] in first else curve.kind)
-            for curve in over.curves
-            if curve.name.partition(", ")[0] in first or not isinstance(curve.kind, int)
-        ]
+        first = {short(name) for name in names}  # of several bodies the one beside it alone
+        curves = [curve for curve in over.curves if curve.name.partition(", ")[0] in first or curve.kind not in PAYLOADS]
         panels.append(replace(over, curves=curves, title=over.ylabel.replace("peak acceleration ", ""), ylabel=""))
     return Chart(
         id="first-charts", rows=[panels], height=150.0,
@@ -107,7 +100,7 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
     panel = _panel_along(shock_chart(run), list(run.spectra.shock), axis)
     tops = [(curve, int(curve.y.argmax())) for curve in panel.curves]
     curves = [replace(curve, peak=(float(curve.x[top]), float(curve.y[top]))) for curve, top in tops]
-    curves += [required_curve(one, OTHERS) for one in run.achieved if one.direction == axis]
+    curves += [required_curve(one) for one in run.achieved if one.direction == axis]
     return replace(panel, curves=curves)
 
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.comparison import Comparison, Component, Subject, difference, subjects_of
-from wirerope_mj.content.blocks import BASE, Curve, Panel, short
+from wirerope_mj.content.blocks import BASE, MOUNTS, Curve, Panel, short
 from wirerope_mj.content.numbers import number
-from wirerope_mj.content.selection import Selection, kind_of, or_other, travel_limits
+from wirerope_mj.content.selection import NAMED, Selection, kind_of, or_other, travel_limits
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
@@ -58,21 +58,24 @@ def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tupl
         )
     else:
         what, label = f"{along.capitalize()} {quantity}", f"{along} [{unit}]"
-    levels: dict[tuple[str, float], None] = {}  # rated travels that deflections come near: of the first mount, or in all runs
+    levels: dict[tuple[str, float], bool] = {}  # rated travels that deflections come near: of the first mount, or in all runs
     for line in (lines if part else lines[:1]) if quantity == "deflection" else ():
         mount = next(entry for entry in line.response.scene.mounts if entry.name == line.subject)
         peak = line.response.peaks.mounts[mount.name].deflection
         for limit, reached in zip(travel_limits(mount, along), (peak.minimum, peak.maximum), strict=True):
-            if reached[_axis_number(along)] / limit >= _SHOWN_RATING:  # NaN: unrated
-                levels["rated travel" if part else f"rated travel of {short(mount.name)}", in_unit(float(limit), "mm")] = None
+            used = reached[_axis_number(along)] / limit
+            if used >= _SHOWN_RATING:  # NaN: unrated
+                level = "rated travel" if part else f"rated travel of {short(mount.name)}", in_unit(float(limit), "mm")
+                levels[level] = levels.get(level, False) or bool(used > 1.0)
     if quantity == "acceleration":
-        levels |= dict.fromkeys(_acceleration_levels(lines, along))
+        levels |= _acceleration_levels(lines, along)
     title = f"{part}: {what[:1].lower()}{what[1:]} [{unit}]{_peak_changes(curves)}" if part else f"{what} [{unit}]"
-    return Panel(curves, label, title=title, limits=list(levels), xlim=window, unit=unit)
+    exceeded = {name for (name, _), passed in levels.items() if passed}
+    return Panel(curves, label, title=title, limits=list(levels), exceeded=exceeded, xlim=window, unit=unit)
 
 
-def _acceleration_levels(lines: Sequence[Line], along: str) -> Iterator[tuple[str, float]]:
-    """Yield the limits of accelerations that peaks of the drawn parts come near, both ways along an axis [g]."""
+def _acceleration_levels(lines: Sequence[Line], along: str) -> Iterator[tuple[tuple[str, float], bool]]:
+    """Yield the limits of accelerations [g] that peaks of the drawn parts come near, both ways, and whether they pass them."""
     for line in lines:
         if isinstance(subject := line.subject, Component) and subject != THE_BASE:
             reached = abs(_extreme(subject.peak(line.response), along)[1])
@@ -81,7 +84,8 @@ def _acceleration_levels(lines: Sequence[Line], along: str) -> Iterator[tuple[st
                 if (limit.kind, limit.name) == ("acceleration", subject.name) and (whole or along != TOTAL):
                     value = limit.values[0 if whole else _axis_number(along)]
                     if value and reached >= _SHOWN_RATING * value:
-                        yield from ((f"limit of {short(line.name)}", in_unit(side * value, "g")) for side in (1.0, -1.0))
+                        for side in (1.0, -1.0):
+                            yield (f"limit of {short(line.name)}", in_unit(side * value, "g")), reached > value
 
 
 def run_histories(response: Response, selection: Selection) -> Histories:
@@ -111,7 +115,7 @@ def named_lines(response: Response, selection: Selection, subjects: Mapping[str,
     lines = []
     for rank, (label, subject) in enumerate(subjects.items()):
         name = subject if isinstance(subject, str) else subject.name
-        called, kind = or_other(label, kind_of(selection, name, rank), rank, len(subjects))
+        called, kind = or_other(label, kind_of(selection, name), rank, len(subjects))
         lines.append(Line(response=response, subject=subject, name=called, kind=kind))
     return lines
 
@@ -128,7 +132,8 @@ def used_panel(response: Response, selection: Selection) -> Panel:
     return Panel(
         curves, "used of the limit [%]",
         title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}", limits=[("limit", 100.0)],
-        xlim=selection.window, ylim=(0.0, 108.0 * max(1.0, *(used.largest for used in selection.used))), unit="%",
+        exceeded=("limit",) if worst.largest > 1.0 else (), xlim=selection.window,
+        ylim=(0.0, 108.0 * max(1.0, *(used.largest for used in selection.used))), unit="%",
     )  # fmt: skip
 
 
@@ -237,7 +242,7 @@ def contact_panels(response: Response, window: tuple[float, float]) -> list[Pane
     touched = {name: peak for name, peak in (response.peaks.contacts or {}).items() if peak.touches}
     struck = {name: peak for name, peak in touched.items() if name in known or peak.mount in stops}
     for rank, (key, peak) in enumerate(sorted(struck.items(), key=lambda item: item[1].force, reverse=True)):
-        name, kind = or_other(short(key if key in known else peak.called(key)), rank, rank, len(struck))
+        name, kind = or_other(short(key if key in known else peak.called(key)), MOUNTS[rank % NAMED], rank, len(struck))
         force = known[key].force if key in known else np.linalg.norm(response.mounts[peak.mount].force, axis=1)
         marked = None if peak.force_time is None else (peak.force_time, in_unit(peak.force, "kN"))
         forces.append(Curve(response.time, in_unit(force, "kN"), name=name, kind=kind, peak=marked))

@@ -6,7 +6,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from wirerope_mj.content.blocks import OTHERS, Block, Chart, Content, Curve, Panel, Section, Statement
+from wirerope_mj.content.blocks import MEASURED, MODEL, OTHERS, Block, Chart, Content, Curve, Panel, Section, Statement
 from wirerope_mj.content.numbers import several
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table, left
@@ -207,7 +207,6 @@ def _meanings(result: Identification) -> tuple[str, ...]:
 
 DRAWN_LOOPS = 12  # Loops of one chart: more cannot be read
 _PANELS_IN_ROW = 3
-_MEASURED_COLOUR, _FITTED_COLOUR = 0, 1  # numbers of their colours
 _MARGIN = 0.05  # fraction of the stroke, left free beside the turning points
 _BRANCH_PARTS = 9  # length of a branch over that of the moving average of residuals
 _AMPLITUDE_MARGIN = 1.15  # ratio of amplitudes left free on either side
@@ -227,8 +226,8 @@ def fit_chart(fits: Sequence[FittedLoop]) -> Chart:
     def curves(fit: FittedLoop) -> list[Curve]:
         x = in_unit(fit.measured.deflection, "mm")
         return [
-            Curve(x, in_unit(fit.fitted.force, unit), name="fitted", kind=_FITTED_COLOUR),
-            Curve(x, in_unit(fit.measured.force, unit), name="measured", kind=_MEASURED_COLOUR, marks=True),
+            Curve(x, in_unit(fit.fitted.force, unit), name="fitted", kind=MODEL),
+            Curve(x, in_unit(fit.measured.force, unit), name="measured", kind=MEASURED, marks=True),
         ]
 
     drawn = f" {DRAWN_LOOPS} of {len(fits)} loops are drawn." if len(fits) > DRAWN_LOOPS else ""
@@ -247,7 +246,7 @@ def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
         x = np.roll(in_unit(fit.measured.deflection, "mm")[:-1], -start)
         residual = np.roll(100.0 * fit.residual[:-1], -start)
         top, means = int(np.argmax(x)), []
-        for way, branch, kind in (("up", slice(0, top + 1), _MEASURED_COLOUR), ("down", slice(top, None), _FITTED_COLOUR)):
+        for way, branch, kind in (("up", slice(0, top + 1), 0), ("down", slice(top, None), 1)):
             window = np.full(width := max(1, x[branch].size // _BRANCH_PARTS), 1.0 / width)
             at, mean = (np.convolve(values[branch], window, "valid") for values in (x, residual))
             means.append(Curve(at, mean, name=f"mean on the way {way}", kind=kind))
@@ -275,7 +274,7 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
         for number, group in enumerate(groups):
             x = np.array([in_unit(fit.measured.amplitude, "mm") for fit in group])
             about = f" about {_operating_point_text(group)} mm" if len(groups) > 1 else ""
-            kinds = (_MEASURED_COLOUR, _FITTED_COLOUR) if len(groups) == 1 else 2 * (number % COLOURS,)
+            kinds: tuple[int | str, ...] = (MEASURED, MODEL) if len(groups) == 1 else 2 * (number % COLOURS,)
             measured, fitted = (
                 np.array([in_unit(getattr(loop, measure), unit) for loop in loops])
                 for loops in zip(*((fit.measured, fit.fitted) for fit in group), strict=True)

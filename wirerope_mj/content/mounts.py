@@ -100,10 +100,7 @@ def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def _histories_chart(quantity: str, response: Response, names: Sequence[str], selection: Selection, order: str) -> Chart:
-    lines = [
-        Line(response=response, subject=name, name=name, kind=kind_of(selection, name, rank))
-        for rank, name in enumerate(names[:MOST])
-    ]
+    lines = [Line(response=response, subject=name, name=name, kind=kind_of(selection, name)) for name in names[:MOST]]
     return replace(
         stacked([history_panel(quantity, axis, lines, selection.window) for axis in AXES]),
         id=f"{quantity}s",
@@ -129,7 +126,7 @@ def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
     for axis in axes:
         x, y = in_unit(deflection[:, axis], "mm"), in_unit(force[:, axis], unit)
         row.append(Panel(
-            [Curve(x, y, name=short(name), kind=kind_of(selection, name, 0))],
+            [Curve(x, y, name=short(name), kind=kind_of(selection, name))],
             f"force [{unit}]" if axis == axes[0] else "", xlabel="deflection [mm]", title=AXES[axis],
             dots=[(float(x[0]), float(y[0]))], xlim=with_room(x), unit=unit, xunit="mm",
         ))  # fmt: skip

@@ -51,7 +51,7 @@ def random_blocks(run: JudgedRun) -> Iterator[Block]:
     best: tuple[float, str] = (-math.inf, "")
     for axis, along in run.spectra.densities.items():
         curves = []
-        for number, (name, density) in enumerate(along.items()):  # numbered as in the chart of the densities
+        for name, density in along.items():
             if name == BASE:
                 continue
             frequency, ratio = transmissibility_of(along[BASE], density, _band(run))
@@ -60,7 +60,7 @@ def random_blocks(run: JudgedRun) -> Iterator[Block]:
             rows.append(
                 (name, axis, into, out, out / into if into else math.nan, float(ratio[top]), float(frequency[top]), isolation)
             )
-            curves.append(Curve(frequency, ratio, name=short(name), kind=kind_of(run.selection, name, number)))
+            curves.append(Curve(frequency, ratio, name=short(name), kind=kind_of(run.selection, name)))
             within = "isolates throughout the base's band" if ratio[top] < 1.0 else "does not isolate within the base's band"
             from_on = f"isolates from {with_unit(isolation, 'Hz')} on" if math.isfinite(isolation) else within
             text = f"{name} along {axis} {from_on}, transmissibility {fixed(float(ratio[top]), 1)} at "

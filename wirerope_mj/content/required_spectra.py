@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from wirerope_mj.content.blocks import Block, Chart, Curve, Panel, Statement
+from wirerope_mj.content.blocks import BASE, LIMIT, Block, Chart, Curve, Panel, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, listed, number, with_unit
 from wirerope_mj.content.spectrum_charts import spectrum_panel
@@ -130,12 +130,12 @@ def pairs_table(pairs: Mapping[str, Sequence[AxisPair]]) -> Table:
     )  # fmt: skip
 
 
-def required_curve(one: AchievedSpectrum, kind: int | str = 1) -> Curve:
-    return Curve(one.frequencies, in_unit(one.required, "g"), name="required", kind=kind, dash="dashed")
+def required_curve(one: AchievedSpectrum) -> Curve:
+    return Curve(one.frequencies, in_unit(one.required, "g"), name="required", kind=LIMIT, dash="dashed")
 
 
 def panel(one: AchievedSpectrum) -> Panel:
-    curves = [Curve(one.frequencies, in_unit(one.achieved, "g"), name="achieved", kind=0), required_curve(one)]
+    curves = [Curve(one.frequencies, in_unit(one.achieved, "g"), name="achieved", kind=BASE), required_curve(one)]
     return spectrum_panel(curves, "acceleration [g]", "g", title=f"along {one.direction}, {100.0 * one.damping:g} %")
 
 
@@ -143,7 +143,7 @@ def _ratio_panel(one: AchievedSpectrum) -> Panel:
     ends, (ratio, frequency) = (float(one.frequencies[0]), float(one.frequencies[-1])), one.lowest
     low, high = min(0.9, 0.98 * ratio), max(1.1, 1.02 * float(one.ratio.max()))
     return Panel(
-        [Curve(one.frequencies, one.ratio, name="achieved", kind=0)], "achieved / required", xlabel="frequency [Hz]",
+        [Curve(one.frequencies, one.ratio, name="achieved", kind=BASE)], "achieved / required", xlabel="frequency [Hz]",
         limits=[("", 1.0)], dots=[(frequency, ratio)], xlim=ends, ylim=(float(np.floor(10 * low) / 10), high), log="x",
         xunit="Hz",
     )  # fmt: skip

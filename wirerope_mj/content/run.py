@@ -24,7 +24,7 @@ from wirerope_mj.content.blocks import (
     Statement,
     stacked,
 )
-from wirerope_mj.content.credibility import credibility_blocks
+from wirerope_mj.content.credibility import credibility_blocks, reliance
 from wirerope_mj.content.decks import deck_blocks, decks_blocks
 from wirerope_mj.content.first_sheet import brief_blocks
 from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel, subject_called
@@ -88,6 +88,7 @@ def run_content(run: JudgedRun) -> Content:
             section(
                 "brief", "", lambda judged: (*brief_blocks(judged), doubtful_numerics(judged.response.numerics)), "headline"
             ),
+            section("reliance", "", lambda judged: [reliance(judged)]),
             section("answer", "", lambda judged: [*answer_blocks(judged)][:1], "headline"),
             section("grounds", "", grounds_blocks),
             section("accelerations", "Peak accelerations", acceleration_blocks, "summary"),
@@ -264,8 +265,8 @@ def _payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
 def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
     base = base_acceleration(run.response, run.motion)
     lines = []
-    for rank, name in enumerate(names[:MOST]):
+    for name in names[:MOST]:
         part = subject_called(run.response, name)
-        lines.append(Line(response=run.response, subject=part, name=name, kind=kind_of(run.selection, name, rank)))
+        lines.append(Line(response=run.response, subject=part, name=name, kind=kind_of(run.selection, name)))
     lines.append(Line(response=run.response, subject=THE_BASE, name="base", kind=BASE, history=base))
     return stacked([history_panel("acceleration", along, lines, run.selection.window) for along in DIRECTIONS])

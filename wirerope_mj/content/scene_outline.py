@@ -71,10 +71,11 @@ def mount_labels(scene: Scene) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Outline:
-    """The outline of a shape in a drawing: corners of its convex hull [m], (n, 2), and colour from 0 to 1, (4,)."""
+    """The outline of a shape of a body in a drawing: corners of its convex hull [m], (n, 2), and colour from 0 to 1, (4,)."""
 
     corners: Array
     colour: tuple[float, ...]
+    body: str
     flexible: bool = False
 
 
@@ -130,7 +131,7 @@ def outlines(drawn: DrawnScene, view: View) -> list[Outline]:
         corners = view.seen(points)
         with suppress(scipy.spatial.QhullError):  # of what is flat, the points themselves
             corners = np.asarray(corners[scipy.spatial.ConvexHull(corners).vertices])
-        projected.append(Outline(corners, colour, body.name in flexible))
+        projected.append(Outline(corners, colour, body.name, body.name in flexible))
     return projected
 
 
@@ -200,7 +201,7 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
             body = bodies[mount.payload_body]
             ring = mount.name, np.asarray(body.position + rotation_matrices(body.orientation) @ mount.payload_point)
     used = {name: row.utilisation or 0.0 for name, row in by_use(run.verdicts).items()}
-    key = " Mounts: the deeper blue, the more of their limits is used; red beyond them, grey not judged." if used else ""
+    key = " Mounts: the deeper blue, the more of their limits is used, grey not judged; red: beyond a limit." if used else ""
     return replace(
         view, id="worst-instant", ring=ring, exceeded=worst.verdict == EXCEEDED, used=used, caption=view.caption + key
     )

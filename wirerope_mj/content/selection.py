@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body_peaks, judge, mount_peaks
 from wirerope_mj.assessment.criteria.ended import Used, used_limits
 from wirerope_mj.assessment.criteria.verdict import by_use
-from wirerope_mj.content.blocks import OTHERS
+from wirerope_mj.content.blocks import MOUNTS, OTHERS, PAYLOADS
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
@@ -21,7 +21,7 @@ MOST_OTHER_LOOPS = 3  # loops of each other axis; each costs some 40 kilobytes o
 NAMED = 3  # lines of a graph with colours and names; the others are grey
 MOST = 3  # curves of bodies or mounts in one panel of a page: more cannot be distinguished
 QUANTITIES = ("deflection", "force")  # Of mounts, as `MountResponse` calls them
-COLOURS = 6  # numbered colours that can be distinguished
+COLOURS = 6  # runs, cases or levels of a chart that can be distinguished
 _SETTLED = 0.1  # fraction of the largest swing within which deflections stay when the event is over
 
 
@@ -41,7 +41,7 @@ class Selection:
     points: tuple[str, ...]
     verdicts: tuple[Verdict, ...]  # on the run
     used: tuple[Used, ...]  # limits of subjects with their utilisation over time, in the order of `by_use`
-    numbers: dict[str, int]  # colour numbers of mounts, bodies and points by name
+    kinds: dict[str, str]  # kinds of curves of mounts, bodies and points by name, the same in every chart
     run_color: tuple[int, int, int] | None = None  # colour of all mounts, among several runs
 
     @property
@@ -113,11 +113,14 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
     bodies = {name: peaks.acceleration for name, peaks in response.peaks.bodies.items() if name not in fixed}
     points = {name: peaks.acceleration for name, peaks in response.peaks.points.items()}
     used = tuple(used_limits(response, verdicts))
-    groups = [[limit.subject for limit in used[:NAMED]], *(leading[q, axis][:NAMED] for axis in AXES for q in QUANTITIES)]
+    critical = [limit.subject for limit in used[:NAMED]]
+    of_mounts = [[name for name in critical if name in mounts]]
+    of_mounts += [list(leading[quantity, axis][:NAMED]) for axis in AXES for quantity in QUANTITIES]
+    of_payload = [worst_names(response), [name for name in critical if name not in mounts], by_size(bodies | points)[:NAMED]]
     return Selection(
         event=event, window=(max(first, event - 0.06 * (end - event)), end), utilisations=utilisations, mounts=mounts,
         ranked=ranked, leading=leading, bodies=by_size(bodies), points=by_size(points), verdicts=verdicts, used=used,
-        numbers=numbered([*groups, by_size(bodies | points)[:NAMED]]),
+        kinds=assigned(of_mounts, MOUNTS) | assigned(of_payload, PAYLOADS),
     )  # fmt: skip
 
 
@@ -133,26 +136,26 @@ def travel_limits(mount: SceneMount, axis: str) -> tuple[float, float]:
     return -mount.travel.get(below, np.nan), mount.travel.get(above, np.nan)
 
 
-def kind_of(selection: Selection, name: str, other: int | str = OTHERS) -> int | str:
-    """Find the colour number of a mount, body or point; `other` without a number."""
-    return selection.numbers.get(name, other)
+def kind_of(selection: Selection, name: str) -> str:
+    """Find the kind of curves of a mount, body or point; that of its most critical ones if it has none of its own."""
+    return selection.kinds.get(name, MOUNTS[0] if name in selection.mounts else PAYLOADS[0])
 
 
-def or_other(name: str, kind: int | str, rank: int, count: int) -> tuple[str, int | str]:
-    """Find name and colour of a curve among `count`; from rank `NAMED` on it is one of the "others"."""
+def or_other(name: str, kind: str, rank: int, count: int) -> tuple[str, str]:
+    """Find name and kind of a curve among `count`; from rank `NAMED` on it is one of the "others"."""
     left = count - NAMED
     return (name, kind) if rank < NAMED else (f"{left} other{'s' if left > 1 else ''}", OTHERS)
 
 
-def numbered(groups: Sequence[Sequence[str]]) -> dict[str, int]:
-    """Assign colour numbers to names, for each name the number used least in its group, then least of all."""
-    numbers: dict[str, int] = {}
+def assigned(groups: Sequence[Sequence[str]], kinds: Sequence[str]) -> dict[str, str]:
+    """Assign kinds to names, for each name the kind used least in its group, then least of all."""
+    known: dict[str, str] = {}
     for group in groups:
         for name in group:
-            if name not in numbers:
-                in_group, in_use = [numbers[member] for member in group if member in numbers], list(numbers.values())
-                numbers[name] = min(range(COLOURS), key=lambda n: (in_group.count(n), in_use.count(n), n))
-    return numbers
+            if name not in known:
+                in_group, in_use = [known[member] for member in group if member in known], list(known.values())
+                known[name] = min(kinds, key=lambda kind: (in_group.count(kind), in_use.count(kind), kinds.index(kind)))
+    return known
 
 
 def worst_names(response: Response) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from wirerope_mj.assessment.criteria import Criterion, body_peaks
 from wirerope_mj.assessment.criteria.random import SIGMAS
 from wirerope_mj.assessment.criteria.verdict import RMS
-from wirerope_mj.content.blocks import BASE, LEFT, OTHERS, RIGHT, WIDTH, Block, Chart, Curve, Note, Panel, crest, short
+from wirerope_mj.content.blocks import BASE, LEFT, LIMIT, OTHERS, RIGHT, WIDTH, Block, Chart, Curve, Note, Panel, crest, short
 from wirerope_mj.content.judged_run import STILL, JudgedRun
 from wirerope_mj.content.numbers import fixed, listed, several, with_unit
 from wirerope_mj.content.run_spectra import BASE as THE_BASE
@@ -67,9 +67,9 @@ def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
         curves = [
             Curve(
                 spectrum.frequencies, spectrum.pseudo_velocity if number else in_unit(spectrum.maximax, "g"), name=listed(axes),
-                kind="xyz".index(axis),
+                kind=BASE, dash=("", "dashed", "dotted")[rank],
             )
-            for axis, axes in equal.items()
+            for rank, (axis, axes) in enumerate(equal.items())
             for spectrum in [spectra[axis]]
         ]  # fmt: skip
         row.append(spectrum_panel(curves, label, unit))
@@ -140,8 +140,8 @@ def _axis_panels(
     row: list[Panel] = []
     for axis, along in lines.items():
         curves = [
-            Curve(f, y, name=short(name), kind=BASE if name == "base" else kind_of(selection, name, number))
-            for number, (name, (f, y)) in enumerate(along.items())
+            Curve(f, y, name=short(name), kind=BASE if name == BASE else kind_of(selection, name))
+            for name, (f, y) in along.items()
         ]
         curves.sort(key=lambda curve: curve.kind == BASE)  # which lies behind
         row.append(spectrum_panel(curves, "" if row else label, unit, title=f"along {axis}", decades=decades))
@@ -201,7 +201,7 @@ def shock_spectra_chart(
     curves = _curves(spectra, lambda spectrum: (spectrum.frequencies, in_unit(spectrum.maximax, "g")))
     if test is not None:
         f, a = (np.asarray(part, dtype=np.float64) for part in test)
-        curves.append(Curve(f, in_unit(a, "g"), name="test spectrum", kind=len(curves) % COLOURS, dash="dashed"))
+        curves.append(Curve(f, in_unit(a, "g"), name="test spectrum", kind=LIMIT, dash="dashed"))
     panel = _over_all_frequencies(spectrum_panel(curves, f"SRS{_q_text(spectra)}: peak acceleration [g]", "g"))
     return Chart(id="shock-spectra", rows=[[panel]], height=_HEIGHT, alt="Shock response spectra.")
 
@@ -278,7 +278,7 @@ def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
     """Draw accelerations along the base's motion over the frequency of the sweep, as maxima of short intervals."""
     response, curves, tops = run.response, [], list[str]()
     frequency, peaks = sweep.frequency(response.time), {row.name: row for row in body_peaks(response)}
-    for rank, name in enumerate((*worst_names(response), BASE)):
+    for name in (*worst_names(response), BASE):
         size = np.zeros(response.time.size)
         for axis in moving_axes(response):
             size += acceleration_along(response, name, axis) ** 2
@@ -287,7 +287,7 @@ def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
         peak = float(sweep.frequency([top.time])[0]), in_unit(top.value, "g")
         if name != BASE:
             tops.append(f"{short(name)} {with_unit(top.value, 'g')} at {fixed(peak[0], 2)} Hz")
-        curves.append(Curve(x, y, name=short(name), kind=BASE if name == BASE else rank, peak=peak))
+        curves.append(Curve(x, y, name=short(name), kind=BASE if name == BASE else kind_of(run.selection, name), peak=peak))
     panel = Panel(curves, "acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz")
     return Chart(
         id="over-frequency", rows=[[panel]], height=210.0,

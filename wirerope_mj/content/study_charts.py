@@ -87,7 +87,8 @@ def distribution_chart(summary: StudySummary, table: pa.Table, names: Sequence[s
             title = f"beyond the limit: {exceedance_text(beyond, beyond.ratio)}"
         panels.append(Panel(
             [Curve(np.repeat(known, 2), np.repeat(fractions, 2)[1:-1], name="variants", kind=0)],
-            "" if panels else "variants below [%]", xlabel=shown.label, title=title, xlimits=_limits(shown), dots=dots,
+            "" if panels else "variants below [%]", xlabel=shown.label, title=title, xlimits=_limits(shown),
+            exceeded=_exceeded(shown, known), dots=dots,
             notes=[(x, y - 3.0, f"{y:.0f} %: {x:.3g}", False) for x, y in dots],
             xlim=(min(ends) - 0.03 * room, max(ends) + 0.3 * room),  # for the percentiles' names
             ylim=(0.0, 104.0), unit="%", xunit=shown.unit,
@@ -186,6 +187,7 @@ def choices_chart(table: pa.Table, name: str, names: Sequence[str]) -> Chart:
         panels.append(
             _bar_panel(
                 choices if not panels else [""] * len(choices), curves, xlabel=shown.column.title(), xlimits=_limits(shown),
+                exceeded=_exceeded(shown, values),
                 notes=[(0.0, -float(row), "failed", False) for row in failed],
                 xlim=(0.0, 1.05 * max(float(values.max()), *(level for _, level in _limits(shown)), 1e-9)),
             )
@@ -299,7 +301,7 @@ def _input_panel(curves: Sequence[Curve], shown: Measure, xlabel: str, **how: An
     limits = _limits(shown)
     return Panel(
         curves, shown.column.title(), xlabel=short(plain(xlabel), _NAME_LETTERS), limits=limits, unit=shown.unit,
-        xunit="", **how,
+        exceeded=_exceeded(shown, np.concatenate([curve.y for curve in curves])), xunit="", **how,
     )  # fmt: skip
 
 
@@ -315,3 +317,7 @@ def _bar_chart(name: str, panels: Sequence[Panel], caption: str, row: float = _R
 
 def _limits(shown: Measure) -> list[tuple[str, float]]:
     return [] if shown.limit is None else [("limit", shown.factor * shown.limit)]
+
+
+def _exceeded(shown: Measure, values: Array) -> tuple[str, ...]:
+    return tuple(name for name, level in _limits(shown) if (values > level).any())

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from wirerope_mj.content.blocks import BASE, LIMIT, OTHERS, Chart, Curve, Panel, stacked
+from wirerope_mj.content.blocks import OTHERS, Chart, Curve, Panel, stacked
 from wirerope_mj.content.cyclic_tests import isolator_chart, loops_chart
 from wirerope_mj.content.histories import TOTAL, run_histories
 from wirerope_mj.content.response_curve import amplitude_chart
@@ -105,10 +105,10 @@ def _draw(panel: Panel, axes: "Axes") -> None:
         axes.axvspan(low, high, color="0.5", alpha=0.18, label=name)
     for order, curve in enumerate(reversed(panel.curves)):
         _draw_curve(curve, axes, zorder=2.0 + 0.01 * order)
-    for name, level in panel.limits:
-        axes.axhline(level, color=hexadecimal(LIGHT.limit), linestyle="--", linewidth=1.0, label=name)
-    for name, position in panel.xlimits:
-        axes.axvline(position, color=hexadecimal(LIGHT.limit), linestyle="--", linewidth=1.0, label=name)
+    for levels, draw in ((panel.limits, axes.axhline), (panel.xlimits, axes.axvline)):
+        for name, level in levels:
+            colour = hexadecimal(LIGHT.of(panel.kind_of_limit(name)))
+            draw(level, color=colour, linestyle="--", linewidth=1.0, label=name)
     for x, y in panel.dots:
         axes.plot(x, y, "o", color="0.2", markersize=4)
     for x, y, note, on_left in panel.notes:
@@ -136,8 +136,7 @@ def _draw(panel: Panel, axes: "Axes") -> None:
 
 def _draw_curve(curve: Curve, axes: "Axes", *, zorder: float) -> None:
     """Draw a curve as bars, dots or a line."""
-    colours = {BASE: LIGHT.base, OTHERS: LIGHT.others, LIMIT: LIGHT.limit}
-    colour = colours[curve.kind] if isinstance(curve.kind, str) else LIGHT.series[curve.kind]
+    colour = LIGHT.others if curve.kind == OTHERS else LIGHT.of(curve.kind)
     style: dict[str, Any] = {"color": hexadecimal(colour), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
     if curve.bars:
         spans = None if curve.ends is None else np.abs(curve.ends.T - curve.x)

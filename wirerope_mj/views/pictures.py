@@ -11,6 +11,7 @@ from textwrap import wrap
 
 from wirerope_mj.content.blocks import WIDTH, Chart, SceneView
 from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots import scene_svg
 from wirerope_mj.views.plots.letters import FAMILY, fonts_for, text_of
 from wirerope_mj.views.plots.svg_chart import chart_svg, safe_text
@@ -24,7 +25,8 @@ _SHEET = f"""#set text(font: "{FAMILY}") // of drawings, too
 #set page(width: sheet.width * 0.75pt, height: sheet.height * 0.75pt, margin: 0pt)
 #set document(date: none)
 #image(bytes(sheet.svg), format: "svg", width: 100%)"""
-_STYLE = ".halo,.name{paint-order:stroke;stroke:#fff;stroke-width:2px}"  # of names that stand on lines
+_GROUND, _INK = hexadecimal(LIGHT.ground), hexadecimal(LIGHT.text)
+_STYLE = f".halo,.name{{paint-order:stroke;stroke:{_GROUND};stroke-width:2px}}"  # of names that stand on lines
 
 
 def save_pictures(blocks: Sequence[Chart | SceneView], path: str | Path, *, title: str = "") -> None:
@@ -49,7 +51,7 @@ def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
             from resvg_py import svg_to_bytes
 
             temporary.write_bytes(svg_to_bytes(
-                svg_string=picture, background="#fff", zoom=_ZOOM, skip_system_fonts=True, font_family=FAMILY,
+                svg_string=picture, background=_GROUND, zoom=_ZOOM, skip_system_fonts=True, font_family=FAMILY,
                 font_files=fonts_for(text_of(picture)), sans_serif_family=FAMILY,
             ))  # fmt: skip
         else:
@@ -86,4 +88,4 @@ def joined_svg(blocks: Sequence[Chart | SceneView], title: str = "") -> tuple[st
 
 
 def _text(y: float, text: str, look: str) -> str:
-    return f'<text x="{0.5 * WIDTH:g}" y="{y:g}" text-anchor="middle" fill="#1c2430" {look}>{safe_text(text)}</text>'
+    return f'<text x="{0.5 * WIDTH:g}" y="{y:g}" text-anchor="middle" fill="{_INK}" {look}>{safe_text(text)}</text>'

@@ -13,10 +13,13 @@ from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Column, Table, left
+from wirerope_mj.views.colours import LIGHT
 from wirerope_mj.views.pictures import save_pictures
 
-_COLOURS = {"within": "176B2F", "near": "7A5600", "unjudged": "7A5600", "exceeded": "B30000", "quiet": "56616F"}
-_SHADES = {"within": "E9F6EC", "exceeded": "FCEBEA", "unjudged": "FDF5E1"}
+_OF = {name: colour.lstrip("#").upper() for name, colour in LIGHT.named.items()}
+_COLOURS = {tone: _OF[tone] for tone in ("within", "unjudged", "exceeded", "quiet")} | {"near": _OF["unjudged"]}
+_TEXT = _OF["text"]
+_SHADES = {tone: _OF[f"{tone}-box"] for tone in ("within", "unjudged", "exceeded")}
 _BOLD = ("exceeded", "strong")
 _WIDTH = 17.4  # of the text [cm]
 _PICTURE = 16.2  # width of charts and scenes [cm]
@@ -89,7 +92,7 @@ class _Writer:
 
     def _verdict(self, verdict: Statement) -> None:
         paragraph = self._paragraph(verdict.text, tone=verdict.tone, bold=True)
-        shade = _SHADES.get(verdict.tone, "F1F3F5")
+        shade = _SHADES.get(verdict.tone, _OF["box"])
         paragraph._p.get_or_add_pPr().append(_xml(f'<w:shd {_W} w:val="clear" w:color="auto" w:fill="{shade}"/>'))
 
     @singledispatchmethod
@@ -194,7 +197,7 @@ def _row(cells: list[tuple[str, str]], aligned: list[str], widths: list[int], si
     texts = [
         f'<w:tc><w:tcPr><w:tcW w:w="{width}" w:type="dxa"/>{_BOTTOM if head else ""}</w:tcPr><w:p><w:pPr>{keep}'
         f'<w:spacing w:before="10" w:after="10" w:line="240" w:lineRule="auto"/><w:jc w:val="{side}"/></w:pPr>'
-        f'<w:r><w:rPr>{"<w:b/>" if tone in _BOLD and "█" not in text else ""}<w:color w:val="{_COLOURS.get(tone, "1C2430")}"/>'
+        f'<w:r><w:rPr>{"<w:b/>" if tone in _BOLD and "█" not in text else ""}<w:color w:val="{_COLOURS.get(tone, _TEXT)}"/>'
         f'<w:sz w:val="{size}"/></w:rPr><w:t xml:space="preserve">{escape(plain_lines(text))}</w:t></w:r></w:p></w:tc>'
         for (text, tone), side, width in zip(cells, aligned, widths, strict=True)
     ]

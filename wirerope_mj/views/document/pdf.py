@@ -8,6 +8,7 @@ from wirerope_mj.content.blocks import WIDTH, Block, Chart, Content, Statement
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.tables import Table
+from wirerope_mj.views.colours import LIGHT
 from wirerope_mj.views.document.docx import BARS
 from wirerope_mj.views.pictures import joined_svg
 from wirerope_mj.views.typesetting import typeset
@@ -26,6 +27,7 @@ def _report(content: Content) -> Entries:
     """Collect the data that a template reads: texts, tables by rows, drawings as SVG."""
     filed = content.document
     return {
+        "colours": LIGHT.named,
         "kind": "Shock and vibration report", "program": f"wirerope-mj {version('wirerope-mj')}", "title": content.title,
         "verdict": _entry(content.verdict), "facts": [*(filed.facts if filed else ()), *content.facts],
         "question": content.question, "logo": list(filed.logo.read_bytes()) if filed and filed.logo else None,

@@ -21,8 +21,8 @@ _TALLEST = 430.0  # height of a frame
 _LEVEL = 11.0  # distance of dimensions below each other
 _LETTER = 0.58  # mean width of a letter over its height
 _KEY = 60  # letters of a line of the key
-_INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
-_MOUNT, _STOP, _POINT, _BODY = (hexadecimal(LIGHT.series[number]) for number in (0, 1, 3, 2))
+_INK, _FRAME, _GRID, _GROUND = (hexadecimal(part) for part in (LIGHT.heading, LIGHT.frame, LIGHT.line, LIGHT.ground))
+_MOUNT, _STOP, _POINT, _BODY = (hexadecimal(LIGHT.compared[number]) for number in (0, 1, 3, 2))
 
 
 def save_plan(layout: Layout, path: Path) -> None:
@@ -159,7 +159,7 @@ def _arrow(start: Array, end: Array) -> str:
 def _centre_mark(x: float, y: float) -> str:
     """Draw the mark of a centre of mass: a circle with two quarters filled."""
     quarters = f"M{x:.1f} {y:.1f}v-5a5 5 0 0 1 5 5zM{x:.1f} {y:.1f}v5a5 5 0 0 1-5-5z"
-    return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="#fff" stroke="#000"/><path d="{quarters}" fill="#000"/>'
+    return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="{_GROUND}" stroke="{_INK}"/><path d="{quarters}" fill="{_INK}"/>'
 
 
 def _labels(named: Sequence[tuple[Array, float, str, str]], occupied: list[Box], size: Array) -> Iterator[str]:
@@ -174,7 +174,7 @@ def _labels(named: Sequence[tuple[Array, float, str, str]], occupied: list[Box],
         best = boxes[int(np.argmin(covered))]
         occupied.append(best)
         where = f'x="{best[0]:.1f}" y="{best[3] - 1.5:.1f}" font-size="9" fill="{colour}"'
-        yield f'<text class="name" {where} paint-order="stroke" stroke="#fff" stroke-width="2">{safe_text(name)}</text>'
+        yield f'<text class="name" {where} paint-order="stroke" stroke="{_GROUND}" stroke-width="2">{safe_text(name)}</text>'
 
 
 def _dimensions(values: Array, origin: float, scale: float, *, outwards: float) -> tuple[str, float]:

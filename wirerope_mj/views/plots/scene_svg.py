@@ -1,6 +1,6 @@
 """A scene as SVG: plan and elevation of the modelled geometry with its mounts, and the scene at an instant of the response."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -35,8 +35,9 @@ _LETTER = 0.56  # mean width of a letter over its height
 _ROW = 15.0  # height of an entry of the key
 _NAME = 7.5  # height of the letters of a mount's name
 WIDTH = 600.0  # Width of a drawing over the whole page, in its units
-_COLOURS, _RATED = tuple(map(hexadecimal, LIGHT.series)), hexadecimal(LIGHT.limit)
-_INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
+_COLOURS, _RATED = tuple(map(hexadecimal, LIGHT.compared)), hexadecimal(LIGHT.exceeded)
+_INK, _FRAME, _GRID, _PALE = (hexadecimal(colour) for colour in (LIGHT.heading, LIGHT.frame, LIGHT.line, LIGHT.faint))
+_GROUND = hexadecimal(LIGHT.ground)
 Place = Callable[[Array], Array]
 Box = tuple[float, float, float, float]  # left, top, right, bottom
 
@@ -54,7 +55,7 @@ def scene_svgs(view: SceneView) -> list[str]:
             shown += _mounts(scene, side, place, view.absent or ())
             shown += _labels(scene, side, place) if whole else ()
         else:
-            shown += _shapes(outlines(after, side), place)
+            shown += _shapes(outlines(after, side), place, used=view.used)
             bodies = {body.name: body for body in moved.bodies}
             for mount in moved.drawn:  # a line from the base's site to the payload's
                 payload = bodies[mount.payload_body]
@@ -118,9 +119,11 @@ def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
         yield f'<text x="-5" y="{at + 3.2:.1f}" text-anchor="end">{number_text(tick)}</text>'
 
 
-def _shapes(drawn: Sequence[Outline], place: Place, *, pale: bool = False) -> Iterator[str]:
-    """Yield outlines as polygons in their order; pale ones without fill."""
-    stroke = 'fill="none" stroke="#b9c0c8" stroke-dasharray="3 2"' if pale else 'stroke="#8b8f94"'
+def _shapes(
+    drawn: Sequence[Outline], place: Place, *, pale: bool = False, used: Mapping[str, float] | None = None
+) -> Iterator[str]:
+    """Yield outlines as polygons in their order; pale ones without fill, in red those of bodies beyond a limit."""
+    stroke = f'fill="none" stroke="{_PALE}" stroke-dasharray="3 2"' if pale else f'stroke="{_FRAME}"'
     yield f'<g {stroke} stroke-width="0.5">'
     for outline in drawn:
         corners = np.rint(_ROUNDING * place(outline.corners)) / _ROUNDING
@@ -128,6 +131,8 @@ def _shapes(drawn: Sequence[Outline], place: Place, *, pale: bool = False) -> It
         colour = "".join(f"{round(255 * part):02x}" for part in outline.colour[:3])
         fill = "" if pale else f' fill="#{colour}" fill-opacity="{outline.colour[3]:.3g}"'
         edge = f' stroke="{_COLOURS[3]}" stroke-width="1.6"' if outline.flexible and not pale else ""
+        if (used or {}).get(outline.body, 0.0) > 1.0:
+            edge = f' class="over" stroke="{_RATED}" stroke-width="1.6"'
         yield f'<polygon points="{points}"{fill}{edge}/>'
     yield "</g>"
 
@@ -144,7 +149,7 @@ def _mounts(scene: Scene, view: View, place: Place, absent: Sequence[str]) -> It
 def _mark(number: int, at: Array) -> str:
     shape, colour = _MARKERS[number % len(_MARKERS)], _COLOURS[number % len(_COLOURS)]
     moved = f"translate({at[0]:.1f} {at[1]:.1f})"
-    return f'<path d="{shape}" transform="{moved}" fill="{colour}" stroke="#fff" stroke-width="0.5"/>'
+    return f'<path d="{shape}" transform="{moved}" fill="{colour}" stroke="{_GROUND}" stroke-width="0.5"/>'
 
 
 def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:

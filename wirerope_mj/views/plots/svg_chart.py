@@ -14,11 +14,12 @@ from wirerope_mj.content.blocks import BASE, LEFT, LIMIT, OTHERS, RIGHT, WIDTH, 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.ticks import linear_ticks, log_lines, log_ticks
-from wirerope_mj.views.colours import LIGHT, Color, field_colours, field_key, hexadecimal
+from wirerope_mj.views.colours import LIGHT, class_of, field_colours, field_key, hexadecimal
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 _GAP = 66.0  # between two panels
 _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0  # heights of titles, lines of the legend, axis texts, gaps
+_INK, _FRAME, _GRID = (hexadecimal(colour) for colour in (LIGHT.text, LIGHT.frame, LIGHT.line))
 _FILLED = "filled: lowest to highest"  # said beside a title that leaves room for it
 _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
@@ -60,7 +61,7 @@ def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
             width = _SWATCH_BAR if curve.bars else 0.0
             entries.setdefault(curve.name, (_look(curve, width), f"m9 0{_DOT}" if curve.marks else "h18"))
         for name, _ in (*panel.limits, *panel.xlimits):
-            entries.setdefault(name, (_LIMIT, "h18"))
+            entries.setdefault(name, (_limit(panel, name), "h18"))
         for colour, name in field_key(panel.field) if panel.field else ():
             entries.setdefault(name, (f'stroke="{colour}" stroke-width="{_SWATCH_BAR:g}"', "h18"))
     entries.pop("", None)
@@ -86,7 +87,7 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
         if start <= end:
             over = sum(before[1] <= high and low <= before[2] for before in panel.bands[:number])
             rect = f'x="{start:.1f}" y="{top:.1f}" width="{max(end - start, 1.0):.1f}" height="{height:.1f}"'
-            parts.append(f'<rect fill="#888" fill-opacity="0.18" {rect}/>')
+            parts.append(f'<rect fill="{_FRAME}" fill-opacity="0.18" {rect}/>')
             parts.append(_text(0.5 * (start + end), top + 12.0 * (1 + over), name, anchor="middle"))
     parts.append(_grid(across, upward, panel, labelled=labelled))
     drawn, filled = [], ""
@@ -101,19 +102,20 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
         if len(paths) > 1:
             numbers = paths[1][1:].split(" ")
             back = " ".join(f"{a} {b}" for a, b in zip(numbers[-2::-2], numbers[::-2], strict=True))
-            drawn.append(f'<path fill="{hexadecimal(_color(curve))}" fill-opacity="0.3" d="{paths[0]}L{back}Z"/>')
+            drawn.append(f'<path fill="{hexadecimal(LIGHT.of(curve.kind))}" fill-opacity="0.3" d="{paths[0]}L{back}Z"/>')
             if _LETTER * (len(panel.title) + len(_FILLED)) < width:
                 filled = _text(left + width, top - 3.0, _FILLED, anchor="end")
     parts += reversed(drawn)  # the first in front
     parts.append(filled)
     for name, level in panel.limits:
         if y0 <= level <= y1:
-            parts.append(f'<path {_LIMIT} data-name="{safe_text(name)}" d="M{left:.1f} {upward(level):.1f}h{width:.1f}"/>')
+            at = f"M{left:.1f} {upward(level):.1f}h{width:.1f}"
+            parts.append(f'<path {_limit(panel, name)} data-name="{safe_text(name)}" d="{at}"/>')
     for name, level in panel.xlimits:
         if x0 <= level <= x1:
             at = f"M{across(level):.1f} {top:.1f}v{height:.1f}"
-            parts.append(f'<path {_LIMIT} data-name="{safe_text(name)}" d="{at}"/>')
-    parts += [f'<circle class="dot" fill="#333" cx="{across(x):.1f}" cy="{upward(y):.1f}" r="3"/>' for x, y in panel.dots]
+            parts.append(f'<path {_limit(panel, name)} data-name="{safe_text(name)}" d="{at}"/>')
+    parts += [f'<circle class="dot" fill="{_INK}" cx="{across(x):.1f}" cy="{upward(y):.1f}" r="3"/>' for x, y in panel.dots]
     for x, y, note, on_left in panel.notes:
         aside = -6.0 if on_left else 6.0
         parts.append(_text(across(x) + aside, upward(y) + 4.0, note, anchor="end" if on_left else "start", halo=True))
@@ -178,9 +180,9 @@ def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> st
     texts = [_text(left - 6.0, upward(y) + 4.0, text, anchor="end") for y, text in ys]
     if labelled:
         texts += [_text(across(x), bottom + 14.0, text, anchor="middle") for x, text in xs]
-    edge = f'<path class="frame" fill="none" stroke="#8a9099" d="M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z"/>'
-    grid = f'<path class="grid" fill="none" stroke="#e3e6ea" d="{lines}"/>'
-    grid += f'<path class="grid" fill="none" stroke="#e3e6ea" stroke-opacity="0.5" d="{fine}"/>' if fine else ""
+    edge = f'<path class="frame" fill="none" stroke="{_FRAME}" d="M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z"/>'
+    grid = f'<path class="grid" fill="none" stroke="{_GRID}" d="{lines}"/>'
+    grid += f'<path class="grid" fill="none" stroke="{_GRID}" stroke-opacity="0.5" d="{fine}"/>' if fine else ""
     return f"{grid}{edge}{''.join(texts)}"
 
 
@@ -212,7 +214,7 @@ def _bars(curve: Curve, across: _Scale, upward: _Scale) -> str:
         return bars
     spans = zip(across.of(curve.ends), ys, strict=True)
     d = "".join(f"M{a:.1f} {y - 3:.1f}v6m0-3H{b:.1f}m0-3v6" for (a, b), y in spans)
-    return f'{bars}<path class="frame" fill="none" stroke="#8a9099" d="{d}"/>'
+    return f'{bars}<path class="frame" fill="none" stroke="{_FRAME}" d="{d}"/>'
 
 
 def _ticks(scale: _Scale, *, most: int) -> list[tuple[float, str]]:
@@ -253,24 +255,21 @@ def _points(x: Array, y: Array) -> list[list[float]]:
 
 
 _DASHES = {"dashed": "6 3", "dotted": "1.5 2.5"}
-_FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the others
-_LIMIT = f'class="limit" fill="none" stroke="{hexadecimal(LIGHT.limit)}" stroke-width="1.1" stroke-dasharray="5 4"'
 
 
-def _color(curve: Curve) -> Color:
-    named: dict[int | str, Color] = {BASE: LIGHT.base, OTHERS: _FAINT, LIMIT: LIGHT.limit}
-    return named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)]
+def _limit(panel: Panel, name: str) -> str:
+    kind = panel.kind_of_limit(name)
+    return f'class="{kind}" fill="none" stroke="{hexadecimal(LIGHT.of(kind))}" stroke-width="1.1" stroke-dasharray="5 4"'
 
 
 def _look(curve: Curve, bar: float = 0.0) -> str:
     """Write class, colour, width and dashes of a curve as attributes."""
-    kind, color = curve.kind, _color(curve)
-    name = str(kind) if isinstance(kind, str) else f"c{kind}"
-    width = round(bar, 1) or curve.weight * (_MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5)
+    kind, color = curve.kind, hexadecimal(LIGHT.of(curve.kind))
+    width = round(bar, 1) or curve.weight * (_MARK if curve.marks else 1.0 if kind in (BASE, OTHERS, LIMIT) else 1.5)
     cap = ' stroke-linecap="round"' if curve.marks else ""  # a dot is a line of zero length with round ends
     faint = f' stroke-opacity="{curve.opacity:.2g}"' if curve.opacity < 1.0 else ""
     dash = f' stroke-dasharray="{_DASHES[curve.dash]}"' if curve.dash else ""
-    return f'class="{name}" fill="none" stroke="{hexadecimal(color)}" stroke-width="{width:g}"{cap}{dash}{faint}'
+    return f'class="{class_of(kind)}" fill="none" stroke="{color}" stroke-width="{width:g}"{cap}{dash}{faint}'
 
 
 def _text(
@@ -280,7 +279,7 @@ def _text(
     bold = f' font-weight="{weight}"' if weight else ""
     place = f'x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"'
     kind = "text halo" if halo else "text"  # a page's style lets it stand on lines
-    return f'<text class="{kind}" fill="#1c2430" {place}{bold}{turn}>{escape(plain_lines(text))}</text>'
+    return f'<text class="{kind}" fill="{_INK}" {place}{bold}{turn}>{escape(plain_lines(text))}</text>'
 
 
 def safe_text(text: str) -> str:

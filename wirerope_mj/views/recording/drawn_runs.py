@@ -27,15 +27,12 @@ from wirerope_mj.content.verdicts import answer_blocks, full_table, headline
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
 from wirerope_mj.foundation.tables import Table
-from wirerope_mj.views.colours import DARK, Color
+from wirerope_mj.views.colours import ARROW, RUNS, Color
 from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording.paths import AXES, root_of
-from wirerope_mj.views.recording.scene import ARROW
 from wirerope_mj.views.recording.shapes import Frame, frames_of
 
 MOST_MOUNTS = 4  # mounts of an axis that are drawn for several runs: each has its own plot
-# Colours of the runs in every view, as many as can be distinguished: the most runs of a recording
-COLORS: tuple[Color, ...] = (*DARK.series, (236, 218, 152), (190, 109, 108))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,19 +128,19 @@ def several_runs(
     ValueError if there are too few or too many, or `align` is unknown; RecordError if they share nothing, or a run has no
     shock to align.
     """
-    if not 2 <= len(responses) <= len(COLORS):
-        raise ValueError(f"`responses` must be two to {len(COLORS)}, got {len(responses)}.")
+    if not 2 <= len(responses) <= len(RUNS):
+        raise ValueError(f"`responses` must be two to {len(RUNS)}, got {len(responses)}.")
     comparison = compare_runs(responses, align, verdicts)
     runs = tuple(
         DrawnRun(
             **vars(run), color=color, selection=replace(select(run.response, run.verdicts), run_color=color),
             frames=frames_of(run.response),
         )
-        for run, color in zip(comparison.runs, COLORS, strict=False)
+        for run, color in zip(comparison.runs, RUNS, strict=False)
     )  # fmt: skip
     shared = shared_selection(runs, comparison.mounts, most=MOST_MOUNTS)
     worst = tuple(used for used in shared.used if used.subject in shared.mounts)[:1]
-    shared = replace(shared, used=worst, bodies=(), points=(), numbers={})
+    shared = replace(shared, used=worst, bodies=(), points=(), kinds={})
     return Drawn(runs=runs, comparison=comparison, shared=shared, panels=overlay_histories(comparison, shared))
 
 

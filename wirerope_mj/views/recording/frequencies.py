@@ -21,7 +21,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.colours import DARK
+from wirerope_mj.views.colours import CURSOR, DARK
 from wirerope_mj.views.markdown import markdown_blocks, markdown_table
 from wirerope_mj.views.recording.animation import Along, Animation, Strip, animation_of, at_points, strips_of, timelines
 from wirerope_mj.views.recording.camera import scene_extent
@@ -65,10 +65,9 @@ RESPONSE_WIDTH = 225.0  # Width of the frame of the response, so that it fills i
 MOST_LOOPS = 4  # loops that are shown: those of the largest energy at the highest amplitude
 SHAPE, PORTRAIT = "shape", "portrait"  # Entities of a loop and its phase portrait, whose own ranges fill the frame
 _SHAPE_TICKS = np.array([-1.0, 0.0, 1.0])
-_CURSOR = (255, 255, 255)
 MULTIPLIERS = "multipliers"
 _LARGEST = 2.0  # modulus above which a multiplier is drawn at the edge of the frame, in its direction
-_CIRCLE, _INSIDE, _OUTSIDE = (150, 158, 168), (110, 200, 130), (240, 80, 80)
+_CIRCLE, _INSIDE, _OUTSIDE = DARK.base, DARK.within, DARK.unjudged
 _TIMELINES = (
     "Timeline point: from motion to motion along the branches; frequency_mHz: the same by frequency, all levels at one "
     "frequency; sim_time: one repetition of each motion after the other."
@@ -156,7 +155,7 @@ def _plot_view(origin: str, name: str, width: float) -> rrb.Spatial2DView:
 
 
 def _level_color(level: int) -> Color:
-    return DARK.series[level % len(DARK.series)]
+    return DARK.of(level)
 
 
 def log_here(rec: Stream, path: str, animation: Animation, strips: list[Strip]) -> None:
@@ -207,7 +206,7 @@ def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, w
         path = loop_path(mount, axis)
         log_frame(rec, path, plot, across=across, upward=upward, lift=lift)
         _log_loops(rec, child(path, "data"), plot, animation, strips, loops)
-        look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
+        look = rr.Points2D.from_fields(colors=CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
         cursor, positions = child(path, "data", "cursor"), loop_points(animation.response.mounts[mount], axis)
         rec.log(cursor, look, static=True)
         columns = rr.Points2D.columns(positions=positions)

@@ -12,7 +12,7 @@ from wirerope_mj.engine.response.histories import MountResponse
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.colours import Color, colour_of
+from wirerope_mj.views.colours import CURSOR, DARK, Color, colour_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.paths import AXES, Rows, Stream, at, child, entity
 from wirerope_mj.views.recording.views import HEIGHT, LARGE, Plot, log_frame
@@ -25,8 +25,6 @@ _SEGMENTS, _SEGMENT = 5, 120
 _SHORT_TRAIL = 80  # rows of the trail of a long run: the last few cycles
 _FINE = 1 / 300  # tolerance of a loop's line, as a fraction of its range: a pixel of a small multiple
 _COARSE = 1 / 100  # The same for the cursor, which is a spot of several pixels
-_RATED = (214, 64, 64)
-_CURSOR = (255, 255, 255)  # of a run alone; among several runs cursors have the colours of the runs
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,13 +143,13 @@ def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: S
         log_frame(
             rec, entry.path, entry.plot, across=linear_ticks(low, high, most=max(2, round(entry.plot.width / 26))),
             upward=linear_ticks(*entry.plot.upward, most=5), lift=8.0 if alone else LARGE,
-            marked=[(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high],
+            marked=[(limit, DARK.limit) for limit in limits if np.isfinite(limit) and low < limit < high],
         )  # fmt: skip
         rec.log(child(entry.path, "data"), entry.plot.transform(), static=True)
         for order, (run, loop) in enumerate(entry.loops):
             path, color = entry.path_of(run), colour_of(run.selection, loop.mount)
             rec.log(path, _outlines([loop], [color], [run.name or loop.mount]), static=True)
-            _log_trail(rec, path, loop, color, cursor=_CURSOR if alone else color, order=order)
+            _log_trail(rec, path, loop, color, cursor=CURSOR if alone else color, order=order)
 
 
 def loop_points(mount: MountResponse, axis: int) -> Array:

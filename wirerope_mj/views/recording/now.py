@@ -9,16 +9,12 @@ from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.colours import DARK, Color
+from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
 
 CURSOR, PLAN = "cursor", "plan"
 _ROWS, _PLAN_ROWS = 1000, 200  # instants of the table, and of the plan
-# Utilisations and their colours; between them colours blend, and nothing is redder than the limit.
-_SCALE: tuple[tuple[float, Color], ...] = (
-    (0.0, (132, 142, 156)), (0.5, (96, 170, 190)), (0.8, DARK.series[1]), (1.0, DARK.limit),
-)  # fmt: skip
 _STEP = 0.1  # step of the utilisation between two colours
 
 
@@ -42,12 +38,11 @@ def cursor_rows(time: Array, selection: Selection, most: int = _PLAN_ROWS) -> Ro
 
 
 def heat(used: Array) -> Array:
-    """Map utilisations (...) to colours (..., 3) from 0 to 255; NaN to grey."""
-    levels, colors = zip(*_SCALE, strict=True)
+    """Map utilisations (...) to colours (..., 3) from 0 to 255: the larger the bluer, red beyond 1; grey without one."""
     rounded = _STEP * np.round(np.nan_to_num(used) / _STEP)
-    parts = [np.interp(rounded, levels, part) for part in np.array(colors, dtype=np.float64).T]
-    known = np.isfinite(used)[..., None]
-    return np.where(known, np.stack(parts, axis=-1), DARK.others).astype(np.uint8)
+    blue = np.stack([np.interp(rounded, (0.0, 1.0), ends) for ends in zip(DARK.frame, DARK.compared[0], strict=True)], axis=-1)
+    colours = np.where((used > 1.0)[..., None], DARK.exceeded, blue)
+    return np.where(np.isfinite(used)[..., None], colours, DARK.others).astype(np.uint8)
 
 
 def used_by(selection: Selection, names: list[str]) -> Array:

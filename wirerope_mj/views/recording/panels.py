@@ -15,8 +15,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.motions import Sweep
-from wirerope_mj.views.colours import DARK, Color
-from wirerope_mj.views.recording.drawn_runs import COLORS
+from wirerope_mj.views.colours import CURSOR, DARK, MOVING_LANE, NEAR_LANE, QUIET_LANE, RUNS, WITHIN_LANE, Color
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.paths import Stream, at, child, entity, known_letters
 from wirerope_mj.views.recording.scene import CLOSED, changes, closed_at
@@ -26,7 +25,6 @@ from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
 _FINE = 1 / 400  # tolerance of a line, as a fraction of a panel's range: below a pixel
 # Rows of a curve that is drawn as a band, as many as pixels; fewer rows of the grey others
 _BAND_ROWS, _OTHER_ROWS = 1400, 300
-_OTHERS = (104, 110, 118)  # darker than texts may be, so that named curves stand out
 _COLUMNS = 90
 _CORNERS = {"RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False)}
 
@@ -48,7 +46,7 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
         else:
             rows = rows_of_line(time, values, 3.0 * tolerance)
         names = [curve.name for curve in others]
-        alike = {"colors": [_OTHERS] * many, "widths": [1.0] * many, "aggregation_policy": ["MinMax"] * many}
+        alike = {"colors": [DARK.faint] * many, "widths": [1.0] * many, "aggregation_policy": ["MinMax"] * many}
         rec.log(child(path, "0"), rr.SeriesLines(names=names, **alike), static=True)
         scalars = np.ascontiguousarray(values[rows])
         rec.send_columns(child(path, "0"), at(time[rows]), rr.Scalars.columns(scalars=scalars))
@@ -71,7 +69,7 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
             rec.send_columns(child(below, "peak"), at(instant), rr.Scalars.columns(scalars=[value]))
     for name, level in panel.limits:
         below, text = child(path, "limit", f"{level:+.4g}"), f"{name} {level:.4g} {panel.unit}"
-        rec.log(below, rr.SeriesLines(names=text, colors=DARK.limit, widths=1.0), static=True)
+        rec.log(below, rr.SeriesLines(names=text, colors=DARK.of(panel.kind_of_limit(name)), widths=1.0), static=True)
         rec.send_columns(below, at(ends), rr.Scalars.columns(scalars=np.full(2, level)))
 
 
@@ -86,8 +84,8 @@ def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> rrb.Time
 
 def color_of(curve: Curve) -> Color:
     if isinstance(curve.kind, int):
-        return COLORS[curve.kind % len(COLORS)]
-    return DARK.base if curve.kind == BASE else _OTHERS
+        return RUNS[curve.kind % len(RUNS)]
+    return DARK.of(curve.kind)
 
 
 def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
@@ -109,10 +107,9 @@ def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
 
 _MOST_LANES = 2  # lanes of the largest utilisations: each is 40 points high
 _LEGIBLE = 0.04  # fraction of the interval shown, below which the name of a state does not fit
-_QUIET, _MOVING, _NEAR = (58, 66, 76), (48, 84, 110), (150, 100, 10)
-_USED = (("within", (34, 84, 50)), ("80", _NEAR), ("100", tuple(round(0.75 * part) for part in DARK.limit)))
-_STOPS = (("open", _QUIET), ("stop", CLOSED))
-_PHASES = (("at rest", _QUIET), ("moves", _NEAR), ("free", _MOVING))
+_USED = (("within", WITHIN_LANE), ("80", NEAR_LANE), ("100", tuple(round(0.75 * part) for part in DARK.exceeded)))
+_STOPS = (("open", QUIET_LANE), ("stop", CLOSED))
+_PHASES = (("at rest", QUIET_LANE), ("moves", NEAR_LANE), ("free", MOVING_LANE))
 # Entities at the root of a recording; a mount of such a name has its lane below "lanes"
 _RESERVED = (
     "world", "histories", "loops", "events", "peaks", "scenario", "verdict", "verdicts", "cursor", "state", "plan", "ghosts",
@@ -179,7 +176,6 @@ def _log_lane(
 
 ROOT = "frequencies"
 WIDTH = 320.0  # Width of the frame, so that it fills its pane
-_CURSOR: Color = (255, 255, 255)
 _LIFT = 4.5  # as `frame.LARGE`, for a wide view
 _DASH = 5  # intervals of a curve in a dash, and in the gap behind it
 _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
@@ -256,11 +252,11 @@ def _log_sweep_cursor(rec: Stream, data: str, run: RunResult, sweep: Sweep, plot
     time = run.response.time[cursor_rows(run.response.time, run.selection)]
     frequency = sweep.frequency(time)
     across, (low, high) = np.clip(np.log10(frequency), *plot.across), plot.upward
-    dot = {"colors": _CURSOR, "radii": rr.Radius.ui_points(4.0), "draw_order": 50.0, "show_labels": True}
+    dot = {"colors": CURSOR, "radii": rr.Radius.ui_points(4.0), "draw_order": 50.0, "show_labels": True}
     rec.log(child(data, "now"), rr.Points2D.from_fields(**dot), static=True)
     spots, labels = np.column_stack([across, np.full(time.size, high)]), [f"{value:.4g} Hz" for value in frequency]
     rec.send_columns(child(data, "now"), at(time), rr.Points2D.columns(positions=spots, labels=labels))
-    look = {"colors": _CURSOR, "radii": rr.Radius.ui_points(0.7), "draw_order": 40.0}
+    look = {"colors": CURSOR, "radii": rr.Radius.ui_points(0.7), "draw_order": 40.0}
     rec.log(child(data, "cursor"), rr.LineStrips2D.from_fields(**look), static=True)
     strips = [[[x, low], [x, high]] for x in across]
     rec.send_columns(child(data, "cursor"), at(time), rr.LineStrips2D.columns(strips=strips))
@@ -280,6 +276,4 @@ def _plot_heights(values: Array, plot: Plot, *, upright: bool) -> Array:
 
 
 def _colour(curve: Curve) -> Color:
-    if isinstance(curve.kind, int):
-        return DARK.series[curve.kind % len(DARK.series)]
-    return DARK.base if curve.kind == BASE else DARK.others
+    return DARK.others if curve.kind == OTHERS else DARK.of(curve.kind)

@@ -12,7 +12,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.colours import DARK, colour_of
+from wirerope_mj.views.colours import ARROW, DARK, RUBBER, STEEL, TOUCHING, TRIAD, colour_of
 from wirerope_mj.views.recording.camera import Camera, close_up, reach, scene_extent, whole_scene
 from wirerope_mj.views.recording.now import heat, used_by
 from wirerope_mj.views.recording.paths import AXIAL, Rows, Stream, at, child, entity
@@ -33,13 +33,10 @@ from wirerope_mj.views.recording.shapes import (
 )
 from wirerope_mj.views.thin import rows_of_steps
 
-_STEEL = (176, 184, 194)
-_RUBBER = (64, 66, 72)
 _LEAST_HEIGHT = 0.08  # least height of a drawn rope over its modelled height: a crushed mount is not turned inside out
 _MOST_LABELS = 12  # With more mounts only those whose loops are shown first get a label
 # Entities of a body that would hide a mount in a close-up
 BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring")
-_NEAR = (240, 180, 40)
 _RING = 48  # corners of the ring about the worst mount
 
 
@@ -79,7 +76,7 @@ def log_mounts(
     devices = devices_of(response, extent)
     _log_bars(rec, response, selection, frames, devices)
     few = len(devices) <= _MOST_LABELS or not selection.axes
-    labelled = selection.mounts if few else tuple(selection.numbers)
+    labelled = selection.mounts if few else tuple(selection.kinds)
     for base in dict.fromkeys(device.mount.base_body for device in devices):
         on_base = [device for device in devices if device.mount.base_body == base]
         path = frames[base].path
@@ -104,7 +101,7 @@ def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device]
     """Log equal devices as one mesh, stretched and sheared for each mount and row by an affine map."""
     first = devices[0]
     vertices, triangles, normals = coil(first.width) if first.rope else block(first.width)
-    color = _STEEL if first.rope else _RUBBER
+    color = STEEL if first.rope else RUBBER
     mesh = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals, albedo_factor=color)
     rec.log(path, mesh, static=True)
     maps = np.empty((rows.size, len(devices), 3, 3), dtype=np.float32)  # columns first, as rerun stores them
@@ -160,7 +157,7 @@ def _log_worst(rec: Stream, path: str, response: Response, selection: Selection,
     mount = device.mount
     worst = by_use(selection.verdicts).get(mount.name)
     used = None if worst is None else worst.utilisation
-    color = DARK.limit if used is not None and used > 1.0 else _NEAR
+    color = DARK.limit if used is not None and used > 1.0 else DARK.unjudged
     camera, extent = whole_scene(response, mount=mount.name), scene_extent(response.scene)[1]
     toward = camera.eye - mount.base_point
     across = np.cross([0.0, 0.0, 1.0], toward / np.linalg.norm(toward))
@@ -192,7 +189,7 @@ def _log_forces(
     rec.send_columns(child(path, "forces"), at(response.time[rows]), arrows.partition(np.full(rows.size, len(devices))))
 
 
-OPEN, CLOSED = (150, 158, 168), (240, 96, 30)
+OPEN, CLOSED = DARK.base, TOUCHING
 _COVER = 1.02  # radius of the cover over that of the ball: visible, and hardly larger
 
 
@@ -237,8 +234,6 @@ def log_stops(rec: Stream, response: Response, frames: dict[str, Frame], *, exte
 
 _STILL = 1 / 50  # fraction of the largest travel, the tolerance between drawn poses
 _MOST_POSES = 3000  # Poses of a long run at the most; those of all peaks are among them
-_AXES = [(232, 110, 100), (120, 200, 110), (110, 160, 240)]  # Colours of x, y and z
-ARROW = (255, 196, 60)  # Colour of the acceleration of the base of a run alone
 
 
 def log_scene(
@@ -264,7 +259,7 @@ def log_scene(
     if response.scene.base in frames:
         corner, length = _base_bounds(response, extent)[1] * [1.0, 1.0, 0.0], 0.07 * extent
         axes = rr.Arrows3D(
-            vectors=length * np.eye(3), origins=[corner] * 3, colors=_AXES, labels=["x", "y", "z"], show_labels=True,
+            vectors=length * np.eye(3), origins=[corner] * 3, colors=TRIAD, labels=["x", "y", "z"], show_labels=True,
             radii=0.02 * length,
         )  # fmt: skip
         rec.log(child(frames[response.scene.base].path, "axes"), axes, static=True)

@@ -11,6 +11,7 @@ import scipy
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.colours import NET
 from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
 
 # Bodies that move less are fixed to each other [m], per metre of arm for rotations; far below a pixel
@@ -210,7 +211,6 @@ def wrap(vertices: Array, normals: Array) -> tuple[Array, npt.NDArray[np.uint32]
     return vertices.reshape(-1, 3), triangles.astype(np.uint32), normals.reshape(-1, 3)
 
 
-_NET = (120, 220, 200)
 _FAINT = 0.2  # opacity of a bending body, which is drawn unbent behind its net
 
 
@@ -249,7 +249,7 @@ def log_bending(rec: Stream, frames: Mapping[str, Frame], response: Response, ro
         bent = np.stack([bending_at(response, mount, body, rows) for mount, _ in points], axis=1)
         ends = (feet + factor * (bent - bent[0]))[:, _edges(feet)]  # (n_t, n_edges, 2, 3)
         net = child(frames[body].path, "bending")
-        rec.log(net, rr.LineStrips3D.from_fields(colors=[_NET], radii=[rr.Radius.ui_points(3.0)]), static=True)
+        rec.log(net, rr.LineStrips3D.from_fields(colors=[NET], radii=[rr.Radius.ui_points(3.0)]), static=True)
         strips = rr.LineStrips3D.columns(strips=ends.reshape(-1, 2, 3)).partition(np.full(rows.size, ends.shape[1]))
         rec.send_columns(net, at(response.time[rows]), strips)
 

@@ -104,10 +104,7 @@ def event_view(origin: str) -> rrb.TextLogView:
 HEIGHT = 100.0  # Height of a plot's frame, in units of its view
 LARGE = 4.5  # `lift` for a view that fills half the screen's height
 GROUND = DARK.ground  # behind every plot in any theme: the colours of lines are made for it
-_FRAME = (120, 126, 134)
-_GRID = (52, 57, 64)
-_ZERO = (104, 110, 118)
-_TICK = (128, 134, 142)
+_FRAME, _GRID, _ZERO, _TICK = DARK.frame, DARK.rule, DARK.faint, DARK.others
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,6 +14,7 @@ from wirerope_mj.content.blocks import Chart, Content, SceneView, Statement, let
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import LONGEST_BAR, Column, Table
+from wirerope_mj.views.colours import style_sheet
 from wirerope_mj.views.plots.scene_svg import scene_svgs
 from wirerope_mj.views.plots.svg_chart import chart_svg
 
@@ -24,7 +25,7 @@ _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen i
 def report_html(content: Content) -> str:
     """Write a content as an HTML page that holds its styles and pictures; every text is escaped."""
     # Whatever a user has named reaches the page through the template, which escapes it.
-    css = Markup((_FOLDER / "report.css").read_text(encoding="utf-8").strip())
+    css = Markup(f"{style_sheet()}\n{(_FOLDER / 'report.css').read_text(encoding='utf-8').strip()}")
     template = _environment().get_template("report.html.jinja")
     script = (_FOLDER / "read_curves.js").read_text(encoding="utf-8").strip()
     titled = [section for section in content.sections if section.title and section.blocks]
