@@ -8,15 +8,16 @@ from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.verdict import RMS, by_use
 from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import BASE, PAYLOADS, Block, Chart, Panel, Statement, short
-from wirerope_mj.content.histories import Line, history_panel, subject_called
+from wirerope_mj.content.histories import TOTAL, Line, history_panel, subject_called
 from wirerope_mj.content.judged_run import STILL, JudgedRun
-from wirerope_mj.content.numbers import with_unit
+from wirerope_mj.content.numbers import number, with_unit
 from wirerope_mj.content.required_spectra import required_curve, required_statement
 from wirerope_mj.content.scene_outline import worst_instant
 from wirerope_mj.content.selection import kind_of, main_direction, worst_names
 from wirerope_mj.content.spectrum_charts import densities_chart, rms_along, shock_chart, sweep_chart
 from wirerope_mj.content.verdicts import criteria_blocks, untested
 from wirerope_mj.foundation.errors import Absent
+from wirerope_mj.foundation.units import instant_text
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator.travel import SIDES
 
@@ -58,7 +59,9 @@ def first_charts(run: JudgedRun) -> Chart | None:
     timed = by_use(row for row in run.verdicts if row.time is not None)
     mount = next((name for name in timed if name in selection.mounts), selection.governing)
     if names := worst_names(response)[:1]:
-        along, kind = main_direction(response), kind_of(selection, names[0])
+        # as it is judged, so that the curve's peak is that of the verdict: its size, or its component
+        judged = timed[names[0]].criterion.axis if names[0] in timed else ""
+        along, kind = judged or (main_direction(response) if run.random else TOTAL), kind_of(selection, names[0])
         lines = [
             Line(response=response, subject=subject_called(response, names[0]), name=names[0], kind=kind),
             Line(response=response, subject=THE_BASE, name="base", kind=BASE, history=base_acceleration(response, run.motion)),
@@ -69,7 +72,7 @@ def first_charts(run: JudgedRun) -> Chart | None:
         axis = next((axis for axis, senses in SIDES.items() if used.governing in senses), selection.axes[0])
         line = Line(response=response, subject=mount, name=mount, kind=kind_of(selection, mount))
         panels.append(history_panel("deflection", axis, [line], selection.window))
-    panels = [replace(panel, xlabel="time [s]") for panel in panels]
+    panels = [_with_peak(replace(panel, xlabel="time [s]")) for panel in panels]
     if over := panel_over_frequency(run):
         first = {short(name) for name in names}  # of several bodies the one beside it alone
         curves = [curve for curve in over.curves if curve.name.partition(", ")[0] in first or curve.kind not in PAYLOADS]
@@ -80,6 +83,15 @@ def first_charts(run: JudgedRun) -> Chart | None:
         "and spectra; limits and ratings dashed.",
         alt="Acceleration, deflection and spectra of the most critical parts.",
     ) if panels else None  # fmt: skip
+
+
+def _with_peak(panel: Panel) -> Panel:
+    """Mark the largest value of the first curve with its instant."""
+    if panel.curves[0].peak is None or panel.xlim is None:
+        return panel
+    (x, y), (first, last) = panel.curves[0].peak, panel.xlim
+    note = f"{number(y)} {panel.unit} at {instant_text(x)}"
+    return replace(panel, dots=[(x, y)], notes=[(x, y, note, x > 0.5 * (first + last))])
 
 
 def panel_over_frequency(run: JudgedRun) -> Panel | None:
