@@ -1,7 +1,10 @@
 """The first sheet of a run: what went in and out, the criteria as bars, the worst instant, and three charts."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
+
+import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
@@ -90,8 +93,11 @@ def _with_peak(panel: Panel) -> Panel:
     if panel.curves[0].peak is None or panel.xlim is None:
         return panel
     (x, y), (first, last) = panel.curves[0].peak, panel.xlim
-    note = f"{number(y)} {panel.unit} at {instant_text(x)}"
-    return replace(panel, dots=[(x, y)], notes=[(x, y, note, x > 0.5 * (first + last))])
+    note, aside = (
+        f"{number(y)} {panel.unit} at {instant_text(x)}",
+        0.06 * float(np.ptp(np.concatenate([curve.y for curve in panel.curves]))),
+    )  # of a limit there
+    return replace(panel, dots=[(x, y)], notes=[(x, y + math.copysign(aside, y), note, x > 0.5 * (first + last))])
 
 
 def panel_over_frequency(run: JudgedRun) -> Panel | None:
