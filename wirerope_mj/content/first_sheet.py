@@ -93,11 +93,9 @@ def _with_peak(panel: Panel) -> Panel:
     if panel.curves[0].peak is None or panel.xlim is None:
         return panel
     (x, y), (first, last) = panel.curves[0].peak, panel.xlim
-    note, aside = (
-        f"{number(y)} {panel.unit} at {instant_text(x)}",
-        0.06 * float(np.ptp(np.concatenate([curve.y for curve in panel.curves]))),
-    )  # of a limit there
-    return replace(panel, dots=[(x, y)], notes=[(x, y + math.copysign(aside, y), note, x > 0.5 * (first + last))])
+    aside = 0.06 * float(np.ptp(np.concatenate([curve.y for curve in panel.curves])))  # of a limit that lies there
+    note = (x, y + math.copysign(aside, y), f"{number(y)} {panel.unit} at {instant_text(x)}", x > 0.5 * (first + last))
+    return replace(panel, dots=[(x, y)], notes=[note])
 
 
 def panel_over_frequency(run: JudgedRun) -> Panel | None:
