@@ -75,7 +75,7 @@ def first_charts(run: JudgedRun) -> Chart | None:
         axis = next((axis for axis, senses in SIDES.items() if used.governing in senses), selection.axes[0])
         line = Line(response=response, subject=mount, name=mount, kind=kind_of(selection, mount))
         panels.append(history_panel("deflection", axis, [line], selection.window))
-    panels = [_with_peak(replace(panel, xlabel="time [s]")) for panel in panels]
+    panels = [replace(panel if run.random else _with_peak(panel), xlabel="time [s]") for panel in panels]
     if over := panel_over_frequency(run):
         first = {short(name) for name in names}  # of several bodies the one beside it alone
         curves = [curve for curve in over.curves if curve.name.partition(", ")[0] in first or curve.kind not in PAYLOADS]
@@ -93,9 +93,11 @@ def _with_peak(panel: Panel) -> Panel:
     if panel.curves[0].peak is None or panel.xlim is None:
         return panel
     (x, y), (first, last) = panel.curves[0].peak, panel.xlim
-    aside = 0.06 * float(np.ptp(np.concatenate([curve.y for curve in panel.curves])))  # of a limit that lies there
-    note = (x, y + math.copysign(aside, y), f"{number(y)} {panel.unit} at {instant_text(x)}", x > 0.5 * (first + last))
-    return replace(panel, dots=[(x, y)], notes=[note])
+    values = np.concatenate([curve.y for curve in panel.curves] + [[level] for _, level in panel.limits if level * y > 0.0])
+    low, high = float(values.min()), float(values.max())
+    above = y + math.copysign(0.06 * (high - low), y)  # away from the curve, as far as the panel reaches
+    text = f"{number(y)} {panel.unit} at {instant_text(x)}"
+    return replace(panel, dots=[(x, y)], notes=[(x, min(max(above, low), high), text, x > 0.5 * (first + last))])
 
 
 def panel_over_frequency(run: JudgedRun) -> Panel | None:

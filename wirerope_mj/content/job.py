@@ -10,6 +10,7 @@ from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, amplified
 from wirerope_mj.assessment.criteria.summary import OWN_RULE
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, criterion_text, most_amplified, most_used
 from wirerope_mj.content.blocks import Block, Content, Document, Section, Statement
+from wirerope_mj.content.first_sheet import first_charts
 from wirerope_mj.content.job_envelope import envelope_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import devices_of, model_blocks
@@ -17,6 +18,7 @@ from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.numbers import listed, several, shown, shown_unit, with_unit
 from wirerope_mj.content.required_spectra import pairs_table, required_statement, spectra_chart, spectra_table
 from wirerope_mj.content.run import START, run_content
+from wirerope_mj.content.scene_outline import worst_instant
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import TONE, headline, open_statement, unjudged, used_mark, verdict_bars
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
@@ -75,18 +77,6 @@ def job_content(job: JudgedJob) -> Content:
     def answers() -> Iterator[Block]:
         yield Statement("cases-answers", items=tuple(f"{name}: {text}" for name, text in answers_of(job.verdicts).items()))
 
-    def brief() -> Iterator[Block | None]:
-        for case in job.cases:
-            if case.run.achieved:
-                said = required_statement(case.run)
-                yield replace(said, id=f"{case.folder}/required", text=f"{case.name}: {said.text}", items=())
-        worst = {name: row for name, rows in job.verdicts.items() if (row := most_used(rows))}
-        named = ((name, f"{row.subject} {criterion_text(row.criterion)}", row) for name, row in worst.items())
-        yield verdict_bars("load case", named)
-        others = [f"{name}: {text}" for name, text in answers_of(job.verdicts).items() if text.startswith(UNKNOWN)]
-        yield Statement("cases-open", items=tuple(others), tone="unjudged")
-        yield open_statement(row for rows in job.verdicts.values() for row in rows)
-
     def required() -> Iterator[Block]:
         made = {case.name: case for case in job.cases if case.run.achieved}
         for name, case in made.items():
@@ -115,7 +105,7 @@ def job_content(job: JudgedJob) -> Content:
     texts = document.paragraphs if document else lambda name: []
     sections = [
         Section("warnings", "", warnings_said, "headline"),
-        Section("brief", "", brief, "headline"),
+        Section("brief", "", partial(_brief, job), "headline"),
         Section("answer", "", answers, "headline"),
         Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
         Section("limits", "Limits and what governs them", limits, "summary"),
@@ -145,6 +135,25 @@ def job_content(job: JudgedJob) -> Content:
             ("By", f"wirerope-mj {version}"),
         ),
     )  # fmt: skip
+
+
+def _brief(job: JudgedJob) -> Iterator[Block | None]:
+    """Yield the load cases as bars, worst instant and charts of the one that governs, and what is not judged."""
+    for case in job.cases:
+        if case.run.achieved:
+            said = required_statement(case.run)
+            yield replace(said, id=f"{case.folder}/required", text=f"{case.name}: {said.text}", items=())
+    worst = {name: row for name, rows in job.verdicts.items() if (row := most_used(rows))}
+    named = ((name, f"{row.subject} {criterion_text(row.criterion)}", row) for name, row in worst.items())
+    yield verdict_bars("load case", named)
+    critical = most_used(worst.values())
+    governing = next((case for case in job.cases if worst.get(case.name) is critical), job.cases[0])
+    scene, charts = worst_instant(governing.run), first_charts(governing.run)
+    yield scene and replace(scene, caption=f"{governing.name}. {scene.caption}")
+    others = [f"{name}: {text}" for name, text in answers_of(job.verdicts).items() if text.startswith(UNKNOWN)]
+    yield Statement("cases-open", items=tuple(others), tone="unjudged")
+    yield open_statement(row for rows in job.verdicts.values() for row in rows)
+    yield charts and replace(charts, caption=f"{governing.name}. {charts.caption}")
 
 
 def answers_of(verdicts: Mapping[str, Sequence[Verdict]]) -> dict[str, str]:

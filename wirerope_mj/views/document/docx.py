@@ -71,11 +71,6 @@ class _Writer:
                 self.set_block(table)
         titles = [f"{number}  {section.title}" for number, section in content.numbered]
         appendices = [section for _, section in content.numbered if section.appendix]
-        if filed is not None:
-            self._paragraph("Contents", bold=True, keep=True)
-            for title in titles:
-                self._paragraph(title, close=True)
-            self.document.add_page_break()
         self.document.add_heading("Question and answer", level=1)
         for text in content.question:
             self._paragraph(text, bold=True)
@@ -84,6 +79,10 @@ class _Writer:
         for section in content.sections:
             for block in section.blocks if not section.title else ():
                 self.set_block(block)
+        if filed is not None:
+            self._paragraph("Contents", bold=True, keep=True)
+            for title in titles:
+                self._paragraph(title, close=True)
         for title, (_, section) in zip(titles, content.numbered, strict=True):
             heading = self.document.add_heading(plain_lines(title), level=1)
             heading.paragraph_format.page_break_before = section in appendices[:1]

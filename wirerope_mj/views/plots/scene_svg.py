@@ -112,7 +112,7 @@ def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
     yield f'<path class="grid" d="{lines}" fill="none" stroke="{_GRID}"/>'
     yield f'<path class="frame" d="M0 0V{size[1]:.1f}H{size[0]:.1f}" fill="none" stroke="{_FRAME}"/>'
     name = f"{view.title}: {'xyz'[view.up]} [m] over {'xyz'[view.right]} [m]"
-    yield f'<text x="0" y="-7" font-weight="bold">{name}</text>'
+    yield f'<text x="{0.5 * size[0]:.1f}" y="-7" text-anchor="middle" font-weight="bold">{name}</text>'
     for at, tick in zip(columns, across, strict=True):
         yield f'<text x="{at:.1f}" y="{size[1] + 12:.1f}" text-anchor="middle">{number_text(tick)}</text>'
     for at, tick in zip(rows, upward, strict=True):
