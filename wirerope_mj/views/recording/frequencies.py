@@ -237,7 +237,7 @@ def _log_loops(rec: Stream, path: str, plot: Plot, animation: Animation, strips:
 
 
 def log_multipliers(rec: Stream, animation: Animation, *, width: float) -> None:
-    """Log the unit circle, and the Floquet multipliers of every motion, unstable ones in red."""
+    """Log the unit circle, and the Floquet multipliers of every motion, unstable ones in amber."""
     side = _LARGEST * 1.06
     across = side * width / 100.0
     plot = Plot(across=(-across, across), upward=(-side, side), width=width)
