@@ -27,6 +27,7 @@ _FONT, _SMALL = "Arial", 15  # of the text; size of the letters of tables in hal
 _LETTER, _CELL = 5.3, 130.0  # mean width of a letter, of half a point of its size; room about it [1/20 pt]
 _LEAST, _LINE = 6, 90  # letters of a column of text at the least, and at the most where there is room
 _TWIPS = 567.0  # 1/20 pt to a centimetre
+_BLOCK = 0.5  # by which letters of bars are wider than others
 BARS = 16  # letters of a bar up to its limit, whole ones, which every font has
 _BOTTOM = '<w:vAlign w:val="bottom"/>'
 _W = 'xmlns:w="http://schemas.openxmlformats.org/wordprocessingml/2006/main"'
@@ -175,7 +176,9 @@ class _Writer:
 def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) -> tuple[int, list[int]]:
     """Fit columns to the page: size of letters, and widths [1/20 pt]; text breaks into lines before letters get smaller."""
     words = [1.3 * max(map(len, head.split()), default=0) for head in heads]  # which are bold
-    longest = [max([word, *(len(row[n]) for row in rows)]) for n, word in enumerate(words)]
+    longest = [
+        max([word, *(len(row[n]) + _BLOCK * sum(map(row[n].count, "█░")) for row in rows)]) for n, word in enumerate(words)
+    ]
     breaks = [column.align == "text" or long > _LINE / 3 for column, long in zip(columns, longest, strict=True)]
     letters = [float(min(long, _LINE) if broken else long) for long, broken in zip(longest, breaks, strict=True)]
     for size in range(_SMALL, 9, -1):
