@@ -1,6 +1,7 @@
 """`wirerope select`: every part of the catalogue simulated in the places of the mounts; and the vendors' worksheet."""
 
 import sys
+from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal
@@ -10,7 +11,9 @@ from cyclopts import App
 from wirerope_mj.cli.options import Flag, Force, Integer, Integers, Repeated, RepeatedPaths
 from wirerope_mj.cli.shock import said_in_options, with_motions
 from wirerope_mj.foundation.arguments import integer, positive
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.motions import BaseMotion
 
 NOTHING_FOUND = 1  # Exit code if no part meets the demands
 Mode = Literal["compression", "45", "shear", "roll"]
@@ -80,18 +83,15 @@ def select(
     from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.units import STANDARD_GRAVITY
-    from wirerope_mj.motions.registry import motion_from_phrase, motion_from_words, motion_of_levels
     from wirerope_mj.runs.new_model import KIND, marks
-    from wirerope_mj.runs.said_motion import said_motion
     from wirerope_mj.runs.selection import equipment, read_prices, write_selected
     from wirerope_mj.studies.catalogue import catalogue, select_parts
     from wirerope_mj.views.terminal import show_result
 
-    for option, value in {"mass": mass, "fragility": fragility, "travel": travel, "height-max": height_max}.items():
+    lengths = (("room", length) for length in room or ())
+    for option, value in (("mass", mass), ("fragility", fragility), ("travel", travel), ("height-max", height_max), *lengths):
         if value is not None:
             positive(f"--{option}", value)
-    for length in room or ():
-        positive("--room", length)
     if (model is None) == (mass is None):
         raise ValueError("give the equipment as a model or a job, or as a box by `--mass` and `--mounts`: one of them.")
     if mass is None and (mounts or size):
@@ -103,26 +103,13 @@ def select(
     stated = {} if prices is None else read_prices(prices)
     if by in ("price", "mass") and not any(by in own for own in stated.values()):
         raise ValueError(f"`--by {by}` needs `--prices`, a table with a column {by!r}.")
-    said = {text: motion_from_words(text) for text in shock or ()}
-    phrases, recorded = said_in_options(motions)
-    said |= {f"{kind} {text}": motion_from_phrase(kind, text) for kind, text in phrases}
-    said |= {} if recorded["record"] is None else {recorded["record"].stem: said_motion([], **recorded)}
-    said |= {file.stem: motion_of_levels(file) for file in levels or ()}
     box = None if mass is None else {"mass": mass, "size": None if size is None else tuple(1e-3 * one for one in size)}
     systems, cases = equipment(
-        model, said, box=box,
-        mounts=mounts or (), limits=[limit_from_text(text) for text in limit or ()],
-        fragility=None if fragility is None else fragility * STANDARD_GRAVITY,
-        travel=None if travel is None else 1e-3 * travel,
+        model, _load_cases(shock or (), levels or (), motions), box=box, mounts=mounts or (),
+        limits=[limit_from_text(text) for text in limit or ()],
+        fragility=None if fragility is None else fragility * STANDARD_GRAVITY, travel=None if travel is None else 1e-3 * travel,
     )  # fmt: skip
-    tried = catalogue(parts)
-    if height_max is not None:
-        tried = {
-            name: f"it is higher than {height_max:g} mm"
-            if not isinstance(part, str) and part.geometry and (part.geometry.height or 0.0) > 1e-3 * height_max
-            else part
-            for name, part in tried.items()
-        }
+    tried = catalogue(parts, highest=None if height_max is None else 1e-3 * height_max)
     if take is not None and take not in tried:
         near = get_close_matches(take, tried, n=3)
         meant = f" Near it: {', '.join(near)}." if near else ""
@@ -146,6 +133,18 @@ def select(
     elif selection.meeting:
         print("  --out FOLDER writes the model on the first part, --all prints every table; both simulate again")
     return 0 if selection.meeting else NOTHING_FOUND
+
+
+def _load_cases(shocks: Sequence[str], levels: Sequence[Path], motions: Entries) -> dict[str, BaseMotion]:
+    """Make a load case of each motion that the options say, by its name."""
+    from wirerope_mj.motions.registry import motion_from_phrase, motion_from_words, motion_of_levels
+    from wirerope_mj.runs.said_motion import said_motion
+
+    phrases, recorded = said_in_options(motions)
+    cases = {text: motion_from_words(text) for text in shocks}
+    cases |= {f"{kind} {text}": motion_from_phrase(kind, text) for kind, text in phrases}
+    cases |= {} if recorded["record"] is None else {recorded["record"].stem: said_motion([], **recorded)}
+    return cases | {file.stem: motion_of_levels(file) for file in levels}
 
 
 @select_app.command

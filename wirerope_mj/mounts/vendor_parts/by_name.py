@@ -69,14 +69,17 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path | 
     )
 
 
-def catalogue(pattern: str = "*") -> dict[str, Isolator | str]:
+def catalogue(pattern: str = "*", *, highest: float | None = None) -> dict[str, Isolator | str]:
     """Load the parts of the vendors' tables whose names match a pattern, or say why a part has no isolator.
 
-    ValueError if no name matches.
+    Parts above the height `highest` [m] have none. ValueError if no name matches.
     """
     isolators: dict[str, Isolator | str] = {}
     for part in vendor_parts():
         if fnmatchcase(part.name.lower(), pattern.lower()):
+            if highest is not None and (part.height or 0.0) > highest:
+                isolators[part.name] = f"it is higher than {1e3 * highest:g} mm"
+                continue
             try:
                 isolators[part.name] = load_isolator(part)
             except WireRopeError as error:
