@@ -52,8 +52,7 @@ class BaseMotion(ABC):
 
     kind: ClassVar[str]  # name of the motion in stored files
     phrases: ClassVar[tuple[SpokenMotion, ...]] = ()  # its phrases in commands, jobs and files of levels
-    # arguments of the constructor that attributes of other names hold; of several in one, the attribute `quantity` names it
-    renamed: ClassVar[Mapping[str, str]] = {}
+    renamed: ClassVar[Mapping[str, str]] = {}  # arguments that other attributes hold; of several in one, `quantity` names it
 
     # length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop, of a sum from time
     # zero; infinite for an endless sine. `end` is the instant after which it is over.
