@@ -32,20 +32,18 @@ MOST_POINTS = 1e8  # points of a random vibration: a gigabyte, more than an hour
 class RandomVibration(AsCall, StartedMotion):
     """Gaussian vibration of a power spectral density, between a smooth rise from rest and a smooth fall back to it.
 
-    The displacement is a sum of sines of all frequencies k/T in the band with independent random phases, T being the
-    duration or a little more, times the envelope. With `amplitudes="fixed"` each sine carries the power of its band 1/T, so
-    that rms and density are those asked for in every motion, as a controlled shaker has them, and only the phases are
-    random: the rms of a response over a time t scatters from seed to seed with sqrt(1 - t/T) of what Gaussian noise gives.
-    With `amplitudes="random"` they are of Rayleigh's distribution with that power in the mean. Such a motion is a segment of a
-    true Gaussian process: its rms, and that of a response, scatter by 1/(2 sqrt(B t)), B being the bandwidth. A Monte-Carlo
-    study wants these.
+    The displacement is a sum of sines of all frequencies k/T in the band with independent random phases, T being the duration
+    or a little more, times the envelope. With `amplitudes="fixed"` each sine carries the power of its band 1/T, so that rms and
+    density are those asked for in every motion, as a controlled shaker has them, and only the phases are random: the rms of a
+    response over a time t scatters from seed to seed with sqrt(1 - t/T) of what Gaussian noise gives. With
+    `amplitudes="random"` they are of Rayleigh's distribution with that power in the mean. Such a motion is a segment of a true
+    Gaussian process: its rms, and that of a response, scatter by 1/(2 sqrt(B t)), B being the bandwidth.
 
     The displacement is kept as a spline of degree 5, whose acceleration is one of degree 3 through knots, 8 in a period of the
     highest frequency. What the spline takes from a sine is given back to it beforehand, so the density holds within the band;
     what is left of the segments are images beyond seven times the highest frequency, at most 0.04 % of the amplitude of the
-    sines that cause them. So the motion is the same at whatever instants it is read: at the knots alone, where all images
-    add up, the density at the highest frequency is 0.12 % high. Velocity and displacement have no drift, and are zero before
-    the start and after the end.
+    sines that cause them. At the knots alone, where all images add up, the density at the highest frequency is 0.12 % high.
+    Velocity and displacement have no drift, and are zero before the start and after the end.
 
     Memory is 8 bytes a knot: 80 MB for 10 minutes up to 2000 Hz. The phases are taken from a seed by a generator whose
     stream is the same everywhere; motions of different seeds are independent, those of the same seed, density and duration

@@ -36,9 +36,8 @@ class DecayingSine(StartedMotion):
 
         x = (V/wd) e^(-zeta w0 t) sin(wd t),
 
-    or a half-sine of the length D, (pi V/2D) sin(pi t/D), so that nothing jumps. A sine in the acceleration alone, which is
-    sometimes meant by the name, would leave the base coasting or displaced. That such a motion stands for a deck simulating
-    fixture is common practice; official amplitudes are not given here. Decks of several frequencies are sums of such motions.
+    or a half-sine of the length D, (pi V/2D) sin(pi t/D), so that nothing jumps. Decks of several frequencies are sums of such
+    motions.
 
     Args:
         frequency: undamped frequency of the deck [Hz].

@@ -201,14 +201,12 @@ class Sweep(StraightMotion):
         velocity V:      a = V w sin(phase),   v = -V cos(phase),   x = s (V/K) Re[e^(i (u - u0)) h1(u)]
         displacement X:  a = X (w^2 sin(phase) - s K w cos(phase)),   v = -X w cos(phase),   x = -X sin(phase)
 
-    where h1 and h2 are the integrals of `oscillating_tails`. Their constants of integration are those that vanish for
-    large u, so that each differs from what a steady sine of that frequency would have by a fraction of the order of 1/u
-    only: the base starts on the steady oscillation and drifts nowhere, however long the sweep.
+    where h1 and h2 are the integrals of `oscillating_tails`. They vanish for large u, so that the base starts on the steady
+    oscillation, but for a fraction of the order of 1/u, and drifts nowhere.
 
-    After `duration` the oscillation goes on at the stop frequency with neither velocity nor displacement jumping. The
-    fraction of 1/u by which the velocity of a sweep of constant acceleration then differs from that of a steady sine stays
-    as a slow drift; for 2 octaves/min and 30 Hz it is at most 1/8160 of the velocity amplitude. With a constant velocity
-    the same fraction of the displacement stays as an offset. A run is best ended where the sweep ends.
+    After `duration` the oscillation goes on at the stop frequency with neither velocity nor displacement jumping. A fraction of
+    1/u stays as a slow drift, at 2 octaves/min and 30 Hz at most 1/8160 of the velocity amplitude; end a run where the sweep
+    ends.
 
     Args:
         start: frequency at time 0 [Hz].

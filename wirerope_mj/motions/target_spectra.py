@@ -98,12 +98,10 @@ def _above(frequencies: ArrayLike, least: float, reason: str) -> Array:
 class DesignSpectrum:
     """Undamped shock spectrum of constant displacement, velocity and acceleration, one branch after the other.
 
-    The levels come from the customer's specification (BV 043, STANAG 4142, ...); none are built in. With the usual factors
-    the undamped spectra of the pulses lie at 1.05 d0 far below the first corner f1. Where the second corner f2 is 3 to 40
-    times the first, that of the double half-sine lies between 0.69 and 1.19 v0 from f1 to f2 and reaches 1.06 to 1.19 a0 from
-    f2 on; that of the double triangle 0.67 to 1.21 v0 (1.26 with `r2=0.6`) and 0.94 to 1.03 a0 (1.11). The farther apart the
-    corners, the lower all of these; neither pulse is an envelope. Far above f2 both fall to the pulse's own peak, 0.6 a0, as
-    the spectrum of every pulse does.
+    The levels come from the customer's specification (BV 043, STANAG 4142, ...); none are built in. With the usual factors the
+    undamped spectra of the pulses lie at 1.05 d0 far below the first corner f1. Where the second corner f2 is 3 to 40 times the
+    first, that of the double half-sine lies between 0.69 and 1.19 v0 from f1 to f2 and reaches 1.06 to 1.19 a0 from f2 on; that
+    of the double triangle 0.67 to 1.21 v0 (1.26 with `r2=0.6`) and 0.94 to 1.03 a0 (1.11). Neither pulse is an envelope.
     """
 
     phrases = (

@@ -99,14 +99,12 @@ def compare_laws(
 ) -> LawComparison:  # fmt: skip
     """Fit several laws to the same loops, and find their errors on amplitudes left out of a fit.
 
-    The criterion is the Bayesian one. With a thousand samples Akaike's correction for few samples vanishes, and what is left
-    of it charges 2 for a parameter, which the serially correlated misfit of any law pays back; ln N is the stricter price.
-    Both take samples as independent. Where they are not, the criterion exaggerates differences; the error on an amplitude left
-    out does not, and counts more.
+    The criterion is the Bayesian one. It takes samples as independent; where they are not, it exaggerates differences. The
+    error on an amplitude left out does not, and counts more.
 
     The error of a loop is that of an identification: the root mean square of the law's force minus the measured one, both
-    without their means, over half of the measured force range. White noise of 1 % of it shows as 1 %. The largest amplitude
-    left out is predicted from smaller ones; of cycles beyond all tested ones no error here speaks.
+    without their means, over half of the measured force range. The largest amplitude left out is predicted from smaller ones;
+    of cycles beyond all tested ones no error here speaks.
 
     Args:
         loops: closed cycles of several amplitudes; those of one amplitude are left out together.

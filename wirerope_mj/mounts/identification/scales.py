@@ -1,12 +1,11 @@
 """Friction on several scales: Bouc-Wen sets in parallel with one spring and one asymmetry.
 
-A rope slips on many scales, and one Bouc-Wen state yields on one. Asked to follow several it lowers n to 0.1 .. 0.25 and still
-misses the small loops. Here each scale has a state of its own,
+A rope slips on many scales, and one Bouc-Wen state yields on one. Here each scale has a state of its own,
 
     F = b^(c x) [z_1 + z_2 + .. + F1(x)]
 
-with its bound, yield deflection and n. They share sigma: where each had one, amplitudes left out were predicted half as well, a
-small scale's sigma paying for what no loop shows. Sums of dry sliders (Masing, Iwan) have sigma 1/2 on every scale.
+with its bound, yield deflection and n. They share sigma: where each had one, amplitudes left out were predicted half as well.
+Sums of dry sliders (Masing, Iwan) have sigma 1/2 on every scale.
 """
 
 from collections.abc import Mapping

@@ -44,10 +44,9 @@ class Tabulated(AsCall, Law):
 
     It is passive for every g >= 0 from z = 0. The work of g z is linear in g, so take g concentrated at one deflection: the
     path crosses it upwards and downwards in turn, and w = z / z_max is the convolution of dx / x_y with exp(-s / x_y) over the
-    path's length s. Between two crossings an excursion above takes w to E w - p, one below to E w + p, with 0 < E <= 1 and
-    p >= 0; w at the first crossing has its sign. So the sum of w at upward less that at downward crossings is never negative.
-    Limit curves of different shapes in Vaiana and Rosati's own form would let work be drawn once (their neutral state is
-    z = x_y h', and h'' <= h / x_y^2 would be needed); here z = 0 is where small vibrations lead at every deflection.
+    path's length s. Between two crossings an excursion above takes w to E w - p, one below to E w + p, with 0 < E <= 1 and p >=
+    0; w at the first crossing has its sign. So the sum of w at upward less that at downward crossings is never negative. z = 0
+    is where small vibrations lead at every deflection.
     """
 
     name: ClassVar[str] = "tabulated"

@@ -64,10 +64,9 @@ def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopS
 
     The rope leaves both bars level and half way up their thickness, so that the centre line rises by `height` - `bar`; it
     reaches (`width` - `rope`) / 2 to the side. The roundest line through these points is a stadium: a half circle between two
-    straight level segments where the loop is wider than high (all 50 parts of Enidine's table with known bars are), and two
-    quarter circles with a straight upright segment between them where it is not. The straight segments begin in the middle of
-    the bar: no vendor states how much of them the bar holds. ValueError: an argument is not a finite number > 0, a bar is
-    thinner than its rope, or no loop is left between them.
+    straight level segments where the loop is wider than high, and two quarter circles with a straight upright segment between
+    them where it is not. The straight segments begin in the middle of the bar: no vendor states how much of them the bar holds.
+    ValueError: an argument is not a finite number > 0, a bar is thinner than its rope, or no loop is left between them.
     """
     for name, value in {"height": height, "width": width, "bar": bar, "rope": rope}.items():
         if positive(name, value) > LARGEST_LOOP * rope:

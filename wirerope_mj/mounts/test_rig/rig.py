@@ -155,18 +155,16 @@ def hardening_overlap(loops: Sequence[Loop]) -> float:
         thickness = sum over i of  integral (F_L,up - F_L,down) dx        overlap = gap / thickness
 
     i runs over the smaller loops, L is the largest; up and down are the branches of rising and falling deflection; the
-    integrals run over the tension side that both loops reach, from their operating point to the largest deflection of
-    loop i. The gap is measured against the largest loop's thickness, not its force, because loops on a stiff elastic path
-    lie close to each other whatever their hysteresis does. So 0 says that in tension a loop of any amplitude loads along
-    one path, and 0.5 that the smaller loops run in the middle of the largest, as thin loops about a common elastic line do.
+    integrals run over the tension side that both loops reach, from their operating point to the largest deflection of loop i. 0
+    says that in tension a loop of any amplitude loads along one path, and 0.5 that the smaller loops run in the middle of the
+    largest, as thin loops about a common elastic line do.
 
-    Ni, Ko, Wong and Zhan (1999) named it after isolators that harden in tension (thesis, section 3.2.1 and figure 3.9). A
-    loop that saturates without hardening loads along one path too: look at `softening_to_hardening` or at the loops for the
-    hardening itself. Loops far smaller than the yield deflection never saturate and count towards 0.5; the integrals give
-    them the weight of their own deflection. Loops of nearly one amplitude overlap whatever their law: compare values of the
-    same ratios of amplitude only. Each gap is averaged over twentieths of the span before its size counts, so that the noise
-    of a measurement adds little. ValueError: fewer than two amplitudes, loops that do not share a side in tension, or a
-    largest loop without an area.
+    Ni, Ko, Wong and Zhan (1999) named it after isolators that harden in tension (thesis, section 3.2.1 and figure 3.9). A loop
+    that saturates without hardening loads along one path too: look at `softening_to_hardening` or at the loops for the
+    hardening itself. Loops far smaller than the yield deflection never saturate and count towards 0.5. Loops of nearly one
+    amplitude overlap whatever their law: compare values of the same ratios of amplitude only. Each gap is averaged over
+    twentieths of the span before its size counts, so that the noise of a measurement adds little. ValueError: fewer than two
+    amplitudes, loops that do not share a side in tension, or a largest loop without an area.
     """
     amplitudes = {loop.amplitude for loop in loops}
     if len(amplitudes) < 2:
