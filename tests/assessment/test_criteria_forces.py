@@ -157,6 +157,7 @@ def test_what_rests_on_a_stop_from_the_start_is_said_and_no_strike():
     assert hit.verdict == "exceeded"
     assert hit.limit > 1e-5  # as deep as it is pressed at rest
     assert "for its gap of 0 where it rests is taken" in hit.note
+    assert hit.note.endswith(f"a limit on force/{hit.subject} says more")
     # so faint that the stop gives way by less than 1e-9 m: nothing that a figure may be made of
     faint, stop = gap(1e-9, 0.0)
     assert (stop.touches, stop.force, stop.first_touch) == (0, 0.0, None)

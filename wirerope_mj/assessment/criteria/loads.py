@@ -194,7 +194,8 @@ def _stop_verdicts(response: Response, kind: str, limit: float, name: str, stop:
         if not stop.struck and (at_start >= gap or not gap):
             allowed, note = None, f"{note}; {RESTS if stop.from_start else NO_GAP}"
         elif not gap:
-            note += f"; for its gap of 0 {'where it rests' if at_start > LEAST_GAP else f'{1e3 * LEAST_GAP:g} mm'} is taken"
+            taken = "where it rests" if at_start > LEAST_GAP else f"{1e3 * LEAST_GAP:g} mm"
+            note += f"; for its gap of 0 {taken} is taken, which any motion exceeds: a limit on force/{stop.mount} says more"
         sense = side if len(stop.gaps) > 1 else ""
         verdicts.append(
             Verdict(
