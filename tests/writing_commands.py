@@ -29,6 +29,7 @@ WRITING = {
     "compare --map": ["compare", "run", "drop.csv", *MAP, "--out", "with_tests", "--force"],
     "durability": ["durability", "run", "--exponent", "8", "--equivalent-psd", "block 60 s 5 to 80 Hz z", "--out", "d.csv"],
     **EXPORTS,
+    "film": ["film", "run", "o.mp4", "--at", "50 ms", "--force"],
     "flexible": ["flexible", "modes.csv", "shapes.csv", "--points", "points.csv", "--units", "m,kg,s",
                  "--out", "part", "--force"],
     "fmu": ["fmu", "shock_table", "o.fmu", "--force"],

@@ -60,6 +60,7 @@ OWNERS = {
     },
     "jinja2": {"views/report"},
     "typst": {"views"},
+    "imageio_ffmpeg": {"views"},
     "docx": {"views/document"},
     "msgspec": {"foundation"},
     "pyuff": {"motions/records", "engine/flexible"},

@@ -1,4 +1,4 @@
-"""`wirerope share`, `export` and `fmu`: a run, its numbers or a model for other people and programs."""
+"""`wirerope share`, `film`, `export` and `fmu`: a run, its numbers or a model for other people and programs."""
 
 from contextlib import suppress
 from pathlib import Path
@@ -25,6 +25,28 @@ def share(folder: Path, out: Path, *, force: Force = False) -> int:
     size = sum(path.stat().st_size for path in files) / 1e6
     print(plain(f"written: {out}, {len(files)} files, {size:.0f} MB, of which the viewer takes most"))
     print(plain(f"python -m http.server --directory {out} shows it at http://localhost:8000"))
+    return 0
+
+
+def film(*paths: Path, at: str | None = None, gif: Flag = False, force: Force = False) -> int:
+    """Film the worst 400 ms of a run, or of two runs beside each other, in slow motion.
+
+    wirerope film RUN [RUN] OUT.mp4
+
+    Plan and side view with displacements enlarged stand beside the most critical acceleration and deflection with their limits,
+    a running cursor and the verdict, 1920 x 1080. It needs no screen; pip install 'wirerope-mj[film]' brings what writes it.
+
+    Args:
+        paths: folders of one run or two, and the file to write, ending in .mp4.
+        at: instant in the middle, such as "120 ms"; that of the most critical verdict by default.
+        gif: write a GIF of half the size beside it, too.
+    """
+    from wirerope_mj.foundation.plain_text import plain
+    from wirerope_mj.runs.report import write_films
+
+    *folders, out = paths or (Path(),)
+    for file in write_films(folders, out, gif=gif, at=at, force=force):
+        print(plain(f"written: {file}, {file.stat().st_size / 1e6:.1f} MB"))
     return 0
 
 

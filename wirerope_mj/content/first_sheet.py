@@ -56,8 +56,8 @@ def passage(run: JudgedRun) -> Statement | None:
     return Statement("passage", text, values={"base_m_s2": into or None, "payload_m_s2": out, "where": where})
 
 
-def first_charts(run: JudgedRun) -> Chart | None:
-    """Draw side by side the most critical acceleration and deflection over time, and the payload's spectra."""
+def first_histories(run: JudgedRun, window: tuple[float, float]) -> list[Panel]:
+    """Draw the most critical acceleration and the most critical deflection over an interval [s], as far as there are any."""
     response, selection, panels = run.response, run.selection, list[Panel]()
     timed = by_use(row for row in run.verdicts if row.time is not None)
     mount = next((name for name in timed if name in selection.mounts), selection.governing)
@@ -69,13 +69,18 @@ def first_charts(run: JudgedRun) -> Chart | None:
             Line(response=response, subject=subject_called(response, names[0]), name=names[0], kind=kind),
             Line(response=response, subject=THE_BASE, name="base", kind=BASE, history=base_acceleration(response, run.motion)),
         ]
-        panels.append(history_panel("acceleration", along, lines, selection.window))
+        panels.append(history_panel("acceleration", along, lines, window))
     if mount:
         used = next(row for row in mount_peaks(response) if row.name == mount)
         axis = next((axis for axis, senses in SIDES.items() if used.governing in senses), selection.axes[0])
         line = Line(response=response, subject=mount, name=mount, kind=kind_of(selection, mount))
-        panels.append(history_panel("deflection", axis, [line], selection.window))
-    panels = [replace(panel if run.random else _with_peak(panel), xlabel="time [s]") for panel in panels]
+        panels.append(history_panel("deflection", axis, [line], window))
+    return [replace(panel if run.random else _with_peak(panel), xlabel="time [s]") for panel in panels]
+
+
+def first_charts(run: JudgedRun) -> Chart | None:
+    """Draw side by side the most critical acceleration and deflection over time, and the payload's spectra."""
+    panels, names = first_histories(run, run.selection.window), worst_names(run.response)[:1]
     if over := panel_over_frequency(run):
         first = {short(name) for name in names}  # of several bodies the one beside it alone
         curves = [curve for curve in over.curves if curve.name.partition(", ")[0] in first or curve.kind not in PAYLOADS]
@@ -89,10 +94,11 @@ def first_charts(run: JudgedRun) -> Chart | None:
 
 
 def _with_peak(panel: Panel) -> Panel:
-    """Mark the largest value of the first curve with its instant."""
-    if panel.curves[0].peak is None or panel.xlim is None:
+    """Mark the largest value of the first curve with its instant, if that is in the interval shown."""
+    first, last = panel.xlim or (-math.inf, math.inf)
+    x, y = panel.curves[0].peak or (math.nan, math.nan)
+    if not first <= x <= last:
         return panel
-    (x, y), (first, last) = panel.curves[0].peak, panel.xlim
     values = np.concatenate([curve.y for curve in panel.curves] + [[level] for _, level in panel.limits if level * y > 0.0])
     low, high = float(values.min()), float(values.max())
     above = y + math.copysign(0.06 * (high - low), y)  # away from the curve, as far as the panel reaches

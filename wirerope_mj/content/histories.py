@@ -84,7 +84,7 @@ def _acceleration_levels(lines: Sequence[Line], along: str) -> Iterator[tuple[tu
                 if (limit.kind, limit.name) == ("acceleration", subject.name) and (whole or along != TOTAL):
                     value = limit.values[0 if whole else _axis_number(along)]
                     if value and reached >= _SHOWN_RATING * value:
-                        for side in (1.0, -1.0):
+                        for side in (1.0,) if along == TOTAL else (1.0, -1.0):
                             yield (f"limit of {short(line.name)}", in_unit(side * value, "g")), reached > value
 
 

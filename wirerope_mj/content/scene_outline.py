@@ -1,13 +1,14 @@
 """Geometry of drawn scenes: outlines in a plan and an elevation, labels of mounts, and the worst instant of a run."""
 
 import math
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
-from wirerope_mj.assessment.criteria import EXCEEDED
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
 from wirerope_mj.assessment.criteria.verdict import against_limit, by_use
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.judged_run import JudgedRun
@@ -181,63 +182,114 @@ def _ring(radius: float, height: float) -> Array:
 _SHOWN_DISPLACEMENT = 0.06  # fraction of the drawing's extent that the largest displacement may take
 _FACTORS = (100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)  # by which displacements are enlarged
 _STILL = 1e-6  # [m]: displacement below which a scene is not shown
+USED_KEY = "Mounts: the deeper blue, the more of their limits is used, grey not judged; red: beyond a limit."
 
 
-def worst_instant(run: JudgedRun) -> SceneView | None:
-    """Show the scene at the instant of the most critical verdict that has one, displacements enlarged; None without motion."""
-    rows = [(row, row.time) for row in ordered(run.verdicts) if row.time is not None and math.isfinite(row.value)]
-    if not rows:
-        return None
-    worst, instant = rows[0]
-    unlimited = f"{worst.subject} {worst.criterion} {with_unit(worst.value, worst.unit)} at {instant_text(instant)}"
-    title = f"The worst instant: {unlimited if worst.limit is None else against_limit(worst)}"
-    view = scene_at(run.response, instant, title=title)
-    if view is None or view.moved is None:
-        return None
-    bodies = {body.name: body for body in view.moved.bodies}
-    ring = (worst.subject, bodies[worst.subject].position) if worst.subject in bodies else None
-    for mount in view.moved.mounts:
-        if mount.name == worst.subject:
-            body = bodies[mount.payload_body]
-            ring = mount.name, np.asarray(body.position + rotation_matrices(body.orientation) @ mount.payload_point)
-    used = {name: row.utilisation or 0.0 for name, row in by_use(run.verdicts).items()}
-    key = " Mounts: the deeper blue, the more of their limits is used, grey not judged; red: beyond a limit." if used else ""
-    return replace(
-        view, id="worst-instant", ring=ring, exceeded=worst.verdict == EXCEEDED, used=used, caption=view.caption + key
-    )
+@dataclass(frozen=True, kw_only=True)
+class SceneMotion:
+    """A scene as it moves relative to its base, displacements and rotations from the modelled geometry enlarged."""
+
+    scene: Scene  # in the modelled geometry
+    time: Array  # of the samples [s], (n,)
+    # of bodies by name: displacements [m] and rotation vectors [rad] in base axes, (n, 3) each
+    travels: Mapping[str, Array]
+    turns: Mapping[str, Array]
+    factor: float  # by which they are enlarged
+
+    @property
+    def moves(self) -> bool:
+        """Whether anything moves visibly between the samples."""
+        return any(float(np.ptp(travel, axis=0).max()) > _STILL for travel in self.travels.values())
+
+    def at(self, instant: float) -> Scene:
+        """Place the bodies as they stand at an instant [s], interpolated between the samples."""
+        bodies, rotation = [], scipy.spatial.transform.Rotation
+        for body in self.scene.bodies:
+            if body.name in self.travels:
+                travel, turn = (
+                    self.factor * np.array([np.interp(instant, self.time, part) for part in parts[body.name].T])
+                    for parts in (self.travels, self.turns)
+                )
+                turned = rotation.from_rotvec(turn) * rotation.from_quat(body.orientation, scalar_first=True)
+                body = replace(body, position=body.position + travel, orientation=turned.as_quat(scalar_first=True))
+            bodies.append(body)
+        return replace(self.scene, bodies=tuple(bodies))
+
+    def drawn(self) -> DrawnScene:
+        """Transform the modelled scene into the world frame, with the room that its displacements take."""
+        drawn = drawn_scene(self.scene)
+        every = self.factor * np.concatenate([np.zeros((1, 3)), *self.travels.values()])
+        return replace(drawn, low=drawn.low + every.min(axis=0), high=drawn.high + every.max(axis=0))
 
 
-def scene_at(response: Response, instant: float, *, title: str = "") -> SceneView | None:
-    """Show the scene at the sample nearest to an instant [s], displacements enlarged; None without visible motion."""
-    scene = response.scene
+def scene_motion(response: Response, rows: slice) -> SceneMotion | None:
+    """Find how the bodies of a scene stand from the base at some samples; None without visible displacements."""
+    scene, rotation = response.scene, scipy.spatial.transform.Rotation
     if not any(body.geoms for body in scene.bodies):
         return None
-    number = int(np.abs(response.time - instant).argmin())
-    travels = {  # from the modelled geometry, relative to the base [m], (3,) each
-        body.name: response.displacement_from_base(response.bodies[body.name].position, body.position)[number]
-        for body in scene.bodies
-        if body.moves and not body.on_base
+    moving = [body for body in scene.bodies if body.moves and not body.on_base]
+    travels = {
+        body.name: response.displacement_from_base(response.bodies[body.name].position, body.position)[rows] for body in moving
     }
-    largest = max((float(np.linalg.norm(travel)) for travel in travels.values()), default=0.0)
+    largest = max((float(np.linalg.norm(travel, axis=1).max()) for travel in travels.values()), default=0.0)
     if largest < _STILL:
         return None
     drawn = drawn_scene(scene)
     allowed = _SHOWN_DISPLACEMENT * float((drawn.high - drawn.low).max())
     factor = next((factor for factor in _FACTORS if factor * largest <= allowed), 1.0)
-    bodies, rotation = [], scipy.spatial.transform.Rotation
-    back = rotation.identity() if response.base_rotation is None else rotation.from_matrix(response.base_rotation[number].T)
-    for body in scene.bodies:
-        if body.name in travels:
-            start = rotation.from_quat(body.orientation, scalar_first=True)
-            now = back * rotation.from_quat(response.bodies[body.name].orientation[number], scalar_first=True)
-            turned = rotation.from_rotvec(factor * (now * start.inv()).as_rotvec()) * start
-            position = body.position + factor * travels[body.name]
-            bodies.append(replace(body, position=position, orientation=turned.as_quat(scalar_first=True)))
-        else:
-            bodies.append(body)
-    enlarged = f", displacements {factor:g} times as large" if factor > 1.0 else ""
+    back, turns = rotation.identity(), dict[str, Array]()
+    if response.base_rotation is not None:
+        back = rotation.from_matrix(response.base_rotation[rows].transpose(0, 2, 1))
+    for body in moving:
+        now = back * rotation.from_quat(response.bodies[body.name].orientation[rows], scalar_first=True)
+        turns[body.name] = (now * rotation.from_quat(body.orientation, scalar_first=True).inv()).as_rotvec()
+    return SceneMotion(scene=scene, time=response.time[rows], travels=travels, turns=turns, factor=factor)
+
+
+def critical_verdict(verdicts: Sequence[Verdict]) -> Verdict | None:
+    """Find the most critical verdict that has an instant; None without one."""
+    timed = (row for row in ordered(verdicts) if row.time is not None and math.isfinite(row.value))
+    return next(timed, None)
+
+
+def ring_around(moved: Scene, subject: str) -> tuple[str, Array] | None:
+    """Find name and position of the body or of the mount's payload side that is the subject of a verdict; None for others."""
+    bodies = {body.name: body for body in moved.bodies}
+    if subject in bodies:
+        return subject, bodies[subject].position
+    mount = next((mount for mount in moved.mounts if mount.name == subject), None)
+    if mount is None:
+        return None
+    body = bodies[mount.payload_body]
+    return subject, np.asarray(body.position + rotation_matrices(body.orientation) @ mount.payload_point)
+
+
+def worst_instant(run: JudgedRun) -> SceneView | None:
+    """Show the scene at the instant of the most critical verdict that has one, displacements enlarged; None without motion."""
+    worst = critical_verdict(run.verdicts)
+    if worst is None or worst.time is None:
+        return None
+    unlimited = f"{worst.subject} {worst.criterion} {with_unit(worst.value, worst.unit)} at {instant_text(worst.time)}"
+    title = f"The worst instant: {unlimited if worst.limit is None else against_limit(worst)}"
+    view = scene_at(run.response, worst.time, title=title)
+    if view is None or view.moved is None:
+        return None
+    used = {name: row.utilisation or 0.0 for name, row in by_use(run.verdicts).items()}
+    return replace(
+        view, id="worst-instant", ring=ring_around(view.moved, worst.subject), exceeded=worst.verdict == EXCEEDED, used=used,
+        caption=f"{view.caption} {USED_KEY}" if used else view.caption,
+    )  # fmt: skip
+
+
+def scene_at(response: Response, instant: float, *, title: str = "") -> SceneView | None:
+    """Show the scene at the sample nearest to an instant [s], displacements enlarged; None without visible motion."""
+    number = int(np.abs(response.time - instant).argmin())
+    motion = scene_motion(response, slice(number, number + 1))
+    if motion is None:
+        return None
+    enlarged = f", displacements {motion.factor:g} times as large" if motion.factor > 1.0 else ""
     caption = (
         f"{title or f'At {response.time[number]:.4f} s'}. Everything as it stands from the base{enlarged}; pale or dashed: "
         "the modelled, unloaded geometry. Lines: mounts from the base's site to the payload's."
     )
-    return SceneView(id="instant", scene=scene, caption=caption, moved=replace(scene, bodies=tuple(bodies)))
+    return SceneView(id="instant", scene=response.scene, caption=caption, moved=motion.at(response.time[number]))

@@ -3,6 +3,7 @@
 import math
 import shutil
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from wirerope_mj.content.correlation import correlation_sections
 from wirerope_mj.content.job import job_content
 from wirerope_mj.content.run import run_content
 from wirerope_mj.engine.response import load_response
-from wirerope_mj.foundation.atomic_files import atomic_folder, check_writable
+from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder, check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import picked
 from wirerope_mj.foundation.quantities import parse_phrase
@@ -106,19 +107,50 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
 
     check_writable(out, force=force)
     run = judged_folder(_run_folder(folder))
-    last, instant = float(run.response.time[-1]), None
-    if at is not None:
-        try:
-            (instant,) = parse_phrase(at, words={}).quantities["time"]
-        except (KeyError, ValueError):
-            instant = math.nan
-        if not 0.0 <= instant <= last:
-            raise ValueError(f'`at` must be a time within the run, 0 to {last:g} s, such as "120 ms"; got {at!r}.')
-    view = worst_instant(run) if instant is None else scene_at(run.response, instant)
+    view = worst_instant(run) if at is None else scene_at(run.response, _instant(at, float(run.response.time[-1])))
     if view is None:
         raise ValueError("nothing that is drawn has moved from its modelled place at this instant; say another with `at`.")
     save_pictures([view], out, title=run.title)
     return out
+
+
+def write_films(
+    folders: Sequence[Path], out: Path, *, gif: bool = False, at: str | None = None, force: bool = False
+) -> list[Path]:  # fmt: skip
+    """Write a film of one run, or of two beside each other, as .mp4, and with `gif` as .gif beside it; return the files.
+
+    It shows the 400 ms about the worst instant, or about `at`, "120 ms". RecordError if a folder is no run, nothing of it is
+    judged over time or moves, or a file is there and must not be replaced; ValueError if the instant is no time within the
+    runs; WireRopeError if nothing writes films here.
+    """
+    from wirerope_mj.content.film import film_of
+    from wirerope_mj.views.film import write_film
+
+    if out.suffix.lower() != ".mp4" or len(folders) not in (1, 2):
+        raise ValueError("a film is made of one run or two, and its file ends with .mp4: wirerope film RUN [RUN] OUT.mp4")
+    files = [out, out.with_suffix(".gif")] if gif else [out]
+    for file in files:
+        check_writable(file, force=force)
+    names = [folder.resolve().name for folder in folders]
+    if len(set(names)) < len(names):
+        names = list(map(str, folders))
+    runs = {name: judged_folder(_run_folder(folder)) for name, folder in zip(names, folders, strict=True)}
+    last = min(float(run.response.time[-1]) for run in runs.values())
+    film = film_of(runs, None if at is None else _instant(at, last))
+    with ExitStack() as stack:
+        write_film(film, *(stack.enter_context(atomic_file(file)) for file in files))
+    return files
+
+
+def _instant(text: str, last: float) -> float:
+    """Read an instant within a run [s]; ValueError for another text."""
+    try:
+        (instant,) = parse_phrase(text, words={}).quantities["time"]
+    except (KeyError, ValueError):
+        instant = math.nan
+    if not 0.0 <= instant <= last:
+        raise ValueError(f'`at` must be a time within the run, 0 to {last:g} s, such as "120 ms"; got {text!r}.')
+    return instant
 
 
 def _run_folder(folder: Path) -> Path:

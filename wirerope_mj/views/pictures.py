@@ -26,7 +26,7 @@ _SHEET = f"""#set text(font: "{FAMILY}") // of drawings, too
 #set document(date: none)
 #image(bytes(sheet.svg), format: "svg", width: 100%)"""
 _GROUND, _INK = hexadecimal(LIGHT.ground), hexadecimal(LIGHT.text)
-_STYLE = f".halo,.name{{paint-order:stroke;stroke:{_GROUND};stroke-width:2px}}"  # of names that stand on lines
+STYLE = f".halo,.name{{paint-order:stroke;stroke:{_GROUND};stroke-width:2px}}"  # of names that stand on lines
 
 
 def save_pictures(blocks: Sequence[Chart | SceneView], path: str | Path, *, title: str = "") -> None:
@@ -48,14 +48,32 @@ def save_svg(picture: str, size: tuple[float, float], path: Path) -> None:
         if kind == ".svg":
             temporary.write_text(picture, encoding="utf-8")
         elif kind == ".png":
-            from resvg_py import svg_to_bytes
-
-            temporary.write_bytes(svg_to_bytes(
-                svg_string=picture, background=_GROUND, zoom=_ZOOM, skip_system_fonts=True, font_family=FAMILY,
-                font_files=fonts_for(text_of(picture)), sans_serif_family=FAMILY,
-            ))  # fmt: skip
+            temporary.write_bytes(drawn_png(picture, fonts_for(text_of(picture)), _GROUND, _ZOOM))
         else:
             typeset(_SHEET, {"svg": picture, "width": size[0], "height": size[1]}, temporary)
+
+
+def drawn_png(picture: str, fonts: Sequence[str], background: str | None = None, zoom: float | None = None) -> bytes:
+    """Draw an <svg> element with the letters of font files as PNG, without a background if none is given."""
+    from resvg_py import svg_to_bytes
+
+    return bytes(svg_to_bytes(
+        svg_string=picture, background=background, zoom=zoom, skip_system_fonts=True, font_family=FAMILY,
+        font_files=list(fonts), sans_serif_family=FAMILY,
+    ))  # fmt: skip
+
+
+def size_of(drawing: str) -> tuple[float, float]:
+    """Read width and height of an <svg> element, in its units."""
+    box = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawing)
+    assert box is not None
+    return float(box[1]), float(box[2])
+
+
+def inset(drawing: str, box: Sequence[float]) -> str:
+    """Place an <svg> element in a box of another: left, top, width, height."""
+    x, y, width, height = box
+    return drawing.replace("<svg ", f'<svg x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" ', 1)
 
 
 def joined_svg(blocks: Sequence[Chart | SceneView], title: str = "") -> tuple[str, float]:
@@ -73,18 +91,15 @@ def joined_svg(blocks: Sequence[Chart | SceneView], title: str = "") -> tuple[st
             drawings, scale = [chart_svg(block)], 1.0
         left, top = 0.0, y
         for drawing in drawings:
-            box = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawing)
-            assert box is not None
-            width, height = scale * float(box[1]), scale * float(box[2])
+            width, height = (scale * side for side in size_of(drawing))
             if left + width > WIDTH + 1.0:
                 left, top = 0.0, y
             y = max(y, top + height)
-            place = f'x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{height:.1f}"'
-            parts.append(drawing.replace("<svg ", f"<svg {place} ", 1))
+            parts.append(inset(drawing, (left, top, width, height)))
             left += width
     y += _EDGE
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {y:g}" width="{WIDTH:g}" height="{y:g}"'
-    return f'{head} font-family="Helvetica, Arial, sans-serif"><style>{_STYLE}</style>{"".join(parts)}</svg>', y
+    return f'{head} font-family="Helvetica, Arial, sans-serif"><style>{STYLE}</style>{"".join(parts)}</svg>', y
 
 
 def _text(y: float, text: str, look: str) -> str:

@@ -1,6 +1,9 @@
 """A scene as SVG: plan and elevation of the modelled geometry with its mounts, and the scene at an instant of the response."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import compress
+from operator import not_
 
 import numpy as np
 
@@ -13,6 +16,7 @@ from wirerope_mj.content.scene_outline import (
     label_groups,
     mount_position,
     outlines,
+    ring_around,
     shared_label,
 )
 from wirerope_mj.engine.response.scene import Scene
@@ -32,6 +36,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 40.0, 10.0, 20.0, 32.0
 _MARGIN = 0.05  # around the drawing, as a fraction of its width
 _ROUNDING = 10.0  # fractions of a unit to which corners are rounded
 _LETTER = 0.56  # mean width of a letter over its height
+_BOLD = 5.7  # mean width of a letter of a view's name
 _ROW = 15.0  # height of an entry of the key
 _NAME = 7.5  # height of the letters of a mount's name
 WIDTH = 600.0  # Width of a drawing over the whole page, in its units
@@ -40,6 +45,7 @@ _INK, _FRAME, _GRID, _PALE = (hexadecimal(colour) for colour in (LIGHT.heading, 
 _GROUND = hexadecimal(LIGHT.ground)
 Place = Callable[[Array], Array]
 Box = tuple[float, float, float, float]  # left, top, right, bottom
+Placed = tuple[float, float, str]  # Left, top and an <svg> element
 
 
 def scene_svgs(view: SceneView) -> list[str]:
@@ -50,33 +56,77 @@ def scene_svgs(view: SceneView) -> list[str]:
     width, tallest = (WIDTH, _TALLEST) if whole else (WIDTH / 2.0, _TALLEST_HALF)
     for side in drawn.views:
         place, size = _frame(drawn, side, width, tallest)
-        shown = [*_shapes(outlines(drawn, side), place, pale=moved is not None)]
-        if moved is None or after is None:
+        shown = [*_axes(side, size, place, width), *_shapes(outlines(drawn, side), place, pale=after is not None)]
+        if after is not None:
+            shown += _moved(view, after, side, place, size[0])
+        else:
             shown += _mounts(scene, side, place, view.absent or ())
             shown += _labels(scene, side, place) if whole else ()
-        else:
-            shown += _shapes(outlines(after, side), place, used=view.used)
-            bodies = {body.name: body for body in moved.bodies}
-            for mount in moved.drawn:  # a line from the base's site to the payload's
-                payload = bodies[mount.payload_body]
-                end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
-                (x, y), (to_x, to_y) = place(side.seen(np.stack([mount_position(moved, mount), end]))).tolist()
-                colour = used_colour(view.used[mount.name]) if mount.name in view.used else _FRAME if view.used else _COLOURS[0]
-                shown.append(f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{colour}" stroke-width="1.4"/>')
-                shown.append(f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="{2.6 if view.used else 1.6}" fill="{colour}"/>')
-            if view.ring is not None:
-                (x, y), colour = place(side.seen(view.ring[1])).tolist(), _RATED if view.exceeded else _INK
-                aside, anchor = (8.0, "start") if x < WIDTH / 4.0 - _LEFT else (-8.0, "end")
-                circle = f'cx="{x:.1f}" cy="{y:.1f}" r="6" fill="none" stroke="{colour}" stroke-width="1.6"'
-                text = f'x="{x + aside:.1f}" y="{y - 7:.1f}" text-anchor="{anchor}" fill="{colour}" font-weight="bold"'
-                name = safe_text(short(view.ring[0]))
-                shown.append(f'<circle class="{"over" if view.exceeded else "ring"}" {circle}/>')
-                shown.append(f'<text class="name" {text}>{name}</text>')
-        shift = _LEFT + 0.5 * (width - _LEFT - _RIGHT - size[0])
-        head = _svg_head(width, size[1] + _TOP + _BOTTOM, f"{scene.name} {side.title}", int(WIDTH / width))
-        content = "".join([*_axes(side, size, place), *shown])
-        parts.append(f'{head}<g transform="translate({shift:.1f} {_TOP:g})">{content}</g></svg>')
+        parts.append(_drawing(drawn, side, size, width, shown))
     return [*parts, _key(scene)] if moved is None and scene.mounts else parts
+
+
+def stage_svgs(drawn: DrawnScene, width: float, height: float) -> tuple[list[Placed], Callable[[SceneView], list[str]]]:
+    """Draw plan and elevation in one scale: what stays, with its place in a room, and what draws the rest at an instant.
+
+    They stand beside or below each other, whichever lets them be larger.
+    """
+    sizes = [size + 2.0 * _MARGIN * size.max() for size in (side.seen(drawn.high - drawn.low) for side in drawn.views)]
+    (a, b), across, up = sizes, _LEFT + _RIGHT, _TOP + _BOTTOM
+    beside = min((width - 2.0 * across) / (a[0] + b[0]), (height - up) / max(a[1], b[1]))
+    below = min((width - across) / max(a[0], b[0]), (height - 2.0 * up) / (a[1] + b[1]))
+    scale = float(max(beside, below))
+    moves = [body.moves and not body.on_base for body, *_ in drawn.shapes]
+    fixed, free = (replace(drawn, shapes=tuple(compress(drawn.shapes, kept))) for kept in (map(not_, moves), moves))
+    frames, placed, left, top = [], list[Placed](), 0.0, 0.0
+    for side, size in zip(drawn.views, sizes, strict=True):
+        room = scale * float(size[0]) + across
+        place, shown = _frame(drawn, side, room, scale * float(size[1]))
+        frames.append((side, place, shown, room))
+        still = [*_axes(side, shown, place, room), *_shapes(outlines(fixed, side), place)]
+        still += _shapes(outlines(free, side), place, pale=True)
+        placed.append((left, top, _drawing(drawn, side, shown, room, still)))
+        left, top = (left + room, top) if beside > below else (left, top + shown[1] + up)
+
+    def moving(view: SceneView) -> list[str]:
+        assert view.moved is not None
+        after = drawn_scene(view.moved)
+        after = replace(after, shapes=tuple(compress(after.shapes, moves)))
+        return [
+            _drawing(drawn, side, shown, room, _moved(view, after, side, place, shown[0]))
+            for side, place, shown, room in frames
+        ]
+
+    return placed, moving
+
+
+def _moved(view: SceneView, after: DrawnScene, side: View, place: Place, width: float) -> Iterator[str]:
+    """Yield shapes at an instant, mounts as lines from the base's site to the payload's, and the ring."""
+    yield from _shapes(outlines(after, side), place, used=view.used)
+    moved = after.scene
+    bodies = {body.name: body for body in moved.bodies}
+    for mount in moved.drawn:
+        payload = bodies[mount.payload_body]
+        end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
+        (x, y), (to_x, to_y) = place(side.seen(np.stack([mount_position(moved, mount), end]))).tolist()
+        colour = used_colour(view.used[mount.name]) if mount.name in view.used else _FRAME if view.used else _COLOURS[0]
+        yield f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{colour}" stroke-width="1.4"/>'
+        yield f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="{2.6 if view.used else 1.6}" fill="{colour}"/>'
+    if view.ring is not None:
+        (x, y), colour = place(side.seen(view.ring[1])).tolist(), _RATED if view.exceeded else _INK
+        modelled = ring_around(view.scene, view.ring[0]) or view.ring  # by which the name keeps its side in a film
+        aside, anchor = (8.0, "start") if place(side.seen(modelled[1]))[0] < 0.5 * width else (-8.0, "end")
+        circle = f'cx="{x:.1f}" cy="{y:.1f}" r="6" fill="none" stroke="{colour}" stroke-width="1.6"'
+        text = f'x="{x + aside:.1f}" y="{y - 7:.1f}" text-anchor="{anchor}" fill="{colour}" font-weight="bold"'
+        yield f'<circle class="{"over" if view.exceeded else "ring"}" {circle}/>'
+        yield f'<text class="name" {text}>{safe_text(short(view.ring[0]))}</text>'
+
+
+def _drawing(drawn: DrawnScene, side: View, size: tuple[float, float], width: float, parts: Iterable[str]) -> str:
+    """Draw a view of a size in the middle of a width."""
+    shift = _LEFT + 0.5 * (width - _LEFT - _RIGHT - size[0])
+    head = _svg_head(width, size[1] + _TOP + _BOTTOM, f"{drawn.scene.name} {side.title}", int(WIDTH / width) or 1)
+    return f'{head}<g transform="translate({shift:.1f} {_TOP:g})">{"".join(parts)}</g></svg>'
 
 
 def _svg_head(width: float, height: float, label: str, columns: int) -> str:
@@ -102,7 +152,7 @@ def _frame(drawn: DrawnScene, view: View, width: float, tallest: float) -> tuple
     return place, (float(size[0]), float(size[1]))
 
 
-def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
+def _axes(view: View, size: tuple[float, float], place: Place, width: float) -> Iterator[str]:
     zero = place(np.zeros(2))
     scale = float(place(np.ones(2))[0] - zero[0])
     across = linear_ticks(-zero[0] / scale, (size[0] - zero[0]) / scale, most=min(8, max(2, int(size[0] / 28.0))))
@@ -112,6 +162,8 @@ def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
     yield f'<path class="grid" d="{lines}" fill="none" stroke="{_GRID}"/>'
     yield f'<path class="frame" d="M0 0V{size[1]:.1f}H{size[0]:.1f}" fill="none" stroke="{_FRAME}"/>'
     name = f"{view.title}: {'xyz'[view.up]} [m] over {'xyz'[view.right]} [m]"
+    if _BOLD * len(name) > width - _LEFT + _RIGHT:
+        name = f"{view.title.partition(',')[0]} [m]"
     yield f'<text x="{0.5 * size[0]:.1f}" y="-7" text-anchor="middle" font-weight="bold">{name}</text>'
     for at, tick in zip(columns, across, strict=True):
         yield f'<text x="{at:.1f}" y="{size[1] + 12:.1f}" text-anchor="middle">{number_text(tick)}</text>'

@@ -33,27 +33,27 @@ _DECADE = 60.0  # length of a decade above which there are lines at 2, 3, .. 9
 _ROOM = 0.05  # fraction of the range, left free above and below
 
 
-def chart_svg(chart: Chart) -> str:
-    """Draw a chart as an <svg> element, each curve named once above it."""
-    legend, top = _legend([panel for row in chart.rows for panel in row])
+def chart_svg(chart: Chart, whole: float = WIDTH) -> str:
+    """Draw a chart as an <svg> element, `whole` units wide, each curve named once above it."""
+    legend, top = _legend([panel for row in chart.rows for panel in row], whole)
     names = [text for row in chart.rows for _, text in row[0].yticks]  # of bars, on the left of the panels
     parts, y, room = [legend], top, max(LEFT, _LETTER * max(map(len, names), default=0) + 28.0)
     for number, row in enumerate(chart.rows):
         y += _TITLE if any(panel.title for panel in row) else 0.0
-        width = (WIDTH - room - RIGHT - _GAP * (len(row) - 1)) / len(row)
+        width = (whole - room - RIGHT - _GAP * (len(row) - 1)) / len(row)
         labelled = any(panel.xlabel for panel in row)
         for column, panel in enumerate(row):
             left = room + column * (width + _GAP)
             away = 46.0 if column else room - 12.0  # of the label from the axis
             parts.append(_panel(panel, left, y, width, chart.height, away, labelled=labelled))
         y += chart.height + (_BELOW if labelled else 0.0) + (_BETWEEN if number + 1 < len(chart.rows) else 0.0)
-    head = f'<svg class="chart" viewBox="0 0 {WIDTH:g} {y:g}" xmlns="http://www.w3.org/2000/svg" role="img"'
+    head = f'<svg class="chart" viewBox="0 0 {whole:g} {y:g}" xmlns="http://www.w3.org/2000/svg" role="img"'
     if chart.alt:
         head += f' aria-label="{safe_text(chart.alt)}"'
     return f'{head} font-family="Helvetica, Arial, sans-serif" font-size="11">{"".join(parts)}</svg>'
 
 
-def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
+def _legend(panels: Sequence[Panel], whole: float) -> tuple[str, float]:
     """Draw the legend of all panels, each name once; return it and its height."""
     entries: dict[str, tuple[str, str]] = {}
     for panel in panels:
@@ -68,7 +68,7 @@ def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
     parts, x, y = [], LEFT, 12.0
     for name, (look, stroke) in entries.items():
         wide = _SWATCH + _LETTER * len(name) + 18.0
-        if x + wide > WIDTH and x > LEFT:
+        if x + wide > whole and x > LEFT:
             x, y = LEFT, y + _LEGEND
         parts.append(f'<path {look} d="M{x:.1f} {y - 4:.1f}{stroke}"/>{_text(x + _SWATCH, y, name)}')
         x += wide
