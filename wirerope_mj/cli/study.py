@@ -263,7 +263,8 @@ def compute_and_print(
             return
         content = result_content(result, by)
         show_result(content, "answer", others=("results", "inputs", "worst"), every=all)
-        print_lines([result.message])
+        if not isinstance(study, Search):  # whose answer begins with it
+            print_lines([result.message])
         write_content(content, result.folder)
         written = write_worst(result, by, open_worst) if open_worst else []
         worst.extend(path.relative_to(result.folder) for path in written)
