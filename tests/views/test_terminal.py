@@ -1,13 +1,15 @@
 """Tables on a terminal that is narrower than they are."""
 
+import itertools
 import math
 import re
 
 import pytest
+from rich.text import Text
 
 from wirerope_mj.content.verdicts import bars_table
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.views.terminal import WIDTH, print_table
+from wirerope_mj.views.terminal import WIDTH, in_lines, print_table
 
 COLUMNS = [Column("variant", align="left"), *(Column(f"displacement/\ntop/{number}", "", 3) for number in range(12))]
 
@@ -48,3 +50,15 @@ def test_bars_reach_their_tick_at_the_limit_and_no_word_breaks(capsys, monkeypat
     assert below[0] == below[1] == below[3]
     assert below[2] == math.ceil(below[0] / 2)
     assert beyond[1] == beyond[2] == 0 < beyond[0] <= beyond[3]
+
+
+@pytest.mark.parametrize("width", range(30, 120))
+def test_lines_break_between_words_and_never_before_a_unit(width):
+    said = "FAIL: rack 10.2 g, limit 10 g (102 %) at 27.9 ms; 1 of 53 checks; a-hyphened-file.toml 35 values, 1.5 m/s and 3 °C."
+    lines = in_lines(Text(said), width).plain.split("\n")
+    assert max(map(len, lines)) <= width
+    assert " ".join(lines).split() == said.split()
+    assert not [
+        line for line, after in itertools.pairwise(lines) if line[-1].isdigit() and after[0].isalpha() | (after[0] in "%°")
+    ]
+    assert in_lines(Text("荷重 10.2 g"), 6).plain == "荷重 10.2 g"  # counted in cells where it is printed

@@ -1,7 +1,9 @@
 """The terminal: statements and tables on a console on which control characters and emoji codes in texts are harmless."""
 
+import re
 from collections.abc import Iterable, Sequence
 from functools import singledispatch
+from textwrap import wrap
 from typing import Any
 
 from rich import box
@@ -22,6 +24,7 @@ _NARROW = 72  # characters below which bars are shortest
 _ROOMY = 100  # characters below which columns have no padding
 _UNBOUNDED = 10_000  # characters of a line that holds every table
 _LONG = 16  # characters of a heading above numbers that stands on several lines
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=[%°a-zA-Zµ])")
 _STYLES = {"exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold", "unjudged": "yellow", "within": "green"}
 
 
@@ -143,9 +146,17 @@ def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:
     for line in lines:
         text = line if isinstance(line, Text) else Text(plain_lines(line))
         if screen.is_terminal:
-            screen.print(Padding(text, (0, 0, 0, len(indent))))
+            screen.print(Padding(in_lines(text, screen.width - len(indent)), (0, 0, 0, len(indent))))
         else:
             screen.print(Text(indent) + text, soft_wrap=True)
+
+
+def in_lines(text: Text, width: int) -> Text:
+    """Break a text into lines of at most `width` characters between its words, never between a number and its unit."""
+    if cell_len(text.plain) != len(text.plain):  # wide letters, which rich counts
+        return text
+    lines = wrap(_BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text.plain), width, break_on_hyphens=False)
+    return Text("\n".join(lines).replace("\N{NO-BREAK SPACE}", " "), style=text.style)
 
 
 def print_warnings(warnings: Iterable[str]) -> None:
