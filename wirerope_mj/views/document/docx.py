@@ -75,8 +75,6 @@ class _Writer:
         self.document.add_heading("Question and answer", level=1)
         for text in content.question:
             self._paragraph(text, bold=True)
-        if filed is None:
-            self._verdict(content.verdict)
         for section in content.sections:
             for block in section.blocks if not section.title else ():
                 self.set_block(block)
