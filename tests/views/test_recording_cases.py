@@ -10,6 +10,8 @@ from made_up_floor import floor_response
 from rerun.chunk import RrdReader
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.criteria import body_peaks
+from wirerope_mj.content.first_sheet import panel_over_frequency
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.selection import select
 from wirerope_mj.foundation.half_written import clear_half_written
@@ -180,3 +182,12 @@ def test_a_run_without_limits_opens_at_the_largest_acceleration_of_what_stands_o
     peaks = [response.peaks.bodies[name].acceleration for name in select(response).bodies]
     peaks += [peak.acceleration for peak in response.peaks.points.values()]
     assert opening.at == max(peaks, key=lambda peak: peak.value).time
+
+
+def test_spectra_of_a_base_that_moves_along_several_axes_are_those_along_the_largest_peak_of_the_payload():
+    system, up, across = wr.load_system("cabinet"), 8.0 * wr.STANDARD_GRAVITY, 3.0 * wr.STANDARD_GRAVITY
+    motion = wr.HalfSine(peak=across, duration=0.011, direction="x") + wr.HalfSine(peak=up, duration=0.011, direction="z")
+    run = judged_run(system, motion, wr.simulate(system, motion, duration=0.1, accuracy=1e-2))
+    worst = max((row for row in body_peaks(run.response) if row.kind != "base"), key=lambda row: row.value)
+    assert worst.axes[2] > worst.axes[0]
+    assert panel_over_frequency(run).ylabel.endswith("along z")

@@ -113,6 +113,8 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
         ends = sorted((run.motion.start, run.motion.stop))
         return replace(chart.rows[0][0], xlim=(ends[0], ends[1]))
     axis = main_direction(run.response)
+    if axis == TOTAL and (parts := [row for row in body_peaks(run.response) if row.kind != "base"]):  # the largest peak's
+        axis = "xyz"[int(np.argmax(parts[0].axes))]
     if run.spectra.densities:
         axes = list(run.spectra.densities)
         panel, axis = _panel_along(densities_chart(run), axes, axis), axis if axis in axes else axes[0]

@@ -113,15 +113,21 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
     bodies = {name: peaks.acceleration for name, peaks in response.peaks.bodies.items() if name not in fixed}
     points = {name: peaks.acceleration for name, peaks in response.peaks.points.items()}
     used = tuple(used_limits(response, verdicts))
-    critical = [limit.subject for limit in used[:NAMED]]
-    of_mounts = [[name for name in critical if name in mounts]]
+    critical, over_time = ([limit.subject for limit in rows[:NAMED]] for rows in (used, most_used(used)))
+    of_mounts = [[name for name in names if name in mounts] for names in (critical, over_time)]
     of_mounts += [list(leading[quantity, axis][:NAMED]) for axis in AXES for quantity in QUANTITIES]
-    of_payload = [worst_names(response), [name for name in critical if name not in mounts], by_size(bodies | points)[:NAMED]]
+    of_payload = [worst_names(response), [name for name in (*critical, *over_time) if name not in mounts]]
+    of_payload.append(list(by_size(bodies | points)[:NAMED]))
     return Selection(
         event=event, window=(max(first, event - 0.06 * (end - event)), end), utilisations=utilisations, mounts=mounts,
         ranked=ranked, leading=leading, bodies=by_size(bodies), points=by_size(points), verdicts=verdicts, used=used,
         kinds=assigned(of_mounts, MOUNTS) | assigned(of_payload, PAYLOADS),
     )  # fmt: skip
+
+
+def most_used(used: Sequence[Used]) -> list[Used]:
+    """Order limits by what is used of them over time, the most first, whatever is used at rest."""
+    return sorted(used, key=lambda entry: -entry.largest)
 
 
 def main_direction(response: Response) -> str:

@@ -8,6 +8,7 @@ import rerun.blueprint as rrb
 from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.banner import banner_view
 from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import BANNER, BELOW, Drawn, DrawnRun
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
@@ -29,7 +30,8 @@ from wirerope_mj.views.recording.views import (
 )
 
 _SCENES = (870.0, 720.0)  # Width and height of the pane of the scenes on a full-HD screen [points]
-_TABS = (1040.0, 730.0)  # The same of the tabs beside them, without their titles
+_TABS = (1040.0, 715.0)  # The same of the tabs beside them, without their titles
+_LOW, _BESIDE_PLAN = 3.1, 1.85  # Width over height of the pane of the close-up alone, and beside the plan
 
 
 def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab: str, scene: str) -> rrb.Blueprint:
@@ -40,16 +42,17 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     scenes = _scenes(drawn, factor)
     left: rrb.Container = tabs_with(scenes, "scene", scene or str(scenes[0].name))
     if (run := drawn.alone) is not None and (governing := drawn.shared.governing) is not None:
-        below_scene: Pane = _close_up(run, governing, wide=True)
-        if drawn.shared.used:
+        with_plan = bool(drawn.shared.used)
+        below_scene: Pane = _close_up(run, governing, aspect=_BESIDE_PLAN if with_plan else _LOW)
+        if with_plan:
             below_scene = rrb.Horizontal(below_scene, _plan_view(run), column_shares=[3, 2])
         left = rrb.Vertical(left, below_scene, row_shares=[3, 2])
     top = rrb.Horizontal(left, tabs_with(_tabs(drawn, plots), "tab", tab), column_shares=[5, 6], name="run")
-    banner = [_text(text.path, text.name) for text in drawn.texts if text.place == BANNER]
+    banner = banner_view(drawn.answer[1], [_text(text.path, text.name) for text in drawn.texts if text.place == BANNER])
     texts = [_text(text.path, text.name) for text in drawn.texts if text.place == BELOW]
     texts = [*([_text((CURSOR,), "At the time cursor")] if drawn.alone else []), *texts]
     below = rrb.Horizontal(rrb.Tabs(*texts, active_tab=0), event_view(entity("events")), column_shares=[5, 6])
-    return layout(rrb.Vertical(*banner, top, below, row_shares=[6, 76, 18]), drawn.shared.window, listed=drawn.listed)
+    return layout(rrb.Vertical(banner, top, below, row_shares=[8, 75, 17]), drawn.shared.window, listed=drawn.listed)
 
 
 def loop_widths(drawn: Drawn) -> dict[str, float]:
@@ -90,7 +93,7 @@ def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
     scenes = [rrb.Grid(*whole, grid_columns=columns, name="Side by side"), rrb.Vertical(ghosts, name="Ghosts")]
     mount = drawn.shared.governing
     if mount is not None:
-        near = [_close_up(run, mount) for run in drawn.having(mount)]
+        near = [_close_up(run, mount, aspect=aspect) for run in drawn.having(mount)]
         scenes.insert(0, rrb.Grid(*near, grid_columns=columns, name="Worst mount"))
     return scenes
 
@@ -105,13 +108,13 @@ def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()
     return scene_view(run.root + _origin(run), contents, name, camera)
 
 
-def _close_up(run: DrawnRun, mount: str, *, wide: bool = False) -> rrb.Spatial3DView:
+def _close_up(run: DrawnRun, mount: str, *, aspect: float) -> rrb.Spatial3DView:
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
     worst = by_use(run.selection.verdicts).get(mount)
     used = f", {worst.criterion} {in_unit(worst.utilisation or 0.0, '%'):.0f} %" if worst else ""
     name = ": ".join(filter(None, (run.name, f"Mount {mount}{used}")))
-    return _scene(run, name, close_up_of(run.response, mount, wide=wide), hidden)
+    return _scene(run, name, close_up_of(run.response, mount, aspect=aspect), hidden)
 
 
 def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
@@ -119,11 +122,17 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
     tabs: list[Pane] = [_overview(drawn)]
     for quantity in ("acceleration", "deflection", "force", "contact", "measured"):
         title = "Measured" if quantity == "measured" else f"{quantity.capitalize()}s"
-        along: dict[str, list[Pane]] = {}
+        keys: dict[str, list[tuple[str, ...]]] = {}
         for key in drawn.panels:
             if key[0] == quantity and not (drawn.alone and key[1] == TOTAL):
-                along.setdefault(key[1], []).append(_view(drawn, key))
-        if all(len(views) == 1 for views in along.values()):
+                keys.setdefault(key[1], []).append(key)
+        stacked = all(len(members) == 1 for members in keys.values())
+        along: dict[str, list[Pane]] = {}
+        for name, members in keys.items():
+            columns = min(2, len(members))
+            rows = len(keys) if stacked else -(-len(members) // columns)
+            along[name] = [_view(drawn, key, (_TABS[0] / columns, _TABS[1] / rows)) for key in members]
+        if stacked:
             tabs += [rrb.Vertical(*(views[0] for views in along.values()), name=title)] if along else []
         else:
             ordered = sorted(along, key=lambda direction: direction != TOTAL)
@@ -146,18 +155,28 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
 
 def _overview(drawn: Drawn) -> rrb.Container:
     """Compose the first tab: of one run utilisation, spectra and lanes; of several the differences."""
-    views = [_view(drawn, key) for key in drawn.overview]
+    keys = drawn.overview
     if (run := drawn.alone) is None:
-        return rrb.Grid(*views, grid_columns=1 if len(views) <= 3 else 2, name="Overview")
-    shares = [3.0] * len(views)
+        columns = 1 if len(keys) <= 3 else 2
+        size = _TABS[0] / columns, _TABS[1] / -(-len(keys) // columns)
+        return rrb.Grid(*(_view(drawn, key, size) for key in keys), grid_columns=columns, name="Overview")
+    lanes = lane_paths(run.response, run.selection)
+    below = _LANES + _LANE * len(lanes)
+    spectra = _SPECTRA * (_TABS[1] - below) if drawn.over_frequency is not None else 0.0
+    size = _TABS[0], (_TABS[1] - below - spectra) / max(len(keys), 1)
+    views: list[rrb.View] = [_view(drawn, key, size) for key in keys]
+    shares = [size[1]] * len(keys)
     if drawn.over_frequency is not None:
         views.append(over_frequency_view(drawn.over_frequency))
-        shares.append(4.0)
-    lanes = lane_paths(run.response, run.selection)
-    name, window = "Base, stops, use of limits [%]", time_axis(drawn.shared.window)
+        shares.append(spectra)
+    name, window = "Base, stops, use of limits [%]", time_axis(drawn.shared.window, _TABS[0])
     views.append(rrb.StateTimelineView(origin=entity(), contents=lanes, name=name, time_view=window))
-    return rrb.Vertical(*views, row_shares=[*shares, 0.9 + 0.6 * len(lanes)], name="Overview")
+    return rrb.Vertical(*views, row_shares=[*shares, below], name="Overview")
 
 
-def _view(drawn: Drawn, key: tuple[str, ...]) -> rrb.View:
-    return panel_view(entity("histories", *key), drawn.panels[key], drawn.shared.window)
+_LANES, _LANE = 52.0, 37.0  # Heights of title and axis of the lanes, and of a lane [points]
+_SPECTRA = 0.46  # of the height above the lanes, for the panel over frequency
+
+
+def _view(drawn: Drawn, key: tuple[str, ...], size: tuple[float, float]) -> rrb.View:
+    return panel_view(entity("histories", *key), drawn.panels[key], drawn.shared.window, size)

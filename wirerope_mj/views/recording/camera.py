@@ -12,7 +12,6 @@ from wirerope_mj.views.recording.shapes import conjugate, multiply, rotate
 _LOOK_FROM = np.array([0.46, -0.80, 0.38])
 _TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))  # of half the viewer's vertical angle of view, less a margin
 _ASPECT = 1.75  # width over height of the pane of the whole scene of one run on a full-HD screen
-_WIDE = 3.0  # The same of the pane of the close-up below it
 _CLOSE = 1.4  # distance over the diagonal of the mount, within which bodies may hide it
 _MARGIN = 1.3  # size of the close-up over that of the mount
 _AZIMUTHS = 24
@@ -63,11 +62,11 @@ def _fitted_camera(points: Array, back: Array, aspect: float) -> Camera:
     return Camera(eye=target + distance * back, target=target)
 
 
-def close_up(response: Response, mount: str, *, height: float, width: float, row: int, wide: bool = False) -> Camera:
-    """Place the camera to see a mount of a size [m] past the bodies around it, at the sample `row`.
+def close_up(response: Response, mount: str, *, height: float, width: float, row: int, aspect: float) -> Camera:
+    """Place the camera to see a mount of a size [m] past the bodies around it, at the sample `row`, in a pane of an aspect.
 
     Of a grid of directions it takes the one from which the device is least hidden, transparent bodies counted by their opacity;
-    among equal ones a direction oblique to the bars, from outside the scene.
+    among equal ones one across the bars, level, from outside the scene: the mount's height and travel are then seen.
     """
     bodies = []
     for body in response.scene.bodies:
@@ -91,10 +90,11 @@ def close_up(response: Response, mount: str, *, height: float, width: float, row
     center, _ = scene_extent(scene)
     outward = (middle - center) / max(float(np.linalg.norm(middle - center)), 1e-9)
     along_bars = np.abs(directions @ axes[1])
-    score = -4.0 * hidden - 0.5 * np.abs(along_bars - 0.5) + 0.2 * directions @ outward
+    level = np.abs(directions[:, 2])
+    score = -4.0 * hidden - 0.5 * np.abs(along_bars - 0.2) - 0.3 * level + 0.2 * directions @ outward
     corners = _seen_from_base(scene, middle + _MARGIN * (CORNERS * half) @ axes)
     back = _seen_from_base(scene, middle + directions[int(score.argmax())]) - _seen_from_base(scene, middle)
-    return _fitted_camera(corners, back, _WIDE if wide else _ASPECT)
+    return _fitted_camera(corners, back, aspect)
 
 
 def scene_extent(scene: Scene) -> tuple[Array, float]:

@@ -15,6 +15,7 @@ from wirerope_mj.assessment.criteria.ended import Used
 from wirerope_mj.content.blocks import Block, Panel
 from wirerope_mj.content.comparison import Inputs, comparison_content
 from wirerope_mj.content.correlation import agreement
+from wirerope_mj.content.first_sheet import passage
 from wirerope_mj.content.histories import TOTAL, USED, Histories, difference_key, differing, overlay_histories, run_histories
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.modes import run_modes_blocks
@@ -74,6 +75,7 @@ class Drawn:
     panels: Histories  # over time
     over_frequency: Panel | None = None  # panel over frequency; None without one
     texts: tuple[Text, ...] = field(default=())
+    answer: tuple[str, str] = ("", "")  # in a word, for the banner, and its tone
     listed: bool = False  # whether its file holds several recordings: the panel that lists them is then open
 
     @property
@@ -192,8 +194,10 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
     scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
     modes = markdown_blocks(run_modes_blocks(run)) if isinstance(run, JudgedRun) else ""
     named = f"{markdown(title)}: " if title else ""
+    inputs = passage(run) if isinstance(run, JudgedRun) else None
+    passed = f"\\\n{markdown(inputs.text)}" if inputs else ""
     return (
-        Text(path=("verdict",), name="Verdict", place=BANNER, text=f"{named}**{markdown(run.headline)}**"),
+        Text(path=("verdict",), name="Verdict", place=BANNER, text=f"{named}**{markdown(run.headline)}**{passed}"),
         Text(path=("scenario",), name="Scenario", place=BELOW, text="\n\n".join(filter(None, scenario))),
         Text(path=("peaks",), name="Peaks", place="Peaks", text=markdown_blocks(peaks)),
         Text(path=("verdicts",), name="Verdicts", place="Verdicts", text=markdown_blocks([full_table(run.verdicts)])),

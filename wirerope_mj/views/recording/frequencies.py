@@ -1,5 +1,6 @@
 """Recordings over frequency: a branch of periodic motions, and modes in motion."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +25,7 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import CURSOR, DARK
 from wirerope_mj.views.markdown import markdown_blocks, markdown_table
 from wirerope_mj.views.recording.animation import Along, Animation, Strip, animation_of, at_points, strips_of, timelines
+from wirerope_mj.views.recording.banner import PATH, banner_view, log_tile
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.ghosts import enlarged, factor_of
 from wirerope_mj.views.recording.loops import loop_points
@@ -87,12 +89,18 @@ def record_branches(result: FrequencyResponse, findings: list[LevelSummary], con
     factor = factor_of(animation.response, scene_extent(animation.response.scene)[1])
     scene = enlarged(animation.response, factor)
     selection, frames = select(animation.response), frames_of(scene)
-    layout = _blueprint(scene, animation, frames, factor)
+    layout = _blueprint(scene, animation, frames, factor, content.verdict.tone)
     chart = next(block for block in content.blocks() if isinstance(block, Chart) and block.id == "amplitude")
     with atomic_recording(target) as rec:
         rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
         rec.send_recording_name(content.title)
-        rec.send_property(PROPERTIES, rr.AnyValues(**{WORST_POINT: int(animation.strip.amplitude.argmax())}))
+        highest = int(animation.strip.amplitude.argmax())
+        rec.send_property(PROPERTIES, rr.AnyValues(**{WORST_POINT: highest}))
+        ended = re.match("[A-Z]{3,}[A-Z ]*", content.verdict.text)  # early, or at the rated travel
+        peak = "RESONANCE" if content.verdict.text.startswith("Resonance") else "NO PEAK"
+        log_tile(rec, ended[0].strip() if ended else peak, content.verdict.tone)
+        said = f"{markdown(content.title)}: **{markdown(content.verdict.text)}**"
+        rec.log(PATH, rr.TextDocument(said, media_type=rr.MediaType.MARKDOWN), static=True)
         strip, kind = animation.strip, rr.MediaType.MARKDOWN
         loops = shown_loops(animation)
         texts = []
@@ -118,7 +126,7 @@ def loop_grid(loops: int) -> tuple[int, float]:
     return columns, fitting_width(PANE, columns, rows)
 
 
-def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> rrb.Blueprint:
+def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float, tone: str) -> rrb.Blueprint:
     texts = rrb.Tabs(
         rrb.TextDocumentView(origin=entity(MOTION), name="Motion"), rrb.TextDocumentView(origin=entity(ABOUT), name="Levels")
     )
@@ -146,7 +154,9 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
         state="collapsed", timeline=POINT, playback_speed=1.0 / float(resonance), fps=PER_SECOND * float(resonance),
         play_state="paused", loop_mode="all",
     )  # fmt: skip
-    return opening(rrb.Horizontal(left, right, column_shares=[5, 6]), panel)
+    banner = banner_view(tone, [rrb.TextDocumentView(origin=PATH, name="Resonance")])
+    content = rrb.Horizontal(left, right, column_shares=[5, 6])
+    return opening(rrb.Vertical(banner, content, row_shares=[8, 92]), panel)
 
 
 def _plot_view(origin: str, name: str, width: float) -> rrb.Spatial2DView:

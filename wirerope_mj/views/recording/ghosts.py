@@ -12,7 +12,7 @@ from wirerope_mj.views.recording.animation import with_values
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
 from wirerope_mj.views.recording.paths import Below, Stream, child, entity
-from wirerope_mj.views.recording.scene import devices_of, log_pose, scene_rows
+from wirerope_mj.views.recording.scene import devices_of, log_marks, log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import Frame, conjugate, draw_geoms, grown, log_bending, multiply, rotate, see_through
 
 FRACTION = 0.3  # of a mount's height, up to which the largest deflection is enlarged
@@ -111,6 +111,7 @@ def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
                 draw_geoms(below, start_path, [replace(g, rgba=g.rgba * [1.0, 1.0, 1.0, _AT_REST]) for g in body.geoms], extent)
         if drawn.alone:
             log_bending(below, run.frames, run.response, rows, factor)
+            log_marks(below, run.response, run.selection, run.frames, extent)
         else:
             # the name beside the scene, as it is seen when the recording opens: the legend of the colours
             base_name, camera = run.response.scene.base, whole_scene(run.response)

@@ -143,13 +143,21 @@ def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: S
         log_frame(
             rec, entry.path, entry.plot, across=linear_ticks(low, high, most=max(2, round(entry.plot.width / 26))),
             upward=linear_ticks(*entry.plot.upward, most=5), lift=8.0 if alone else LARGE,
-            marked=[(limit, DARK.limit) for limit in limits if np.isfinite(limit) and low < limit < high],
+            marked=[
+                (limit, DARK.exceeded if _passes(entry, limit) else DARK.limit)
+                for limit in limits if np.isfinite(limit) and low < limit < high
+            ],
         )  # fmt: skip
         rec.log(child(entry.path, "data"), entry.plot.transform(), static=True)
         for order, (run, loop) in enumerate(entry.loops):
             path, color = entry.path_of(run), colour_of(run.selection, loop.mount)
             rec.log(path, _outlines([loop], [color], [run.name or loop.mount]), static=True)
             _log_trail(rec, path, loop, color, cursor=CURSOR if alone else color, order=order)
+
+
+def _passes(plot: LoopPlot, limit: float) -> bool:
+    """Find whether any loop of a plot goes beyond a limit of its deflection [mm], on the limit's side."""
+    return any(bool((np.concatenate(loop.outlines)[:, 0] / limit > 1.0).any()) for _, loop in plot.loops)
 
 
 def loop_points(mount: MountResponse, axis: int) -> Array:

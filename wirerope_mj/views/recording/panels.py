@@ -10,7 +10,7 @@ from wirerope_mj.content.blocks import BASE, OTHERS, Curve, Panel
 from wirerope_mj.content.events import NEAR
 from wirerope_mj.content.histories import peak_text
 from wirerope_mj.content.judged_run import RunResult
-from wirerope_mj.content.selection import Selection
+from wirerope_mj.content.selection import Selection, most_used
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
@@ -19,13 +19,15 @@ from wirerope_mj.views.colours import CURSOR, DARK, MOVING_LANE, NEAR_LANE, QUIE
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.paths import Stream, at, child, entity, known_letters
 from wirerope_mj.views.recording.scene import CLOSED, changes, closed_at
-from wirerope_mj.views.recording.views import GROUND, HEIGHT, Plot, log_frame, time_axis
+from wirerope_mj.views.recording.views import GROUND, HEIGHT, Plot, log_frame, time_axis, with_ticks
 from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
 
 _FINE = 1 / 400  # tolerance of a line, as a fraction of a panel's range: below a pixel
 # Rows of a curve that is drawn as a band, as many as pixels; fewer rows of the grey others
 _BAND_ROWS, _OTHER_ROWS = 1400, 300
 _COLUMNS = 90
+_BORDER = 52.0  # Height of the title and of the numbers of time of a plot [points]
+_MOST_NAMES = 6  # entries of a legend
 _CORNERS = {"RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False)}
 
 
@@ -67,17 +69,32 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
             look = rr.SeriesPoints(names=name, markers="Diamond", marker_sizes=6.0, colors=color_of(curve))
             rec.log(child(below, "peak"), look, static=True)
             rec.send_columns(child(below, "peak"), at(instant), rr.Scalars.columns(scalars=[value]))
+    texts = {}
     for name, level in panel.limits:
-        below, text = child(path, "limit", f"{level:+.4g}"), f"{name} {level:.4g} {panel.unit}"
+        sign, size = ("±", abs(level)) if (name, -level) in panel.limits else ("", level)
+        texts[name, level] = f"{name} {sign}{size:.4g} {panel.unit}"
+    if len(set(texts.values())) + len(named) + bool(others) > _MOST_NAMES:
+        texts = dict.fromkeys(texts, "limits")
+    for (name, level), text in texts.items():
+        below = child(path, "limit", f"{level:+.4g}")
         rec.log(below, rr.SeriesLines(names=text, colors=DARK.of(panel.kind_of_limit(name)), widths=1.0), static=True)
         rec.send_columns(below, at(ends), rr.Scalars.columns(scalars=np.full(2, level)))
 
 
-def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> rrb.TimeSeriesView:
-    """View a panel over `window` [s], with its legend in the corner where it hides least."""
+def panel_view(path: str, panel: Panel, window: tuple[float, float], size: tuple[float, float]) -> rrb.TimeSeriesView:
+    """View a panel over `window` [s] in a pane of a size [points], with its legend in the corner where it hides least."""
+    levels = np.concatenate([*(curve.y for curve in panel.curves), [level for _, level in panel.limits]])
+    levels = np.append(levels[np.isfinite(levels)], 0.0)  # accelerations, deflections and forces are read from zero
+    low, high = panel.ylim or (float(levels.min()), float(levels.max()))
+    low, high = (low, high) if high > low else (-1.0, 1.0)
+    room = 0.0 if panel.ylim else 0.04 * max(high - low, 1e-9)
+    start = low if low >= 0.0 else low - room
+    low, high = with_ticks(start, high + room, size[1] - _BORDER, from_low=low >= 0.0)
+    edge = 0.015 * (high - low)  # for numbers at the ends
     corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
     return rrb.TimeSeriesView(
-        origin=path, name=known_letters(panel.title or panel.ylabel), axis_x=time_axis(window),
+        origin=path, name=known_letters(panel.title or panel.ylabel), axis_x=time_axis(window, size[0]),
+        axis_y=rrb.ScalarAxis(range=(low - edge, high + edge)),
         background=rrb.archetypes.PlotBackground(color=GROUND), plot_legend=rrb.PlotLegend(visible=True, corner=corner),
     )  # fmt: skip
 
@@ -105,7 +122,7 @@ def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
     return min(hidden, key=lambda corner: hidden[corner])
 
 
-_MOST_LANES = 2  # lanes of the largest utilisations: each is 40 points high
+_MOST_LANES = 1  # lanes of the largest utilisations: the panel above shows all
 _LEGIBLE = 0.04  # fraction of the interval shown, below which the name of a state does not fit
 _USED = (("within", WITHIN_LANE), ("80", NEAR_LANE), ("100", tuple(round(0.75 * part) for part in DARK.exceeded)))
 _STOPS = (("open", QUIET_LANE), ("stop", CLOSED))
@@ -145,9 +162,8 @@ def log_lanes(rec: Stream, response: Response, selection: Selection) -> None:
 
 
 def _lane_subjects(selection: Selection) -> list[str]:
-    """Choose the subjects of lanes: those near their limits, or else the one of largest utilisation."""
-    near = [used.subject for used in selection.used if used.largest >= NEAR]
-    return (near or [used.subject for used in selection.used[:1]])[:_MOST_LANES]
+    """Choose the subjects of lanes, those of the largest utilisation over time."""
+    return [used.subject for used in most_used(selection.used)[:_MOST_LANES]]
 
 
 def _pressing(response: Response) -> Booleans | None:
@@ -175,13 +191,14 @@ def _log_lane(
 
 
 ROOT = "frequencies"
-WIDTH = 320.0  # Width of the frame, so that it fills its pane
+WIDTH = 370.0  # Width of the frame, so that it fills its pane
+_MOST_TICKS = 9  # numbers of a logarithmic axis upwards; of more only powers of ten
 _LIFT = 4.5  # as `frame.LARGE`, for a wide view
 _DASH = 5  # intervals of a curve in a dash, and in the gap behind it
 _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
 # Where the first text stands, how far the next is below it, in the view's units.
-_LEGEND, _LINE = (WIDTH + 46.0, 8.0), 9.0
-_LEGEND_WIDTH = 92.0  # width of the legend
+_LEGEND, _LINE = (WIDTH + 62.0, 8.0), 10.5
+_LEGEND_WIDTH = 120.0  # width of the legend
 
 
 def log_over_frequency(rec: Stream, run: RunResult, panel: Panel) -> None:
@@ -216,6 +233,8 @@ def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, l
     plot = Plot(across=(float(left), float(right)), upward=ends, width=width)
     across = log_ticks(*(10.0**end for end in plot.across))
     upward = log_ticks(*(10.0**end for end in plot.upward)) if upright else linear_ticks(*plot.upward)
+    if upright and len(upward) > _MOST_TICKS and (decades := upward[np.log10(upward) % 1.0 == 0.0]).size > 2:
+        upward = decades
     names = [f"{value:.5g}" for value in across], [f"{value:.4g}" for value in upward]
     heights = np.log10(upward) if upright else upward
     log_frame(rec, path, plot, across=np.log10(across), upward=heights, names=names, lift=lift)

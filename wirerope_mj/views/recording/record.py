@@ -11,7 +11,7 @@ from rerun.chunk import RrdReader
 
 from wirerope_mj.assessment.comparison import Align
 from wirerope_mj.assessment.correlation import Correlation
-from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, headline, judge
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, judge
 from wirerope_mj.content.blocks import Panel
 from wirerope_mj.content.comparison import Inputs
 from wirerope_mj.content.correlation import with_ghosts
@@ -19,6 +19,7 @@ from wirerope_mj.content.events import events_of, main_instants
 from wirerope_mj.content.first_sheet import panel_over_frequency
 from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
+from wirerope_mj.content.verdicts import headline
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
@@ -26,6 +27,7 @@ from wirerope_mj.foundation.half_written import hidden_folder
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.banner import log_tile
 from wirerope_mj.views.recording.blueprint import blueprint_of, loop_widths
 from wirerope_mj.views.recording.drawn_runs import (
     Drawn,
@@ -96,6 +98,8 @@ def record_run(
     drawn = one_run(run, over_frequency)
     drawn = replace(drawn, panels=with_ghosts(drawn.panels, tests))
     texts = run_texts(run, title=title, scenario_text=scenario_text)
+    answer = headline(run.verdicts)
+    drawn = replace(drawn, answer=(str(answer.values["answer"]), answer.tone))
     drawn = replace(drawn, texts=(*texts, *test_texts(tests)), listed=application != APPLICATION)
     target = target_of(path)
     with atomic_recording(target, application=application) as rec:
@@ -161,7 +165,7 @@ def record_runs(
     judged: Mapping[str, JudgedRun] | None = None, tab: str = "Overview", scene: str = "", state: bool = False,
 ) -> Path:  # fmt: skip
     """Write the recording that `several_runs` composed, and return its path; the rest is as for `record_overlay`."""
-    drawn = replace(drawn, texts=overlay_texts(drawn.comparison, inputs, tables, judged))
+    drawn = replace(drawn, texts=overlay_texts(drawn.comparison, inputs, tables, judged), answer=("COMPARISON", ""))
     target = target_of(path, file=OVERLAY_FILE)
     with atomic_recording(target) as rec:
         rec.send_recording_name(" and ".join(run.name for run in drawn.runs))
@@ -177,6 +181,7 @@ def _write(rec: rr.RecordingStream, shown: Stream, drawn: Drawn, *, tab: str, sc
     plots = loop_plots(loops, drawn.shared, loop_widths(drawn))
     factor = ghost_factor(drawn)
     rec.send_blueprint(blueprint_of(drawn, plots, factor, tab=tab, scene=scene), make_active=True, make_default=True)
+    log_tile(rec, *drawn.answer)
     for text in drawn.texts:
         rec.log(entity(*text.path), rr.TextDocument(text.text, media_type=rr.MediaType.MARKDOWN), static=True)
     for run in drawn.runs:
@@ -207,7 +212,7 @@ def _send_properties(rec: rr.RecordingStream, run: DrawnRun, title: str) -> None
     worst = used[0].governing if used else None
     known = {
         "model": response.scene.name, "motion": str(response.motion.get("kind", "")),
-        "level_g": in_unit(base.acceleration.value, "g") if base else None, "verdict": headline(run.verdicts),
+        "level_g": in_unit(base.acceleration.value, "g") if base else None, "verdict": headline(run.verdicts).text,
         "exceeded": int(np.sum([verdict.verdict == EXCEEDED for verdict in run.verdicts])),
         "worst": worst.subject if worst else None, "criterion": worst.criterion if worst else None,
         WORST_INSTANT: opening_instant([run]),

@@ -1,11 +1,14 @@
 """The 3D scene: bodies as a tree of frames on the base, their geoms, mounts and stops, the base's acceleration."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import pyarrow as pa
 import rerun as rr
 
+from wirerope_mj.assessment.criteria import EXCEEDED
+from wirerope_mj.assessment.criteria.payload import body_corners
 from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
@@ -14,7 +17,7 @@ from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import ARROW, DARK, RUBBER, STEEL, TOUCHING, TRIAD, colour_of
 from wirerope_mj.views.recording.camera import Camera, close_up, reach, scene_extent, whole_scene
-from wirerope_mj.views.recording.now import heat, used_by
+from wirerope_mj.views.recording.now import heat, mark_color, used_by
 from wirerope_mj.views.recording.paths import AXIAL, Rows, Stream, at, child, entity
 from wirerope_mj.views.recording.shapes import (
     Frame,
@@ -36,7 +39,7 @@ from wirerope_mj.views.thin import rows_of_steps
 _LEAST_HEIGHT = 0.08  # least height of a drawn rope over its modelled height: a crushed mount is not turned inside out
 _MOST_LABELS = 12  # With more mounts only those whose loops are shown first get a label
 # Entities of a body that would hide a mount in a close-up
-BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring")
+BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring", "outline")
 _RING = 48  # corners of the ring about the worst mount
 
 
@@ -61,12 +64,12 @@ def devices_of(response: Response, extent: float) -> list[Device]:
     return devices
 
 
-def close_up_of(response: Response, mount: str, *, wide: bool = False) -> Camera:
-    """Place the camera near a mount at its largest deflection; `wide` for a low pane."""
+def close_up_of(response: Response, mount: str, *, aspect: float) -> Camera:
+    """Place the camera near a mount at its largest deflection, for a pane `aspect` times as wide as high."""
     devices = devices_of(response, scene_extent(response.scene)[1])
     device = next(device for device in devices if device.mount.name == mount)
     row = int(np.abs(response.mounts[mount].deflection).max(axis=1).argmax())
-    return close_up(response, mount, height=device.height, width=device.width, row=row, wide=wide)
+    return close_up(response, mount, height=device.height, width=device.width, row=row, aspect=aspect)
 
 
 def log_mounts(
@@ -88,9 +91,6 @@ def log_mounts(
                 show_labels=True,
             )  # fmt: skip
             rec.log(child(path, "labels"), spots, static=True)
-        for device in on_base:
-            if device.mount.name == selection.governing:
-                _log_worst(rec, path, response, selection, device)
         _log_forces(rec, path, response, selection, on_base, rows, extent)
         for kind in dict.fromkeys((d.mount.isolator, d.height, d.width, d.rope) for d in on_base):
             same = [d for d in on_base if (d.mount.isolator, d.height, d.width, d.rope) == kind]
@@ -152,25 +152,34 @@ def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dic
         rec.send_columns(path, at(response.time[rows]), columns)
 
 
-def _log_worst(rec: Stream, path: str, response: Response, selection: Selection, device: Device) -> None:
-    """Log a ring about the governing mount, and its name with its utilisation."""
-    mount = device.mount
-    worst = by_use(selection.verdicts).get(mount.name)
-    used = None if worst is None else worst.utilisation
-    color = DARK.limit if used is not None and used > 1.0 else DARK.unjudged
-    camera, extent = whole_scene(response, mount=mount.name), scene_extent(response.scene)[1]
-    toward = camera.eye - mount.base_point
-    across = np.cross([0.0, 0.0, 1.0], toward / np.linalg.norm(toward))
-    across /= np.linalg.norm(across)
-    up = np.cross(toward / np.linalg.norm(toward), across)
-    angle = np.linspace(0.0, 2.0 * np.pi, _RING)[:, None]
-    radius = max(1.1 * max(device.height, device.width), 0.03 * extent)
-    circle = mount.base_point + radius * (np.cos(angle) * across + np.sin(angle) * up)
-    ring = rr.LineStrips3D([circle], colors=color, radii=rr.Radius.ui_points(1.8))
-    rec.log(child(path, "ring"), ring, static=True)
-    name = mount.name if used is None else f"{mount.name} {in_unit(used, '%'):.0f} %"
-    spot = {"labels": [name], "colors": color, "radii": rr.Radius.ui_points(0.0), "show_labels": True}
-    rec.log(child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.8 * device.height]], **spot), static=True)
+def log_marks(rec: Stream, response: Response, selection: Selection, frames: Mapping[str, Frame], extent: float) -> None:
+    """Outline the bodies that exceed a limit, and log a ring about the governing mount with its name and what it uses."""
+    exceeding = {row.subject for row in selection.verdicts if row.verdict == EXCEEDED}
+    for body in response.scene.bodies:
+        corners = body_corners(body)
+        if body.name in exceeding and corners.size:
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            look = {"colors": [DARK.exceeded], "radii": rr.Radius.ui_points(2.5), "labels": [body.name], "show_labels": True}
+            box = rr.Boxes3D(centers=[0.5 * (low + high)], half_sizes=[0.51 * (high - low)], **look)
+            rec.log(child(frames[body.name].path, "outline"), box, static=True)
+    for device in devices_of(response, extent):
+        if (mount := device.mount).name != selection.governing or not selection.axes:
+            continue
+        worst, path = by_use(selection.verdicts).get(mount.name), frames[mount.base_body].path
+        used = None if worst is None else worst.utilisation
+        color = mark_color(selection)
+        toward = whole_scene(response, mount=mount.name).eye - mount.base_point
+        across = np.cross([0.0, 0.0, 1.0], toward / np.linalg.norm(toward))
+        across /= np.linalg.norm(across)
+        up = np.cross(toward / np.linalg.norm(toward), across)
+        angle = np.linspace(0.0, 2.0 * np.pi, _RING)[:, None]
+        radius = max(1.1 * max(device.height, device.width), 0.03 * extent)
+        circle = mount.base_point + radius * (np.cos(angle) * across + np.sin(angle) * up)
+        ring = rr.LineStrips3D([circle], colors=color, radii=rr.Radius.ui_points(1.8))
+        rec.log(child(path, "ring"), ring, static=True)
+        name = mount.name if used is None else f"{mount.name} {in_unit(used, '%'):.0f} %"
+        spot = {"labels": [name], "colors": color, "radii": rr.Radius.ui_points(0.0), "show_labels": True}
+        rec.log(child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.8 * device.height]], **spot), static=True)
 
 
 def _log_forces(
@@ -256,6 +265,7 @@ def log_scene(
         log_mounts(rec, response, selection, frames, rows, extent=extent)
         log_stops(rec, response, frames, extent=extent)
         log_bending(rec, frames, response, rows, 1.0)
+    log_marks(rec, response, selection, frames, extent)
     if response.scene.base in frames:
         corner, length = _base_bounds(response, extent)[1] * [1.0, 1.0, 0.0], 0.07 * extent
         axes = rr.Arrows3D(

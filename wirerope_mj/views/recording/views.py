@@ -68,9 +68,35 @@ def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *,
     return scene_view(origin, ["+ " + entity("world") + "/**"], name, camera)
 
 
-def time_axis(window: tuple[float, float]) -> rrb.TimeAxis:
-    """Show `window` [s] of a plot."""
-    boundary = rrb.TimeRangeBoundary
+_DECADES = tuple(10.0**power for power in range(-12, 13))
+_TIMES = (*(step for step in _DECADES if step <= 10.0), 60.0, 600.0, 3600.0, 36000.0)  # steps of the viewer's time axes [s]
+_LAST = 36.0  # room for half the last number along an axis of time [points]
+_APART = 22.0, 72.0  # Least distance of numbers that the viewer writes along upright axes, and along those of time [points]
+
+
+def with_ticks(low: float, high: float, length: float, *, time: bool = False, from_low: bool = False) -> tuple[float, float]:
+    """Extend the range of an axis of a length [points] until the viewer writes three numbers along it.
+
+    It writes only multiples of powers of ten, of time also of minutes and hours, and none where they would stand too close.
+    An axis of time, or `from_low`, is extended at its end alone.
+    """
+    found, best, apart = (low, high), float("inf"), _APART[time]
+    for step in _TIMES if time else _DECADES:
+        if (high - low) / 100.0 <= step <= 100.0 * max(high - low, 1e-12):
+            first = np.arange(np.floor(low / step) - 2.0, np.ceil(high / step) + 1.0) * step
+            start, end = np.minimum(low, first), np.maximum(high, first + 2.0 * step)
+            size = end - start
+            size[(length * step < apart * size) | ((time or from_low) & (first < low - 1e-9 * step))] = np.inf
+            if size.min() < best:
+                row = int(size.argmin())
+                best, found = float(size[row]), (float(start[row]), float(end[row]))
+    return found
+
+
+def time_axis(window: tuple[float, float], width: float) -> rrb.TimeAxis:
+    """Show at least `window` [s] of a plot of a width [points]."""
+    boundary, (start, end) = rrb.TimeRangeBoundary, with_ticks(*window, width, time=True)
+    window = start, end + (_LAST / width * (end - start) if end > window[1] else 0.0)
     start, end = (boundary.absolute(seconds=instant) for instant in window)
     return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
 
