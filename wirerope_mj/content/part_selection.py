@@ -31,7 +31,8 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
     if meeting:
         first = meeting[0]
         by = selection.by if selection.by != "margin" else "largest margin"
-        text = f"{len(meeting)} of {counted} keep every limit; first by {by}: {_part_label(first)}, {_critical_text(first)}"
+        keep = "keeps" if len(meeting) == 1 else "keep"
+        text = f"{len(meeting)} of {counted} {keep} every limit; first by {by}: {_part_label(first)}, {_critical_text(first)}"
         limited = {measure for measure in CRITERIA if not math.isnan(first.used(measure)[0])}
         unlimited = "acceleration of the payload" if "clearance" in limited else "payload"
         text += "" if "fragility" in limited else f"; {unlimited} not judged: no limit stated"
@@ -57,8 +58,7 @@ def _brief(selection: CatalogueSelection) -> Iterator[Block]:
     rows = []
     for part in (selection.meeting or [part for part in selection.tried if not part.reason])[:_FIRST]:
         used, criterion, case = part.governing
-        sigma = "" if math.isnan(part.largest("three_sigma")) else f"3 sigma {with_unit(part.largest('three_sigma'), 'g')}, "
-        peak = f"peak {with_unit(part.acceleration, 'g')}, {sigma}moves {with_unit(part.displacement, 'mm')}"
+        peak = f"peak {with_unit(part.acceleration, 'g')}, moves {with_unit(part.displacement, 'mm')}"
         under = f", {case}" if case and len(selection.cases) > 1 and criterion != STATIC_LOAD else ""
         rows.append((_part_label(part), f"{criterion}{under}", _finite(used), peak))
     yield bars_table("part", rows)
