@@ -21,11 +21,11 @@ sitecustomize usercustomize conftest numba numba_config numpy yaml ctypes struct
 pickle json tomllib signal socket typing encodings mujoco glfw rerun dask distributed wirerope_mj pyarrow
 scipy matplotlib jinja2 typst lazy_loader cyclopts rich scenario study setup ipython_config
 jupyter_config __init__ __main__ textwrap platform h5py pythonfmu3 fmu_slave tbb icc_rt _numba_parallel evil
-pandas openpyxl pyuff pymoo
+pandas openpyxl pyuff pymoo imageio_ffmpeg PIL
 """
 PROGRAMS = (
     "gcc", "cc", "ld", "ldconfig", "latex", "dvipng", "xdg-open", "rerun", "python", "python3", "uname", "objdump",
-    "rerun-loader-evil", "rerun-cli",
+    "rerun-loader-evil", "rerun-cli", "ffmpeg",
 )  # fmt: skip
 LIBRARIES = (
     "libgcc_s.so.1", "libglfw.so.3", "libglfw.so", "libtbb.so.12", "libgomp.so.1",

@@ -63,6 +63,7 @@ COMMANDS = {
     "workbook": Command("export run out.xlsx", "out.xlsx", (), "export run out.xlsx"),
     "report": Command("report run --out out.html", "out.html", ("out.html",), "report other --out out.html"),
     "pdf": Command("report run --out out.html --pdf", "", ("out.html",), "report other --out out.html --pdf"),
+    "film": Command("film run out.mp4 --at '50 ms'", "out.mp4", (), "film other out.mp4 --at '50 ms'"),
     "show": Command("show run --web", seconds=4.0),
     "explore": Command("explore shock_table --no-browser", seconds=6.0),
 }

@@ -2,6 +2,7 @@
 
 import re
 import struct
+import sys
 from dataclasses import replace
 from xml.etree import ElementTree
 
@@ -91,7 +92,7 @@ def test_two_runs_stand_beside_each_other_in_one_scale_and_names_stay_text(run, 
     assert film.runs[0].panels[0].ylim == film.runs[1].panels[0].ylim
 
 
-def test_what_has_no_worst_instant_or_does_not_move_is_refused_with_the_remedy(run, folder, tmp_path, capsys):
+def test_what_has_no_worst_instant_or_does_not_move_is_refused_with_the_remedy(run, folder, tmp_path, capsys, monkeypatch):
     with pytest.raises(RecordError, match='no worst instant. State a limit .* or say an instant, --at "120 ms"'):
         film_of({"run": replace(run, verdicts=())})
     assert film_of({"run": replace(run, verdicts=())}, at=0.6).runs[0].critical is None
@@ -110,6 +111,9 @@ def test_what_has_no_worst_instant_or_does_not_move_is_refused_with_the_remedy(r
     ):
         assert main(["film", *map(str, words)]) == 2
         assert message in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert main(["film", str(folder), str(tmp_path / "n.mp4")]) == 2
+    assert "pip install 'wirerope-mj[film]'" in capsys.readouterr().err
     assert there.read_bytes() == b"there"
     assert not list(tmp_path.glob("*n.mp4"))
 
