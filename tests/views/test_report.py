@@ -18,7 +18,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
 from wirerope_mj.content.blocks import Chart, Curve, Panel, SceneView, short
 from wirerope_mj.content.model import model_blocks
-from wirerope_mj.content.numbers import ABSENT, MINUS, fixed
+from wirerope_mj.content.numbers import ABSENT, MINUS, fixed, number
 from wirerope_mj.content.run import accelerations_chart, run_content
 from wirerope_mj.content.run_spectra import run_spectra
 from wirerope_mj.content.scene_outline import crowded_label
@@ -28,6 +28,7 @@ from wirerope_mj.engine.response import Peak
 from wirerope_mj.foundation.errors import Absent, RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
+from wirerope_mj.foundation.units import in_unit, instant_text
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.views.plots.svg_chart import chart_svg
@@ -156,6 +157,15 @@ def test_the_first_sheet_draws_each_criterion_as_a_bar_and_the_worst_instant(pag
     acceleration, deflection, _ = chart.rows[0]
     assert {name for name, _ in deflection.limits} == {"rated travel of m1"}
     assert acceleration.curves[0].kind != deflection.curves[0].kind  # one colour for one subject
+    for panel, kind in ((acceleration, "acceleration"), (deflection, "travel")):  # its mark is what is judged, where and when
+        name = panel.curves[0].name
+        rows = [row for row in finished.verdicts if row.subject == name and row.criterion.kind == kind]
+        worst = max(rows, key=lambda row: (row.utilisation or 0.0, row.value))
+        assert (
+            panel.notes[0][2].lstrip(MINUS)
+            == f"{number(in_unit(worst.value, panel.unit))} {panel.unit} at {instant_text(worst.time)}"
+        )
+        assert bool(panel.exceeded) == (worst.verdict == EXCEEDED)
 
 
 def test_the_page_needs_nothing_but_itself(page):

@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.verdict import RMS, by_use
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RMS, by_use, most_used
 from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import BASE, PAYLOADS, Block, Chart, Panel, Statement, short
 from wirerope_mj.content.histories import TOTAL, Line, history_panel, subject_called
@@ -63,8 +63,9 @@ def first_histories(run: JudgedRun, window: tuple[float, float]) -> list[Panel]:
     mount = next((name for name in timed if name in selection.mounts), selection.governing)
     if names := worst_names(response)[:1]:
         # as it is judged, so that the curve's peak is that of the verdict: its size, or its component
-        judged = timed[names[0]].criterion.axis if names[0] in timed else ""
-        along, kind = judged or (main_direction(response) if run.random else TOTAL), kind_of(selection, names[0])
+        rows = (row for row in run.verdicts if row.subject == names[0] and row.criterion.kind == ACCELERATION)
+        judged, size = most_used(rows), main_direction(response) if run.random else TOTAL
+        along, kind = (judged and judged.criterion.axis) or size, kind_of(selection, names[0])
         lines = [
             Line(response=response, subject=subject_called(response, names[0]), name=names[0], kind=kind),
             Line(response=response, subject=THE_BASE, name="base", kind=BASE, history=base_acceleration(response, run.motion)),
