@@ -71,7 +71,8 @@ def stage_svgs(drawn: DrawnScene, width: float, height: float) -> tuple[list[Pla
 
     They stand beside or below each other, whichever lets them be larger.
     """
-    sizes = [size + 2.0 * _MARGIN * size.max() for size in (side.seen(drawn.high - drawn.low) for side in drawn.views)]
+    extents = [np.maximum(side.seen(drawn.high - drawn.low), 1e-3) for side in drawn.views]
+    sizes = [extent + 2.0 * _MARGIN * extent.max() for extent in extents]
     (a, b), across, up = sizes, _LEFT + _RIGHT, _TOP + _BOTTOM
     beside = min((width - 2.0 * across) / (a[0] + b[0]), (height - up) / max(a[1], b[1]))
     below = min((width - across) / max(a[0], b[0]), (height - 2.0 * up) / (a[1] + b[1]))
