@@ -82,6 +82,13 @@ def test_each_level_stands_on_its_curve_at_its_frequency(chunks, findings):
         np.testing.assert_allclose(drawn, np.log10(np.column_stack([strip.frequency, strip.amplitude])), atol=1e-6)
 
 
+def test_the_curves_of_the_levels_have_their_names_beside_them(chunks, findings):
+    ((static, batch),) = chunks["/response/data/here/names"]
+    assert static
+    assert batch["Points2D:labels"][0].as_py() == ["2 m/s²", "5 m/s²"]
+    assert len(batch["Points2D:positions"][0]) == len(findings)
+
+
 def test_the_points_go_once_along_the_branch_and_hold_its_highest(findings):
     for strip in strips_of(findings):
         assert strip.points[0] == 0

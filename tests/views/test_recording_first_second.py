@@ -17,7 +17,8 @@ from wirerope_mj.content.selection import select
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.banner import log_tile
-from wirerope_mj.views.recording.panels import log_panel
+from wirerope_mj.views.recording.panels import emptiest_corner, log_panel
+from wirerope_mj.views.recording.scene import carrier_of
 from wirerope_mj.views.recording.views import with_ticks
 
 RED = int.from_bytes(bytes((*DARK.exceeded, 255)))  # as the viewer keeps it
@@ -89,6 +90,16 @@ def test_a_legend_has_six_names_at_most_and_one_for_a_limit_of_both_signs(limits
         assert "limit of rack ±1 g" in stream.names
 
 
+def test_a_legend_stands_where_it_hides_least_of_what_is_seen():
+    time = np.linspace(0.0, 1.0, 200)
+    early = Curve(x=time, y=np.exp(-9.0 * time) * np.sin(60.0 * time), name="rack", kind=0)
+    assert "Right" in emptiest_corner(Panel(curves=[early], ylabel=""), (0.0, 1.0), (-1.0, 1.0), (1000.0, 200.0))
+    rising = Curve(x=time, y=time, name="rack", kind=0)
+    assert emptiest_corner(Panel(curves=[rising], ylabel=""), (0.0, 1.0), (0.0, 1.0), (1000.0, 200.0)) == "RightBottom"
+    # In a range that reaches twice as far there is room above it.
+    assert emptiest_corner(Panel(curves=[early], ylabel=""), (0.0, 0.3), (-1.0, 9.0), (1000.0, 200.0)).endswith("Top")
+
+
 @pytest.mark.parametrize("tone", ["exceeded", "within", "unjudged"])
 def test_the_tile_has_the_colour_of_the_verdict_and_letters_on_it(tone):
     kept = []
@@ -148,6 +159,7 @@ def test_a_body_beyond_its_limit_is_outlined_and_others_are_not(tmp_path):
     outlined = {path.split("/")[-2] for path in found if path.endswith("/outline") and path.startswith("/world")}
     assert outlined == exceeded & set(response.bodies) == {"rack"}
     assert any(path.startswith("/ghosts") and path.endswith("/rack/outline") for path in found)
+    assert carrier_of(response, "rack_top") == "rack"  # which is outlined if its point fails
 
 
 def test_the_most_used_over_time_have_names_and_colours_whatever_is_used_at_rest():

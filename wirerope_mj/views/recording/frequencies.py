@@ -169,7 +169,11 @@ def _level_color(level: int) -> Color:
 
 
 def log_here(rec: Stream, path: str, animation: Animation, strips: list[Strip]) -> None:
-    """Log the current motion of every level as a point on its curve, with its values."""
+    """Log the current motion of every level as a point on its curve, with its values, and the names of the curves."""
+    ends = np.array([[np.log10(strip.branch.frequency[0]), np.log10(strip.branch.amplitude[0])] for strip in strips])
+    names, colors = [f"{strip.level:.4g} m/s²" for strip in strips], [_level_color(strip.number) for strip in strips]
+    look = {"labels": names, "colors": colors, "radii": rr.Radius.ui_points(0.0), "show_labels": True}
+    rec.log(child(path, "names"), rr.Points2D(ends + [0.06, 0.0], **look), static=True)
     for strip in strips:
         below, branch = child(path, f"level_{strip.number + 1}"), strip.branch
         size = rr.Radius.ui_points(7.0)

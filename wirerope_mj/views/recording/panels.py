@@ -28,6 +28,9 @@ _BAND_ROWS, _OTHER_ROWS = 1400, 300
 _COLUMNS = 90
 _BORDER = 52.0  # Height of the title and of the numbers of time of a plot [points]
 _MOST_NAMES = 6  # entries of a legend
+_NAME, _NAMES = 23.0, 250.0  # height of an entry of a legend, and width of a legend [points]
+_EARLY = 1.5  # weight of what a legend on the left hides
+_HALF_NUMBER = 9.0  # half the height of a number along an axis [points]
 _CORNERS = {"RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False)}
 
 
@@ -90,11 +93,12 @@ def panel_view(path: str, panel: Panel, window: tuple[float, float], size: tuple
     room = 0.0 if panel.ylim else 0.04 * max(high - low, 1e-9)
     start = low if low >= 0.0 else low - room
     low, high = with_ticks(start, high + room, size[1] - _BORDER, from_low=low >= 0.0)
-    edge = 0.015 * (high - low)  # for numbers at the ends
-    corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
+    edge = _HALF_NUMBER / (size[1] - _BORDER) * (high - low)  # for numbers at the ends
+    low, high = low - edge, high + edge
+    corner = getattr(rrb.Corner2D, emptiest_corner(panel, window, (low, high), size))
     return rrb.TimeSeriesView(
         origin=path, name=known_letters(panel.title or panel.ylabel), axis_x=time_axis(window, size[0]),
-        axis_y=rrb.ScalarAxis(range=(low - edge, high + edge)),
+        axis_y=rrb.ScalarAxis(range=(low, high)),
         background=rrb.archetypes.PlotBackground(color=GROUND), plot_legend=rrb.PlotLegend(visible=True, corner=corner),
     )  # fmt: skip
 
@@ -105,20 +109,24 @@ def color_of(curve: Curve) -> Color:
     return DARK.of(curve.kind)
 
 
-def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
-    """Find the corner of a panel in which a legend hides the least of the curves."""
-    levels = [level for _, level in panel.limits]
-    low = min([float(curve.y.min()) for curve in panel.curves] + levels)
-    high = max([float(curve.y.max()) for curve in panel.curves] + levels)
-    across, upward = np.linspace(*window, _COLUMNS), max(high - low, 1e-12)
+def emptiest_corner(panel: Panel, window: tuple[float, float], span: tuple[float, float], size: tuple[float, float]) -> str:
+    """Find the corner in which a legend hides least of the curves of a panel that shows `span`, in a pane of a size [points].
+
+    On the left, where the worst instant mostly is, curves count more.
+    """
+    across, (low, high) = np.linspace(*window, _COLUMNS), span
+    names = {curve.name for curve in panel.curves} | {name for name, _ in panel.limits}
+    high_part = min(_NAME * (len(names) + 0.5) / (size[1] - _BORDER), 1.0)
+    columns = max(round(_COLUMNS * min(_NAMES / size[0], 1.0)), 1)
     hidden = {}
     for corner, (right, top) in _CORNERS.items():
-        instants = across[-_COLUMNS // 3 :] if right else across[: _COLUMNS // 3]
+        instants = across[-columns:] if right else across[:columns]
         hidden[corner] = 0.0
         for curve in panel.curves:
             values = np.interp(instants, curve.x, curve.y)
-            covered = (values - low) / upward > 0.3 if top else (values - low) / upward < 0.7
-            hidden[corner] += float(np.abs(values - np.median(curve.y))[covered].sum())
+            heights = (values - low) / (high - low)
+            covered = heights > 1.0 - high_part if top else heights < high_part
+            hidden[corner] += (1.0 if right else _EARLY) * float(np.abs(values - np.median(curve.y))[covered].sum())
     return min(hidden, key=lambda corner: hidden[corner])
 
 

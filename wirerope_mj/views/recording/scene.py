@@ -40,6 +40,7 @@ _LEAST_HEIGHT = 0.08  # least height of a drawn rope over its modelled height: a
 _MOST_LABELS = 12  # With more mounts only those whose loops are shown first get a label
 # Entities of a body that would hide a mount in a close-up
 BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring", "outline")
+_FIXED = 1e-6  # motion of a point in the frame of the body that carries it [m]
 _RING = 48  # corners of the ring about the worst mount
 
 
@@ -155,6 +156,7 @@ def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dic
 def log_marks(rec: Stream, response: Response, selection: Selection, frames: Mapping[str, Frame], extent: float) -> None:
     """Outline the bodies that exceed a limit, and log a ring about the governing mount with its name and what it uses."""
     exceeding = {row.subject for row in selection.verdicts if row.verdict == EXCEEDED}
+    exceeding |= {carrier for name in exceeding & response.points.keys() if (carrier := carrier_of(response, name))}
     for body in response.scene.bodies:
         corners = body_corners(body)
         if body.name in exceeding and corners.size:
@@ -179,7 +181,20 @@ def log_marks(rec: Stream, response: Response, selection: Selection, frames: Map
         rec.log(child(path, "ring"), ring, static=True)
         name = mount.name if used is None else f"{mount.name} {in_unit(used, '%'):.0f} %"
         spot = {"labels": [name], "colors": color, "radii": rr.Radius.ui_points(0.0), "show_labels": True}
-        rec.log(child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.8 * device.height]], **spot), static=True)
+        rec.log(child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.65 * device.height]], **spot), static=True)
+
+
+def carrier_of(response: Response, point: str) -> str:
+    """Find the body on which a point stands, in whose frame it does not move; "" if there is none, as on one that bends."""
+    some = slice(None, None, max(1, response.time.size // 100))
+    place = response.points[point].position[some]
+    for body in response.scene.bodies:
+        if body.moves and body.name in response.bodies and body.geoms:
+            moved = response.bodies[body.name]
+            inside = rotate(conjugate(moved.orientation[some]), place - moved.position[some])
+            if np.ptp(inside, axis=0).max() < _FIXED:
+                return body.name
+    return ""
 
 
 def _log_forces(
