@@ -131,10 +131,16 @@ def _filmed(name: str, run: JudgedRun, row: Verdict | None, window: tuple[float,
     )  # fmt: skip
 
 
+_LEAST_RANGE = 0.05  # of a panel, as a fraction of its largest value: what hardly changes is not blown up
+
+
 def _in_one_scale(columns: Sequence[Sequence[Panel]], window: tuple[float, float]) -> list[list[Panel]]:
     """Give the panels that show the same quantity the same range, in all runs."""
     shown: dict[str, list[Array]] = {}
     for panel in (panel for panels in columns for panel in panels):
-        inside = [curve.y[(curve.x >= window[0]) & (curve.x <= window[1])] for curve in panel.curves]
-        shown.setdefault(panel.title, []).extend([*inside, np.array([level for _, level in panel.limits])])
+        rows = [(curve.x > window[0]) & (curve.x < window[1]) for curve in panel.curves]
+        ends = [np.interp(window, curve.x, curve.y) for curve in panel.curves]
+        inside = [np.append(end, curve.y[row]) for end, curve, row in zip(ends, panel.curves, rows, strict=True)]
+        least = 0.5 * _LEAST_RANGE * np.abs(inside[0]).max() * np.array([-1.0, 1.0]) + inside[0].mean()
+        shown.setdefault(panel.title, []).extend([*inside, np.array([level for _, level in panel.limits]), least])
     return [[replace(panel, ylim=with_room(np.concatenate(shown[panel.title]))) for panel in panels] for panels in columns]
