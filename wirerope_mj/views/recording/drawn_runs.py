@@ -24,7 +24,7 @@ from wirerope_mj.content.random_vibration import random_blocks
 from wirerope_mj.content.required_spectra import required_spectrum_blocks
 from wirerope_mj.content.run import acceleration_blocks, numerics_statement
 from wirerope_mj.content.selection import Selection, main_direction, select
-from wirerope_mj.content.verdicts import answer_blocks, full_table, headline
+from wirerope_mj.content.verdicts import answer_blocks, full_table, headline, open_statement
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
 from wirerope_mj.foundation.tables import Table
@@ -194,10 +194,10 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
     scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
     modes = markdown_blocks(run_modes_blocks(run)) if isinstance(run, JudgedRun) else ""
     named = f"{markdown(title)}: " if title else ""
-    inputs = passage(run) if isinstance(run, JudgedRun) else None
-    passed = f"\\\n{markdown(inputs.text)}" if inputs else ""
+    said = [passage(run) if isinstance(run, JudgedRun) else None, open_statement(run.verdicts)]
+    below = " · ".join(markdown(statement.text) for statement in said if statement)
     return (
-        Text(path=("verdict",), name="Verdict", place=BANNER, text=f"{named}**{markdown(run.headline)}**{passed}"),
+        Text(path=("verdict",), name="Verdict", place=BANNER, text=f"{named}**{markdown(run.headline)}**\\\n{below}"),
         Text(path=("scenario",), name="Scenario", place=BELOW, text="\n\n".join(filter(None, scenario))),
         Text(path=("peaks",), name="Peaks", place="Peaks", text=markdown_blocks(peaks)),
         Text(path=("verdicts",), name="Verdicts", place="Verdicts", text=markdown_blocks([full_table(run.verdicts)])),
