@@ -17,6 +17,7 @@ from wirerope_mj.content.selection import select
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.views.recording import record, record_rerun, show, viewer
 from wirerope_mj.views.recording.record import record_cases
+from wirerope_mj.views.share.server import cursors_of
 
 UP, ACROSS = "upwards, 10 g", "athwartships"
 
@@ -174,6 +175,13 @@ def test_every_case_opens_at_its_most_critical_instant_and_the_worst_case_is_in_
     worst = max(used.values(), key=lambda entry: entry.largest).governing.time
     ((store, *_),) = [move for move in moved if move[2]["duration"] == worst]
     assert store.endswith(front)
+
+
+def test_a_browser_is_told_where_every_case_opens_by_the_names_of_the_viewer(recorded):
+    cursors = cursors_of(viewer.openings_of(recorded))
+    stores = {f"Recording:{store.application_id}:{store.recording_id}" for store in RrdReader(str(recorded)).recordings()}
+    assert {name for *_, name in cursors} == stores
+    assert all(timeline == "sim_time" and 10**7 < instant < 2 * 10**8 for timeline, instant, _ in cursors)
 
 
 def test_a_run_without_limits_opens_at_the_largest_acceleration_of_what_stands_on_the_mounts(tmp_path):

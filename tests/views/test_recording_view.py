@@ -297,7 +297,7 @@ def test_a_port_in_use_is_avoided():
         listener.listen()
         taken = listener.getsockname()[1]
         assert free_port(taken) != taken
-    assert address_of(2, Opening("id", POINT, 34)) == "http://127.0.0.1:2/viewer/index.html#point@34"
+    assert address_of(2, [Opening("id", POINT, 34)]) == "http://127.0.0.1:2/viewer/index.html#point@34"
 
 
 def test_letters_that_the_viewer_lacks_are_spelled_wherever_they_stand(tmp_path):

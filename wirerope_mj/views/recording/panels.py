@@ -206,7 +206,7 @@ _DASH = 5  # intervals of a curve in a dash, and in the gap behind it
 _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
 # Where the first text stands, how far the next is below it, in the view's units.
 _LEGEND, _LINE = (WIDTH + 62.0, 8.0), 10.5
-_LEGEND_WIDTH = 120.0  # width of the legend
+_LEGEND_WIDTH = 126.0  # width of the legend
 
 
 def log_over_frequency(rec: Stream, run: RunResult, panel: Panel) -> None:

@@ -69,7 +69,7 @@ def show(path_or_folder: str | Path) -> None:
 
 @dataclass(frozen=True)
 class Opening:
-    """Where a recording opens: its id, a timeline, and an instant [s] or a number on it."""
+    """Where a recording opens: its application and its id, a timeline, and an instant [s] or a number on it."""
 
     recording: str
     timeline: str
@@ -86,7 +86,8 @@ def openings_of(path: Path) -> list[Opening]:
                 names = {UTILISATION, *_CURSORS}.intersection(batch.schema.names)
                 known = {name: batch[name].flatten()[0].as_py() for name in names}
                 for name in _CURSORS.keys() & names:
-                    found.append((known.get(UTILISATION, 0.0), Opening(store.recording_id, _CURSORS[name], known[name])))
+                    recording = f"{store.application_id}:{store.recording_id}"
+                    found.append((known.get(UTILISATION, 0.0), Opening(recording, _CURSORS[name], known[name])))
     return [opening for _, opening in sorted(found, key=lambda entry: -entry[0])]
 
 
@@ -98,7 +99,9 @@ def _move_cursors(port: int, openings: Sequence[Opening], ended: threading.Event
 
     A viewer that does not answer opens at the beginning.
     """
-    until, left = monotonic() + _START, {opening.recording: opening for opening in openings}
+    # a file that is opened by its name is given another application
+    names = [opening.recording.rpartition(":")[2] for opening in openings]
+    until, left = monotonic() + _START, dict(zip(names, openings, strict=True))
     while left and monotonic() < until and not ended.wait(0.1):
         with suppress(ConnectionError, TimeoutError, RuntimeError):  # it is not ready yet
             client = ViewerClient(f"rerun+http://{LOCAL}:{port}/proxy")
@@ -113,7 +116,7 @@ def _move_cursors(port: int, openings: Sequence[Opening], ended: threading.Event
                         client.set_time(opening.timeline, sequence=round(opening.at), play_state="paused", recording=store)
                     del left[name]
             if not left and len(openings) > 1:
-                client.set_location(loaded[openings[0].recording].location)
+                client.set_location(loaded[names[0]].location)
 
 
 def _run_viewer(command: list[str], recording: BinaryIO) -> None:

@@ -1,6 +1,8 @@
 """The viewer and one recording for a browser of this machine; pages of other origins read nothing here."""
 
+import json
 import shutil
+from collections.abc import Sequence
 from functools import partial
 from http import HTTPStatus
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -17,29 +19,42 @@ _USUAL = 9090  # port, if it is free
 def show_in_browser(path_or_folder: str | Path) -> None:
     """Serve a recording to a browser of this machine until it is interrupted; the printed address opens it where it matters.
 
-    The path is as for `wirerope_mj.views.recording.show`. Of several recordings in a file the browser's viewer moves the one
-    that it opens. RecordError if there is no recording; WireRopeError if there is no viewer, or it does not hand out its files.
+    The path is as for `wirerope_mj.views.recording.show`; of several recordings in a file the one in front is the one that the
+    viewer read last. RecordError if there is no recording; WireRopeError if there is no
+    viewer, or it does not hand out its files.
     """
     path = find_recording(path_or_folder)
-    opening = next(iter(openings_of(path)), None)
+    openings = openings_of(path)
     with TemporaryDirectory() as folder:
         shutil.copyfile(path, Path(folder) / FILE)
         (Path(folder) / VIEWER).mkdir()
-        for name, content in viewer_pages().items():
+        pages = viewer_pages()
+        if len(openings) > 1:
+            pages["show.js"] += f"globalThis.OPENINGS = {json.dumps(cursors_of(openings))};\n".encode()
+        for name, content in pages.items():
             (Path(folder) / VIEWER / name).write_bytes(content)
         with ThreadingHTTPServer((LOCAL, free_port(_USUAL)), partial(_Handler, directory=folder)) as server:
             server.daemon_threads = True
-            print(f"Open {address_of(server.server_port, opening)} in a browser. Ctrl-C ends it.", flush=True)
+            print(f"Open {address_of(server.server_port, openings)} in a browser. Ctrl-C ends it.", flush=True)
             try:
                 server.serve_forever()
             except KeyboardInterrupt:
                 return
 
 
-def address_of(port: int, opening: Opening | None) -> str:
-    """Write the address of the page, with the instant [s], or timeline and number, at which the viewer opens."""
+def cursors_of(openings: Sequence[Opening]) -> list[tuple[str, int, str]]:
+    """Write where recordings open for the page's script: timeline, instant [ns] or number, and the viewer's name of each."""
+    units = {TIMELINE: 1e9}
+    return [
+        (entry.timeline, round(entry.at * units.get(entry.timeline, 1.0)), f"Recording:{entry.recording}") for entry in openings
+    ]
+
+
+def address_of(port: int, openings: Sequence[Opening]) -> str:
+    """Write the address of the page, for one recording with the instant [s], or timeline and number, at which it opens."""
     where = ""
-    if opening is not None:
+    if len(openings) == 1:
+        (opening,) = openings
         where = f"#{opening.at:.9g}" if opening.timeline == TIMELINE else f"#{opening.timeline}@{opening.at:.0f}"
     return f"http://{LOCAL}:{port}/{VIEWER}/index.html{where}"
 

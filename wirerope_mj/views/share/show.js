@@ -18,24 +18,37 @@ function field(number, bytes) {
   return [number * 8 + 2, ...varint(bytes.length), ...bytes];
 }
 
-// ViewerControlRequest of rerun 0.41, set_time_cursor (6): timeline (2: name), time (3: nanoseconds or number), paused (5: 1).
-function cursorAt(timeline, value) {
-  const name = field(1, [...new TextEncoder().encode(timeline)]);
+function text(number, content) {
+  return field(number, [...new TextEncoder().encode(content)]);
+}
+
+// ViewerControlRequest of rerun 0.41, set_time_cursor (6): recording (1), timeline (2: name), time (3: nanoseconds or number),
+// paused (5: 1).
+function cursorAt(timeline, value, recording) {
   const time = [8, ...varint(Math.max(0, Math.round(value)))];
-  return new Uint8Array(field(6, [...field(2, name), ...field(3, time), 40, 1]));
+  const of = recording ? text(1, recording) : [];
+  return new Uint8Array(field(6, [...of, ...field(2, text(1, timeline)), ...field(3, time), 40, 1]));
+}
+
+// Whether the cursor is moved; a recording may still be being read, so that it takes some tries.
+async function moved(tries, ...cursor) {
+  for (let left = tries; left >= 0; left--) {
+    try {
+      await handle.viewer_control(cursorAt(...cursor));
+      return true;
+    } catch (error) {
+      await new Promise((resolve) => setTimeout(resolve, 250));
+    }
+  }
+  return false;
 }
 
 async function go(tries) {
   const [timeline, number] = location.hash.slice(1).split("@");
   const value = Number.parseFloat(number ?? timeline);
   if (!handle || !Number.isFinite(value)) return;
-  try {
-    await handle.viewer_control(number ? cursorAt(timeline, value) : cursorAt("sim_time", value * 1e9));
-  } catch (error) {
-    if (tries > 0) setTimeout(() => go(tries - 1), 250); // the recording is still being read
-    return;
-  }
-  if (number) return;
+  const done = await (number ? moved(tries, timeline, value) : moved(tries, "sim_time", value * 1e9));
+  if (number || !done) return;
   // With its unit the address is another one than the report's link, which moves the cursor back when it is followed again.
   history.replaceState(null, "", `#${value}s`);
   document.title = `Timeline at ${value.toFixed(4)} s`;
@@ -72,7 +85,9 @@ async function start() {
   handle.open_channel("run", "run.rrd");
   handle.send_rrd_to_channel("run", recording);
   handle.close_channel("run");
-  go(240); // a large recording takes the viewer a while
+  // of several recordings in a file; a large one takes the viewer a while
+  for (const cursor of globalThis.OPENINGS ?? []) moved(240, ...cursor);
+  go(240);
 }
 
 window.addEventListener("hashchange", () => go(4));
