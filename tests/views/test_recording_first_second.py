@@ -2,6 +2,7 @@
 
 import io
 import math
+from dataclasses import replace
 
 import matplotlib.image
 import numpy as np
@@ -12,8 +13,9 @@ from rerun.chunk import RrdReader
 
 from wirerope_mj.assessment.criteria import Criterion, Verdict, judge
 from wirerope_mj.content.blocks import BASE, OTHERS, Curve, Panel
-from wirerope_mj.content.histories import used_panel
+from wirerope_mj.content.histories import contact_panels, used_panel
 from wirerope_mj.content.selection import select
+from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.banner import log_tile
@@ -160,6 +162,21 @@ def test_a_body_beyond_its_limit_is_outlined_and_others_are_not(tmp_path):
     assert outlined == exceeded & set(response.bodies) == {"rack"}
     assert any(path.startswith("/ghosts") and path.endswith("/rack/outline") for path in found)
     assert carrier_of(response, "rack_top") == "rack"  # which is outlined if its point fails
+
+
+def test_a_limit_of_a_stop_stands_in_the_panel_of_its_force_and_is_exceeded_there():
+    import wirerope_mj as wr
+
+    system = wr.load_system("cabinet")
+    motion = wr.HalfSine(peak=40.0 * wr.STANDARD_GRAVITY, duration=0.011, direction=(1.0, 0.0, 1.0))
+    response = wr.simulate(system, motion, duration=0.05, accuracy=1e-2)
+    struck = [peak for peak in response.peaks.contacts.values() if peak.touches]
+    largest = max(struck, key=lambda peak: peak.force)
+    for part, shown in ((0.4, True), (1.2, True), (4.0, False)):
+        limit = PayloadLimit(kind="force", name=largest.mount, values=(part * largest.force,))
+        panel, *_ = contact_panels(replace(response, scene=replace(response.scene, limits=(limit,))), (0.0, 0.05))
+        assert [name for name, _ in panel.limits] == [f"limit of {largest.mount}"] * shown
+        assert bool(panel.exceeded) == (part < 1.0)
 
 
 def test_the_most_used_over_time_have_names_and_colours_whatever_is_used_at_rest():

@@ -235,7 +235,7 @@ def peak_text(curve: Curve, panel: Panel) -> str:
 
 
 def contact_panels(response: Response, window: tuple[float, float]) -> list[Panel]:
-    """Draw forces of stops and contacts that touched, the largest first, and the gaps of contacts."""
+    """Draw forces of stops and contacts that touched, the largest first, with their limits, and the gaps of contacts."""
     stops, known = {stop.name for stop in response.scene.stops}, response.contacts
     forces, gaps = [], []
     # Undeclared pairs, and stops that act beside other laws of their mount, have peaks alone.
@@ -248,10 +248,19 @@ def contact_panels(response: Response, window: tuple[float, float]) -> list[Pane
         forces.append(Curve(response.time, in_unit(force, "kN"), name=name, kind=kind, peak=marked))
         if key in known:
             gaps.append(Curve(response.time, in_unit(known[key].gap, "mm"), name=name, kind=kind))
+    allowed = {limit.name: limit.values[0] for limit in response.scene.limits if limit.kind == "force"}
+    levels = {
+        (f"limit of {short(peak.mount)}", in_unit(allowed[peak.mount], "kN")): peak.force > allowed[peak.mount]
+        for peak in struck.values()
+        if peak.mount in allowed and peak.force >= _SHOWN_RATING * allowed[peak.mount]
+    }
+    exceeded = {name for (name, _), passed in levels.items() if passed}
     parts = (
-        (forces, "force", "Force of stops and contacts [kN]", "kN"),
-        (gaps, "gap", "Gap of contacts [mm], below zero pressed", "mm"),
+        (forces, "force", "Force of stops and contacts [kN]", "kN", list(levels)),
+        (gaps, "gap", "Gap of contacts [mm], below zero pressed", "mm", []),
     )
     return [
-        Panel(curves, f"{what} [{unit}]", title=title, xlim=window, unit=unit) for curves, what, title, unit in parts if curves
+        Panel(curves, f"{what} [{unit}]", title=title, limits=limits, exceeded=exceeded, xlim=window, unit=unit)
+        for curves, what, title, unit, limits in parts
+        if curves
     ]
