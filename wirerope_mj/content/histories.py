@@ -257,7 +257,7 @@ def contact_panels(response: Response, window: tuple[float, float]) -> list[Pane
     exceeded = {name for (name, _), passed in levels.items() if passed}
     parts = (
         (forces, "force", "Force of stops and contacts [kN]", "kN", list(levels)),
-        (gaps, "gap", "Gap of contacts [mm], below zero pressed", "mm", []),
+        (gaps, "gap", "Gap of contacts [mm], below zero pressed", "mm", list[tuple[str, float]]()),
     )
     return [
         Panel(curves, f"{what} [{unit}]", title=title, limits=limits, exceeded=exceeded, xlim=window, unit=unit)
