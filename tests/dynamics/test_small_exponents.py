@@ -213,7 +213,7 @@ def test_the_least_exponent_takes_few_series_along_a_stroke(capsys, tmp_path, mo
         return
     count, expand, z = itertools.count(), power.series, np.array([-59.0])
     monkeypatch.setattr(power, "series", lambda *arguments: next(count) < 0 or expand(*arguments))
-    monkeypatch.setattr(power, "sized", power.sized.py_func)
+    monkeypatch.setattr(power, "state_after", power.state_after.py_func)
     parameters = softening(LEAST_EXPONENT).kernel_parameters()
     power.carry_power.py_func(parameters, 0, -0.015, 0.015, z, 0, *np.empty((2, power.ORDER + 1)))
     assert 0.0 < z[0] < np.inf

@@ -20,7 +20,7 @@ from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system.varied import Changes
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws import OnBracket
-from wirerope_mj.mounts.laws.plane_kernels import held
+from wirerope_mj.mounts.laws.plane_kernels import forces_at_states
 from wirerope_mj.studies.measures import measures
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
@@ -112,7 +112,7 @@ def test_own_deflections_are_found_or_there_is_none(name):
             )
             soft = replace(law, brackets=tuple(stiffness))
             own = soft.own_deflection(x, z.ravel())
-            force = np.array(held(soft.mount_parameters(), 0, n, *own.tolist(), z.ravel(), 0, n))
+            force = np.array(forces_at_states(soft.mount_parameters(), 0, n, *own.tolist(), z.ravel(), 0, n))
             assert np.isfinite(own).all() or reach > 1.0
             assert not np.abs(own + force / stiffness - x).max() > 1e-8 * np.abs(x).max()
 

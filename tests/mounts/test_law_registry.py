@@ -8,7 +8,7 @@ import pytest
 
 import wirerope_mj.mounts.laws as laws
 from wirerope_mj.mounts.laws.law import Law
-from wirerope_mj.mounts.laws.registry import LAWS, REGISTERED, Kernel, evaluate, evaluate_one
+from wirerope_mj.mounts.laws.registry import LAWS, REGISTERED, Kernel, evaluate, evaluate_single
 
 COMPOSED = {"parallel", "smoothed", "on-bracket", "own"}  # made of other laws or of a program's own function
 
@@ -43,7 +43,7 @@ def test_a_law_is_computed_by_its_own_kernel(law, kernel):
     example = law(**law.example)
     p, n = example.kernel_parameters(), max(example.n_states, 1)
     states = np.linspace(0.3, 0.6, n)
-    for choice in (evaluate, evaluate_one):
+    for choice in (evaluate, evaluate_single):
         rates, own = np.full((2, n), np.nan)
         force = choice(law.kernel, p, 0, 6e-3, 0.2, states, 0, rates, 0)
         assert force == kernel(p, 0, 6e-3, 0.2, states, 0, own, 0) != 0.0

@@ -167,7 +167,7 @@ def test_where_hardly_any_power_is_left_its_integration_ends(path, monkeypatch):
         assert next(calls) < 100_000
         return slope_at(*arguments)
 
-    for name in ("follow_time", "work_of_all", "work_over", "integrate_in_time"):
+    for name in ("follow_time", "work_of_law", "work_over", "integrate_in_time"):
         monkeypatch.setattr(timed, name, getattr(timed, name).py_func)
     monkeypatch.setattr(timed, "slope_at", counted)
     x, time, rate = smooth_path(points, per_segment=8 if len(points) > 2 else 1)

@@ -14,7 +14,7 @@ from mujoco.batch import Batch
 
 from wirerope_mj.dynamics.periodic.laws import ScaledStates, width_indices, widths_of
 from wirerope_mj.dynamics.periodic.motion import Coordinates, Drive, Track
-from wirerope_mj.dynamics.periodic.stepping import go, look_around
+from wirerope_mj.dynamics.periodic.stepping import differences_about, step_periods
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.layout import MAX_STEPS
@@ -163,7 +163,7 @@ class KernelFlow(Flow):
         self._axes = self._equations.rows(kernel.AXES, kernel.AXIS_COLUMNS, 3 * len(system.mounts))
         self._fallback: MujocoFlow | None = None
         self._contexts = ExitStack()
-        # States that are carried in closed form: the argument `carried` of `go`, (n, 4).
+        # States that are carried in closed form: the argument `carried` of `step_periods`, (n, 4).
         lay, scaled = self._equations.lay, ScaledStates(system)
         chosen = np.flatnonzero(scaled.steep & ~scaled.smoothed)
         states = scaled.states[chosen]
@@ -212,7 +212,7 @@ class KernelFlow(Flow):
         qpos, qvel, act = np.split(track, [self.model.nq, self.model.nq + self.model.nv], axis=1)
         return Track(end=ends[0], sensors=values, qpos=qpos, qvel=qvel, act=act, drive=drive)
 
-    def look_around(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
+    def differences_about(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
         """Write the changes of accelerations, rates and deflections beside a motion at the start of every step.
 
         `moves` are displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a);
@@ -226,7 +226,7 @@ class KernelFlow(Flow):
         instants = track.drive.duration / track.drive.steps * np.arange(track.drive.steps)
         motion = track.drive.sine(self.coordinates.direction).acceleration(instants)[np.newaxis]
         e, group = self._equations, group_of([self._equations] * WIDTH, places[[0] * WIDTH], [0] * WIDTH)
-        look_around(
+        differences_about(
             e.lay, e.fix, group.numbers, group.states, group.memory, places, lanes, motion, wanted, factors,
             out.reshape(*out.shape[:2], -1, WIDTH),
         )  # fmt: skip
@@ -263,7 +263,7 @@ class KernelFlow(Flow):
         half = h * (0.5 * np.arange(2 * drive.steps + 1))
         begins, slides = half[: -1 : 2 * MAX_STEPS], self.system.assembly.tables.drive.T
         positions, rates = motion.displacement(begins) @ slides, motion.velocity(begins) @ slides
-        go(
+        step_periods(
             e.lay, e.fix, group.numbers, group.states, group.memory, positions[np.newaxis], rates[np.newaxis],
             motion.acceleration(half)[np.newaxis], h, self._closed_form, len(starts), track, values,
         )  # fmt: skip

@@ -7,7 +7,7 @@ from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import deflect
 from wirerope_mj.engine.kernel.links import place_links
 from wirerope_mj.engine.kernel.observe import measure
-from wirerope_mj.engine.kernel.steps import base_at, forward, place_base, shift, take_step, watch
+from wirerope_mj.engine.kernel.steps import base_at, forward, mark_failures, place_base, shift, take_step
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, rows, table
 from wirerope_mj.mounts.laws.cubic import position, reversals
@@ -15,7 +15,7 @@ from wirerope_mj.mounts.laws.power import ORDER, carry_power
 
 
 @njit
-def go(structure, shared, numbers, states, memory, positions, rates, motion, h, carried, lanes, track, values):
+def step_periods(structure, shared, numbers, states, memory, positions, rates, motion, h, carried, lanes, track, values):
     """Step all lanes through the periods of the base's sine, which is the same in all of them.
 
     Args:
@@ -25,7 +25,7 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
         states: of the lanes, (n_state, WIDTH).
         memory: of the lanes, (n_work, WIDTH).
         positions: of the driven slides at every MAX_STEPS-th step, as MuJoCo's stages have them, (1, n, n_driven).
-        rates: of the driven slides, alike.
+        rates: of the driven slides, (1, n, n_driven).
         motion: accelerations of the base at all half steps, (1, 2 n_steps + 1, 3).
         h: length of a step [s].
         carried: states with n < 1: for each the addresses of its deflection and of its rate in the memory, of its first
@@ -44,7 +44,7 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
         if step % MAX_STEPS == 0:
             place_base(lay, fix, states, which, positions, rates, step // MAX_STEPS)
         forward(lay, fix, num, y, work, base_at(motion, which, True, 2 * step))
-        watch(lay, fix, y, work)
+        mark_failures(lay, fix, y, work)
         if step < track.shape[0]:
             measure(lay, fix, num, y, work, True)
             for i in range(track.shape[1]):
@@ -68,13 +68,13 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
                     if abs(x1 - x0) < np.inf and abs(z0) < np.inf:
                         first = carried[i, 2]
                         p = numbers[first : first + 4, number]
-                        states[carried[i, 3], number] = carried_along(p, x0, v0, x1, v1, h, z0, c, a)
+                        states[carried[i, 3], number] = state_along_cubic(p, x0, v0, x1, v1, h, z0, c, a)
     forward(lay, fix, num, y, work, base_at(motion, which, True, 2 * steps))
-    watch(lay, fix, y, work)
+    mark_failures(lay, fix, y, work)
 
 
 @njit
-def carried_along(p, x0, v0, x1, v1, h, z0, c, a):
+def state_along_cubic(p, x0, v0, x1, v1, h, z0, c, a):
     """Integrate Bouc-Wen's state z0 over a step h along the cubic through deflections and rates, from reversal to reversal."""
     z = np.array([z0])
     cubic, first, second = reversals(x0, x1, v0, v1, h)
@@ -89,13 +89,13 @@ def carried_along(p, x0, v0, x1, v1, h, z0, c, a):
 
 
 @njit
-def look_around(structure, shared, numbers, states, memory, track, moves, motion, wanted, factors, out):
-    """Write the changes of accelerations and rates for displacements from a motion, at its instants.
+def differences_about(structure, shared, numbers, states, memory, track, moves, motion, wanted, factors, out):
+    """Write the changes of accelerations and rates due to displacements from a motion, at the motion's instants.
 
     Args:
         structure: `lay` of the equations.
         shared: their `fix`.
-        numbers: of the lanes, as of `go`.
+        numbers: of the lanes, as of `step_periods`.
         states: of the lanes, overwritten.
         memory: of the lanes.
         track: states of the motion, (n_instants, n_state).
@@ -121,7 +121,7 @@ def look_around(structure, shared, numbers, states, memory, track, moves, motion
                 work[moved + i] = move[group * moves.shape[1] + i]
             shift(lay, y, work, moved, 1.0)
             forward(lay, fix, num, y, work, base)
-            watch(lay, fix, y, work)
+            mark_failures(lay, fix, y, work)
             for i in range(wanted.size):
                 change = factors[i] * (work[wanted[i]] - work[unmoved + i])
                 result[(k * out.shape[1] + above + i) * groups + group] = change
@@ -156,7 +156,7 @@ def add_slope(n, first, column, value, entry, width, scale, gain, decay, work, s
 
 
 @inlined
-def turn_round(n, first, column, value, entry, width, scale, turns, waits, work, here):
+def apply_reversals(n, first, column, value, entry, width, scale, turns, waits, work, here):
     """Multiply the columns at `here` by the factors of reversals, at the reversals' times: until then and back w' = dv."""
     weigh(n, scale, work, here, 4 * n)
     for i in range(n):
@@ -166,7 +166,7 @@ def turn_round(n, first, column, value, entry, width, scale, turns, waits, work,
 
 
 @njit
-def go_along(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, room):
+def integrate_linear(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, room):
     """Solve d/dt phi = gain A (scale phi) + decay phi in place by RK4 over pairs of the samples of A, row by row.
 
     The first sample follows the last; their number is even. Before each pair rows are multiplied by the factors of reversals.
@@ -176,11 +176,11 @@ def go_along(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, r
         columns: of these entries.
         matrix: A, (n_samples, n, n_columns), of the columns the first n.
         h: time between two samples [s].
-        scale: at the three samples of every pair, (n_pairs, 3, n); all of them see `Slopes`.
-        gain: alike.
-        decay: alike.
-        turns: before every pair and behind the last, (n_pairs + 1, n).
-        waits: alike.
+        scale: factors of phi in A's product, at the three samples of every pair, (n_pairs, 3, n); this and the next: `Slopes`.
+        gain: factors of A's product, (n_pairs, 3, n).
+        decay: factors of phi, (n_pairs, 3, n).
+        turns: factors at reversals before every pair and behind the last, (n_pairs + 1, n).
+        waits: times to these reversals [s], (n_pairs + 1, n).
         phi: columns of the solution, (n_groups, n, WIDTH).
         room: to work in, (5 n, WIDTH).
     """
@@ -194,7 +194,7 @@ def go_along(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, r
         for k in range(0, samples, 2):
             s, g, d = scale[k // 2], gain[k // 2], decay[k // 2]
             a, b, c = k * size, (k + 1) * size, (k + 2) % samples * size
-            turn_round(n, first, column, value, a, width, s[0], turns[k // 2], waits[k // 2], work, here)
+            apply_reversals(n, first, column, value, a, width, s[0], turns[k // 2], waits[k // 2], work, here)
             for i in range(n):
                 work[i] = 0.0
             add_slope(n, first, column, value, a, width, s[0], g[0], d[0], work, here, trial, here, 1.0, h)
@@ -204,6 +204,6 @@ def go_along(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, r
             for i in range(n):
                 work[here + i] = work[here + i] + h / 3.0 * work[i]
         last = samples // 2
-        turn_round(n, first, column, value, 0, width, scale[last - 1, 2], turns[last], waits[last], work, here)
+        apply_reversals(n, first, column, value, 0, width, scale[last - 1, 2], turns[last], waits[last], work, here)
         for i in range(n):
             solution[i] = work[here + i]

@@ -25,7 +25,7 @@ from mujoco.batch import Batch
 from wirerope_mj.dynamics.periodic.flow import Flow, KernelFlow, MujocoFlow
 from wirerope_mj.dynamics.periodic.laws import ScaledStates, Slopes
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
-from wirerope_mj.dynamics.periodic.stepping import go_along
+from wirerope_mj.dynamics.periodic.stepping import integrate_linear
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Integers
@@ -119,7 +119,7 @@ class KernelVariational(Variational):
         moves[np.arange(scale.size), moved] = DIFFERENCE * scale
         factors = 1.0 / (DIFFERENCE * scale[nf:])
         wanted = self.flow.addresses(self._free, self.scaled.states)
-        return self.flow.look_around(at_shot.track, moves, wanted, factors, out)
+        return self.flow.differences_about(at_shot.track, moves, wanted, factors, out)
 
 
 class MujocoVariational(Variational):
@@ -214,9 +214,9 @@ def variational_of(flow: Flow) -> Variational:
 
 
 def _integrate(derivative: Array, step: float, slopes: Slopes) -> Array:
-    """Integrate d/dt phi = A phi from the unit matrix over samples of A, (n_t, n, n or more), n_t even.
+    """Integrate d/dt phi = A phi from the identity over samples of A, (n_t, n, n or more); n_t is even, for a step spans two.
 
-    Most of A is zero: a mount's states do not depend on those of the others.
+    Columns of A beyond n are padding to whole lanes. Most of A is zero: a mount's states do not depend on other mounts'.
     """
     _, n, width = derivative.shape
     rows, columns = np.nonzero((derivative[:, :, :n] != 0.0).any(axis=0))
@@ -224,7 +224,7 @@ def _integrate(derivative: Array, step: float, slopes: Slopes) -> Array:
     phi = np.zeros((n, width))
     phi[:, :n] = np.diag(1.0 / slopes.begin)
     phi = np.ascontiguousarray(phi.reshape(n, -1, WIDTH).swapaxes(0, 1))
-    go_along(
+    integrate_linear(
         begin, np.ascontiguousarray(columns), derivative, step, slopes.scale, slopes.gain, slopes.decay, slopes.turns,
         slopes.waits, phi, np.empty((5 * n, WIDTH)),
     )  # fmt: skip

@@ -18,6 +18,9 @@ STATE_ACTUATOR = "wirerope/states"
 LAYOUT = "wirerope/layout"
 PARAMETERS = "wirerope/parameters"
 
+# entries of `dynprm`
+PRM_MAGIC, PRM_LAYOUT, PRM_PARAMETERS, PRM_USERDATA, PRM_ACTIVATION = range(5)
+
 # header of the layout
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)

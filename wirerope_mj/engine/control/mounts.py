@@ -69,7 +69,7 @@ def stage_row(u, w, time):
 
 @inlined
 def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
-    """Give the base's slides and hinges the accelerations that stand in the stage tables for this instant."""
+    """Apply the stage tables' accelerations at this instant to the base's slides and hinges."""
     n_points = int(u[w + at.STAGE_POINTS])
     stage, turns = 3 * stage_row(u, w, time), index(lay[i + at.USER_TURNS])
     base = vector(u, w + at.STAGES + stage)
@@ -96,7 +96,7 @@ def point_velocity(cvel, body, subtree_com, root, point):
 
 @inlined
 def add_force(xfrc, body, xipos, point, force):
-    """Add a force that acts at a point to the wrench about the body's centre of mass."""
+    """Add a force at a point to the wrench on a body, which is about its centre of mass."""
     grow(xfrc, 6 * body, force)
     grow(xfrc, 6 * body + 3, cross(minus(point, vector(xipos, 3 * body)), force))
 
@@ -105,9 +105,9 @@ def add_force(xfrc, body, xipos, point, force):
 def coupled_forces(law, axial, p, first, n, x, y, vx, vy, z, j, k, zdot, jdot, kdot):
     """Return what coupling adds to the forces [N] of roll and another axis, and write the rates of the hysteretic vectors.
 
-    On brackets (`law` says so) that is all of both, of a loop with the axial axis its elastic energy, else nothing. (x, y) and
-    (vx, vy) are the deflections and their rates; the states of both begin at `z[j:]` and `z[k:]`, their rates at `zdot[jdot:]`
-    and `zdot[kdot:]`.
+    On brackets (see `law`) these are the whole forces, of a loop with the axial axis those of its elastic energy, else 0.
+    (x, y) and (vx, vy) are the deflections and their rates; the states of both axes begin at `z[j:]` and `z[k:]`, the states'
+    rates at `zdot[jdot:]` and `zdot[kdot:]`.
     """
     if law == WITH_ANOTHER:
         return on_brackets(p, first, n, x, y, vx, vy, z, j, k, zdot, jdot, kdot)
@@ -153,8 +153,8 @@ def add_torque(lay, m, site_xmat, site_xquat, xfrc):
 
 
 @njit
-def bent(lay, k, coordinates, kind):
-    """Return Phi times modal coordinates (kind 1), rates or accelerations (0) at a site, in its axes."""
+def elastic_motion(lay, k, coordinates, kind):
+    """Return Phi times modal coordinates (kind 1), or their rates or accelerations (kind 0), at a site and in its axes."""
     x = (0.0, 0.0, 0.0)
     for mode in range(index(lay[k])):
         row = k + 1 + at.SHAPE_COLUMNS * mode
@@ -173,15 +173,15 @@ def push_modes(lay, k, r, site_xmat, qfrc_applied, force):
 
 @inlined
 def separation(lay, i, m, site_xpos, site_xmat, qpos):
-    """Return the point of the payload of the mount in row `m`, and how far it is from the base's site [m], world axes."""
+    """Return the payload's point of the mount in row `m` and its offset from the base's site [m], world axes."""
     s, b = index(lay[m + at.PAYLOAD_SITE]), index(lay[m + at.BASE_SITE])
     shapes, below = index(lay[m + at.SHAPES]), index(lay[m + at.SHAPES + 1])
     point = vector(site_xpos, 3 * s)
     if shapes:
-        point = plus(point, turned(site_xmat, 9 * s, bent(lay, i + shapes, qpos, 1)))
+        point = plus(point, turned(site_xmat, 9 * s, elastic_motion(lay, i + shapes, qpos, 1)))
     apart = minus(point, vector(site_xpos, 3 * b))
     if below:
-        apart = minus(apart, turned(site_xmat, 9 * b, bent(lay, i + below, qpos, 1)))
+        apart = minus(apart, turned(site_xmat, 9 * b, elastic_motion(lay, i + below, qpos, 1)))
     return point, apart
 
 
@@ -213,9 +213,9 @@ def apply_mounts(
             point_velocity(cvel, base, subtree_com, index(lay[m + at.BASE_ROOT]), point),
         )
         if shapes:
-            rate = plus(rate, turned(site_xmat, s, bent(lay, i + shapes, qvel, 0)))
+            rate = plus(rate, turned(site_xmat, s, elastic_motion(lay, i + shapes, qvel, 0)))
         if below:
-            rate = minus(rate, turned(site_xmat, r, bent(lay, i + below, qvel, 0)))
+            rate = minus(rate, turned(site_xmat, r, elastic_motion(lay, i + below, qvel, 0)))
         total = (0.0, 0.0, 0.0)
         for c in range(3):
             along = column(site_xmat, r, c)
@@ -246,7 +246,7 @@ def apply_mounts(
 
 @inlined
 def remove_overshoot(lay, i, par, q, act, a):
-    """Take out of the states what the last step carried beyond a slider's slip force."""
+    """Clip the states of sliders to their slip forces, which the last step may have exceeded."""
     left = index(lay[i + at.N_SLIPPING])
     axis = i + index(lay[i + at.AXES])
     while left > 0:
@@ -259,7 +259,7 @@ def remove_overshoot(lay, i, par, q, act, a):
 
 @inlined
 def copy_rates(lay, i, u, w, act_dot, a):
-    """Hand the state rates from userdata to MuJoCo's activation rates and return the first of them.
+    """Copy the state rates from userdata to MuJoCo's activation rates and return the first rate.
 
     MuJoCo takes the returned value where an actuator has one activation, and what is written to `act_dot` where it has more.
     """
@@ -274,7 +274,7 @@ def copy_rates(lay, i, u, w, act_dot, a):
 
 @inlined
 def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc, qfrc_applied):
-    """Add the forces and moments of this instant, which act at sites and along their axes."""
+    """Add the external loads of this instant, forces [N] and moments [N m] along the axes of sites, to the wrenches."""
     n_forces = index(lay[i + at.N_FORCES])
     if n_forces == 0 or u[w + at.STAGE_POINTS] == 0.0:
         return
@@ -296,10 +296,10 @@ def apply_forces(
     lay, i, par, q, u, w, act, a, time, qfrc_applied, qfrc_bias, qfrc_passive, site_xpos, site_xmat, site_xquat, subtree_com,
     cvel, xipos, xfrc, qpos, qvel,
 ):  # fmt: skip
-    """Drive the base, and apply the forces of the mounts and those at sites."""
+    """Drive the base, and write the wrenches of mounts and of external loads at sites to `xfrc` [N, N m]."""
     drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive)
     j = i + index(lay[i + at.FORCES])
-    for _ in range(index(lay[i + at.N_FORCES])):  # wrenches of the last pass; bodies with mounts are cleared again
+    for _ in range(index(lay[i + at.N_FORCES])):  # clear the last pass; `apply_mounts` clears bodies with mounts
         for c in range(6):
             xfrc[6 * index(lay[j + at.FORCE_BODY]) + c] = 0.0
         j += at.FORCE_COLUMNS

@@ -37,6 +37,7 @@ _SCALARS: dict[str, Any] = {
     "mjtByte": ctypes.c_ubyte, "char": ctypes.c_ubyte, "unsigned char": ctypes.c_ubyte,
 }  # fmt: skip
 
+DYNPRM_SIZE, DOUBLE = int(mujoco.mjNDYN), 8  # entries for each actuator; size of a float64 [B]
 ANY_SIZE = 1 << 40  # nominal length of an array behind a pointer: the kernels index by the model's own tables
 ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last
 
@@ -99,7 +100,7 @@ def int32_array(address):  # type: ignore[no-untyped-def]
 @inlined
 def member(struct, offset, start=0):  # type: ignore[no-untyped-def]
     """Return the float64 array that the pointer at `offset` in a struct leads to, from its entry `start`."""
-    return float64_array(int64_array(struct + offset)[0] + 8 * start)
+    return float64_array(int64_array(struct + offset)[0] + DOUBLE * start)
 
 
 class Callbacks(NamedTuple):
@@ -111,24 +112,28 @@ class Callbacks(NamedTuple):
 
 
 @inlined
-def _find_system(m, system):  # type: ignore[no-untyped-def]
-    """Return whether the model at address `m` has a state actuator, which one, and what its entries lead to.
+def _find_system(m, in_model):  # type: ignore[no-untyped-def]
+    """Find the system in the model at address `m`, with the offsets of nu, actuator_dynprm and numeric_data in mjModel.
 
-    That is: layout and parameters as arrays, the first entries in userdata and in act. Arrays begin where the system's
-    entries do, so that the kernels get 0 for their addresses: a constant, which the compiler sees is not negative.
+    Returns whether there is one, its state actuator, layout and parameters as arrays, and its first entries in userdata and in
+    act. Arrays begin where the system's entries do, so that the kernels get 0 for their addresses: a constant, which the
+    compiler sees is not negative.
     """
-    last = int64_array(m + system[0])[0] - 1
-    prm = member(m, system[1], 10 * last)
-    is_system = last >= 0 and prm[0] == at.MAGIC
+    nu, dynprm, numeric_data = in_model
+    last = int64_array(m + nu)[0] - 1
+    prm = member(m, dynprm, DYNPRM_SIZE * last)
+    is_system = last >= 0 and prm[at.PRM_MAGIC] == at.MAGIC
     layout, parameters, userdata, activation = (
-        (int(prm[1]), int(prm[2]), int(prm[3]), int(prm[4])) if is_system else (0, 0, 0, 0)
+        (int(prm[at.PRM_LAYOUT]), int(prm[at.PRM_PARAMETERS]), int(prm[at.PRM_USERDATA]), int(prm[at.PRM_ACTIVATION]))
+        if is_system
+        else (0, 0, 0, 0)
     )
-    return is_system, last, member(m, system[2], layout), member(m, system[2], parameters), userdata, activation
+    return is_system, last, member(m, numeric_data, layout), member(m, numeric_data, parameters), userdata, activation
 
 
 @inlined
-def _control(m, d, system, time, userdata, activation, f):  # type: ignore[no-untyped-def]
-    is_system, _, lay, par, w, a = _find_system(m, system)
+def _control(m, d, in_model, time, userdata, activation, f):  # type: ignore[no-untyped-def]
+    is_system, _, lay, par, w, a = _find_system(m, in_model)
     if is_system:
         apply_forces(
             lay, 0, par, 0, member(d, userdata, w), 0, member(d, activation, a), 0, float64_array(d + time)[0],
@@ -138,16 +143,16 @@ def _control(m, d, system, time, userdata, activation, f):  # type: ignore[no-un
 
 
 @inlined
-def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-untyped-def]
-    is_system, last, lay, _, w, a = _find_system(m, system)
+def _act_dyn(m, d, actuator, in_model, userdata, act_dot):  # type: ignore[no-untyped-def]
+    is_system, last, lay, _, w, a = _find_system(m, in_model)
     if is_system and last == actuator:
         return copy_rates(lay, 0, member(d, userdata, w), 0, member(d, act_dot, a), 0)
     return 0.0
 
 
 @inlined
-def _sensor(m, d, system, time, userdata, activation, f, in_data, in_contact):  # type: ignore[no-untyped-def]
-    is_system, _, lay, par, w, a = _find_system(m, system)
+def _sensor(m, d, in_model, time, userdata, activation, f, in_data, in_contact):  # type: ignore[no-untyped-def]
+    is_system, _, lay, par, w, a = _find_system(m, in_model)
     if is_system:
         u, now = member(d, userdata, w), float64_array(d + time)[0]
         if u[at.OBSERVING] != 0.0:
@@ -191,21 +196,21 @@ def native_callbacks() -> Callbacks:
     def offsets(kind: str, *names: str) -> tuple[int, ...]:
         return tuple(getattr(struct(kind), name).offset for name in names)
 
-    system = offsets("mjModel", "nu", "actuator_dynprm", "numeric_data")
+    in_model = offsets("mjModel", "nu", "actuator_dynprm", "numeric_data")
     time, userdata, activation, act_dot = offsets("mjData", "time", "userdata", "act", "act_dot")
     fields, sensed = offsets("mjData", *CONTROL_FIELDS), offsets("mjData", *SENSOR_FIELDS)
     in_data = offsets("mjData", "ncon", "contact", "efc_force", "efc_type", "efc_vel")
     in_contact = *offsets("mjContact", "dist", "geom", "dim", "efc_address"), ctypes.sizeof(struct("mjContact"))
 
     def control(m, d):  # type: ignore[no-untyped-def]
-        _control(m, d, system, time, userdata, activation, fields)
+        _control(m, d, in_model, time, userdata, activation, fields)
 
     def act_dyn(m, d, actuator):  # type: ignore[no-untyped-def]
-        return _act_dyn(m, d, actuator, system, userdata, act_dot)
+        return _act_dyn(m, d, actuator, in_model, userdata, act_dot)
 
     def sensor(m, d, stage):  # type: ignore[no-untyped-def]
         if stage == ACCELERATION_STAGE:
-            _sensor(m, d, system, time, userdata, activation, sensed, in_data, in_contact)
+            _sensor(m, d, in_model, time, userdata, activation, sensed, in_data, in_contact)
 
     at_stage = types.void(*_MODEL_AND_DATA, types.int32)
     return Callbacks(

@@ -10,8 +10,8 @@ order of mounts, axes and laws. Without any of them a step costs one comparison.
 """
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.mounts import bent, point_velocity, remove_overshoot
-from wirerope_mj.engine.control.peaks import close, parabola_bounds, touch, track_travel, track_vector
+from wirerope_mj.engine.control.mounts import elastic_motion, point_velocity, remove_overshoot
+from wirerope_mj.engine.control.peaks import parabola_bounds, track_closing, track_touch, track_travel, track_vector
 from wirerope_mj.engine.control.vectors import (
     column,
     cross,
@@ -22,11 +22,11 @@ from wirerope_mj.engine.control.vectors import (
     norm,
     plus,
     quaternion,
+    rotated_back,
     rotated_by,
     swept,
     times,
     turned,
-    unturned,
     vector,
 )
 from wirerope_mj.foundation.jit import index, inlined, njit
@@ -49,7 +49,7 @@ def normal_force(force, address, kind, dimension):
 
 @njit
 def absorbed_power(force, rate, address, kind, dimension):
-    """Return the power that a contact takes up from what meets in it, friction included [W]."""
+    """Return the power absorbed by a contact [W], friction included."""
     rows = 2 * (dimension - 1) if kind == PYRAMIDAL else 1 if kind == FRICTIONLESS else dimension
     total = 0.0
     for row in range(rows):
@@ -103,7 +103,7 @@ def track_contact(lay, i, u, w, time, one, other, distance, force, power):
         return
     row = contact_row(u, w + int(lay[i + at.USER_CONTACTS]), int(lay[i + at.N_CONTACTS]), one, other)
     u[row + at.FORCE_NOW] += force
-    touch(u, row, u[w + at.HISTORY], u[w + at.TIME_1], time, -distance, u[row + at.FORCE_NOW], power, True)
+    track_touch(u, row, u[w + at.HISTORY], u[w + at.TIME_1], time, -distance, u[row + at.FORCE_NOW], power, True)
 
 
 @inlined
@@ -125,9 +125,9 @@ def rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel):
     base = point_velocity(cvel, index(lay[m + at.BASE]), subtree_com, index(lay[m + at.BASE_ROOT]), point)
     shapes, below = index(lay[m + at.SHAPES]), index(lay[m + at.SHAPES + 1])
     if shapes:
-        rate = plus(rate, turned(site_xmat, 9 * s, bent(lay, i + shapes, qvel, 0)))
+        rate = plus(rate, turned(site_xmat, 9 * s, elastic_motion(lay, i + shapes, qvel, 0)))
     if below:
-        rate = minus(rate, turned(site_xmat, 9 * b, bent(lay, i + below, qvel, 0)))
+        rate = minus(rate, turned(site_xmat, 9 * b, elastic_motion(lay, i + below, qvel, 0)))
     return dot(column(site_xmat, 9 * b, c), minus(rate, base))
 
 
@@ -147,12 +147,12 @@ def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtre
         below, above = -x - par[p + BELOW], x - par[p + ABOVE]
         depth, m = max(below, above), i + index(lay[i + at.MOUNTS]) + at.MOUNT_COLUMNS * mount
         v = rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel)
-        close(u, k, closing, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, -v if below > above else v)
+        track_closing(u, k, closing, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, -v if below > above else v)
         if depth > 0.0:
             z = row + at.STOP_STATE
             pull = stop_force(par, p, x, v, act[a + index(lay[z])] if lay[z] >= 0.0 else 0.0)
             if pull != 0.0:
-                touch(u, k, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, abs(pull), pull * v, True)
+                track_touch(u, k, u[w + at.HISTORY], u[w + at.TIME_1], time, depth, abs(pull), pull * v, True)
         row, k, closing = row + at.STOP_COLUMNS, k + at.CONTACT_MEMORY, closing + at.CLOSING_MEMORY
 
 
@@ -189,13 +189,13 @@ def kinematics(out, o, point, orientations, k, body, root, subtree_com, cvel, ca
 
 @njit
 def bend_point(lay, k, out, o, r, site_xmat, qpos, qvel, qacc):
-    """Add to the kinematics of a point what the modes of its part add: e = Phi q turns and moves with the part.
+    """Add a part's modes to the kinematics of a point: e = Phi q turns and moves with the part.
 
     The velocity grows by e' + omega x e, the acceleration by e'' + 2 omega x e' + alpha x e + omega x (omega x e).
     """
-    e = turned(site_xmat, r, bent(lay, k, qpos, 1))
-    v = turned(site_xmat, r, bent(lay, k, qvel, 0))
-    a = turned(site_xmat, r, bent(lay, k, qacc, 0))
+    e = turned(site_xmat, r, elastic_motion(lay, k, qpos, 1))
+    v = turned(site_xmat, r, elastic_motion(lay, k, qvel, 0))
+    a = turned(site_xmat, r, elastic_motion(lay, k, qacc, 0))
     w, alpha = vector(out, o + 10), vector(out, o + 16)
     across = cross(w, e)
     grow(out, o, e)
@@ -253,7 +253,7 @@ def observe(
             bend_point(lay, i + index(lay[row + at.POINT_SHAPES]), s, o, 9 * site, site_xmat, qpos, qvel, qacc)
         from_base = minus(vector(s, o), vector(xipos, 3 * index(lay[row + at.POINT_BASE])))
         if index(lay[i + at.BASE_MODELLED]):
-            turn = unturned(quaternion(xquat, 4 * index(lay[row + at.POINT_BASE])), from_base)
+            turn = rotated_back(quaternion(xquat, 4 * index(lay[row + at.POINT_BASE])), from_base)
             from_base = rotated_by(quaternion(lay, i + index(lay[i + at.BASE_MODELLED])), turn)
         keep(s, o + at.RELATIVE, minus(from_base, vector(lay, row + at.POINT_MODELLED)))
         o += at.POINT_VALUES

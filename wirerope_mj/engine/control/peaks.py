@@ -11,7 +11,7 @@ from wirerope_mj.foundation.lanes import over, some, where
 
 @inlined
 def parabola_bounds(event, history, t0, t1, t2):
-    """Return whether this step is the first, whether parabolas may be drawn, and by how much they rise at most, a and b.
+    """Return whether this step is the first, whether parabolas may be drawn, and factors a and b of their largest rise.
 
     A parabola through y0, y1, y2 whose middle is extreme rises above it by at most a |y1 - y0| + b |y1 - y2|, with
     a = max(r, 1)^2 / (4 + 4 r), b = a / r and r the ratio of the two steps: only where that could beat what is kept, which is
@@ -41,8 +41,8 @@ def parabola_extreme(t0, y0, t1, y1, t2, y2):
 
 
 @inlined
-def higher(u, value_row, time_row, value, time, condition):
-    """Keep a value and its instant where a condition holds and it is above what is kept; returns where."""
+def keep_larger(u, value_row, time_row, value, time, condition):
+    """Keep a value and its instant where a condition holds and the value exceeds the kept one; return where."""
     better = condition & (value > u[value_row])
     u[value_row] = where(better, value, u[value_row])
     u[time_row] = where(better, time, u[time_row])
@@ -50,8 +50,8 @@ def higher(u, value_row, time_row, value, time, condition):
 
 
 @inlined
-def lower(u, value_row, time_row, value, time, condition):
-    """Keep a value and its instant where a condition holds and it is below what is kept."""
+def keep_smaller(u, value_row, time_row, value, time, condition):
+    """Keep a value and its instant where a condition holds and the value is below the kept one."""
     better = condition & (value < u[value_row])
     u[value_row] = where(better, value, u[value_row])
     u[time_row] = where(better, time, u[time_row])
@@ -61,26 +61,26 @@ def lower(u, value_row, time_row, value, time, condition):
 def update_component(u, low, high, times, refine, t0, y0, t1, y1, t2, y2):
     """Update lowest and highest value of a component, their instants `times` rows behind them."""
     always = y2 == y2
-    higher(u, high, high + times, y2, t2, always)
-    lower(u, low, low + times, y2, t2, always)
+    keep_larger(u, high, high + times, y2, t2, always)
+    keep_smaller(u, low, low + times, y2, t2, always)
     if refine:
         top = (y1 >= y0) & (y1 >= y2)
         bottom = (y1 <= y0) & (y1 <= y2) & (where(top, 1.0, 0.0) == 0.0)
         time, value = parabola_extreme(t0, y0, t1, y1, t2, y2)
-        higher(u, high, high + times, value, time, top)
-        lower(u, low, low + times, value, time, bottom)
+        keep_larger(u, high, high + times, value, time, top)
+        keep_smaller(u, low, low + times, value, time, bottom)
 
 
 @njit
 def update_norm(u, m, before, last, s, j, y0, y1, y2, refine, t0, t1, t2):
     """Update the peak of the norm with the vectors of three steps, the last of them `s[j:]`, and their norms."""
-    grows = higher(u, m + at.PEAK, m + at.PEAK_TIME, y2, t2, y2 == y2)
+    grows = keep_larger(u, m + at.PEAK, m + at.PEAK_TIME, y2, t2, y2 == y2)
     for c in range(3):
         u[m + at.PEAK_VECTOR + c] = where(grows, s[j + c], u[m + at.PEAK_VECTOR + c])
     if not refine:
         return
     time, value = parabola_extreme(t0, y0, t1, y1, t2, y2)
-    better = higher(u, m + at.PEAK, m + at.PEAK_TIME, value, time, (y1 >= y0) & (y1 >= y2))
+    better = keep_larger(u, m + at.PEAK, m + at.PEAK_TIME, value, time, (y1 >= y0) & (y1 >= y2))
     for c in range(3):
         v0, v1, v2 = u[before + c], u[last + c], s[j + c]
         left = over(v1 - v0, t1 - t0)
@@ -118,14 +118,14 @@ def track_vector(u, m, before, last, s, j, norms, bounds, t0, t1, t2):
 @njit
 def update_travel(u, m, judged, refine, t0, t1, y2, t2):
     """Update the farthest travel of a mount along all axes at once, and the farthest that is judged."""
-    higher(u, m + at.FARTHEST, m + at.FARTHEST_TIME, y2, t2, y2 == y2)
-    higher(u, m + at.JUDGED, m + at.JUDGED_TIME, y2, t2, judged)
+    keep_larger(u, m + at.FARTHEST, m + at.FARTHEST_TIME, y2, t2, y2 == y2)
+    keep_larger(u, m + at.JUDGED, m + at.JUDGED_TIME, y2, t2, judged)
     if refine:
         y0, y1 = u[m + at.TRAVEL_BEFORE], u[m + at.TRAVEL_LAST]
         time, value = parabola_extreme(t0, y0, t1, y1, t2, y2)
         top = (y1 >= y0) & (y1 >= y2)
-        higher(u, m + at.FARTHEST, m + at.FARTHEST_TIME, value, time, top)
-        higher(u, m + at.JUDGED, m + at.JUDGED_TIME, value, time, top & (u[m + at.WAS_JUDGED] > 0.0))
+        keep_larger(u, m + at.FARTHEST, m + at.FARTHEST_TIME, value, time, top)
+        keep_larger(u, m + at.JUDGED, m + at.JUDGED_TIME, value, time, top & (u[m + at.WAS_JUDGED] > 0.0))
 
 
 @inlined
@@ -152,25 +152,25 @@ def track_travel(u, m, rated, p, x, record, bounds, t0, t1, t2):
 
 
 @njit
-def close(u, k, m, history, before, time, depth, speed):
-    """Update the largest speed at which a stop is pressed [m/s], with its depth [m], < 0 while open, and the rate of that.
+def track_closing(u, k, m, history, before, time, depth, speed):
+    """Update the largest closing speed of a stop [m/s] by its depth [m], < 0 while open, and the depth's rate `speed`.
 
-    `u[k:]` is its memory of touches, before `touch` takes up this step, `u[m:]` that of speeds. At the touch, between two
+    `u[k:]` is its memory of touches, before `track_touch` takes up this step, `u[m:]` that of speeds. At the touch, between two
     steps, the speed is that of a straight line over time.
     """
     last = u[m + at.LAST_SPEED] if history > 0.0 else speed
     path = 0.5 * (speed + last) * (time - before)  # from the last step to this one
     fresh = (u[k + at.TOUCHES] == 0.0) | (u[k + at.LAST_TOUCH] < before)
     passed = where(fresh & (path > depth), over(depth, path), 0.0)  # since the touch
-    higher(u, m + at.CLOSING, m + at.CLOSING_TIME, speed, time, depth > 0.0)
+    keep_larger(u, m + at.CLOSING, m + at.CLOSING_TIME, speed, time, depth > 0.0)
     touched = speed + passed * (last - speed)
-    higher(u, m + at.CLOSING, m + at.CLOSING_TIME, touched, time - passed * (time - before), depth > 0.0)
+    keep_larger(u, m + at.CLOSING, m + at.CLOSING_TIME, touched, time - passed * (time - before), depth > 0.0)
     u[m + at.LAST_SPEED] = speed
 
 
 @njit
-def touch(u, k, history, before, time, depth, force, power, pushes):
-    """Update the memory of what touches where it pushes at this step: depth [m], force [N], power that is taken up [W].
+def track_touch(u, k, history, before, time, depth, force, power, pushes):
+    """Update the memory of a contact or stop, which `pushes` at this step: depth [m], force [N], absorbed power [W].
 
     `before` is the instant of the last step. The work is the sum of power times step: the trapezoidal rule, as a touch begins
     and ends without a force.
@@ -186,5 +186,5 @@ def touch(u, k, history, before, time, depth, force, power, pushes):
     u[k + at.FROM_START] = where(fresh, 1.0 if history == 0.0 else 0.0, u[k + at.FROM_START])
     u[k + at.TOUCHES] += where(fresh | back, 1.0, 0.0)
     u[k + at.LAST_TOUCH] = where(pushes, time, last)
-    higher(u, k + at.FORCE_PEAK, k + at.FORCE_TIME, force, time, pushes)
-    higher(u, k + at.DEPTH, k + at.DEPTH_TIME, depth, time, pushes)
+    keep_larger(u, k + at.FORCE_PEAK, k + at.FORCE_TIME, force, time, pushes)
+    keep_larger(u, k + at.DEPTH, k + at.DEPTH_TIME, depth, time, pushes)

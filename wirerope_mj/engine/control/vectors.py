@@ -88,14 +88,14 @@ def swept(v, w, r):
 
 
 @inlined
-def carried(r, w, v):
-    """Return the velocity of a point r away from one with the velocity v on a body that turns with w."""
+def velocity_at(r, w, v):
+    """Return v + w x r, the velocity at r from a body's point with the velocity v."""
     return plus(v, cross(w, r))
 
 
 @inlined
-def swung(r, w, alpha, a):
-    """Return the acceleration of a point r away from one with the acceleration a on a body that turns with w and alpha."""
+def acceleration_at(r, w, alpha, a):
+    """Return a + alpha x r + w x (w x r), the acceleration at r from a body's point with the acceleration a."""
     return plus(plus(a, cross(alpha, r)), cross(w, cross(w, r)))
 
 
@@ -144,6 +144,6 @@ def rotated_by(q, v):
 
 
 @inlined
-def unturned(q, v):
-    """Return a vector in axes that a unit quaternion has turned."""
+def rotated_back(q, v):
+    """Return a vector turned by the inverse of a unit quaternion."""
     return rotated_by((q[0], -q[1], -q[2], -q[3]), v)

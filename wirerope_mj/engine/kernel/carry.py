@@ -16,22 +16,32 @@ from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, power, rows, some, table, where
 from wirerope_mj.mounts.laws.path import advance
-from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, ELASTIC, ON_BRACKETS, RATE_NUMBERS, WITH_ANOTHER
+from wirerope_mj.mounts.laws.plane_kernels import (
+    BIAXIAL,
+    COMPLIANCES,
+    ELASTIC,
+    LOOP_COEFFICIENTS,
+    LOOP_COLUMNS,
+    LOOP_ROWS,
+    ON_BRACKETS,
+    RATE_NUMBERS,
+    WITH_ANOTHER,
+)
 from wirerope_mj.mounts.laws.plane_kernels import LINE as LINE_ON_BRACKETS
 from wirerope_mj.mounts.laws.registry import ASYMMETRIC_BOUC_WEN, BOUC_WEN, SYMMETRIC_BOUC_WEN
 
 NEVER = 1e300  # length after which a state comes to zero that never does [m]
 # longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line
 STEP = 0.08
-MOST = 64.0  # steps from which on the adaptive integration of one lane is the cheaper one
+MAX_STEPS = 64.0  # steps from which on the adaptive integration of one lane is the cheaper one
 # yield deflections, for n = 1, after which a state has come to its bound but for rounding and forgotten where it began
 SATURATED = 60.0
 LINE = 12  # index of a line's start and direction among the parameters of the biaxial kernel
 
 
 @inlined
-def along(alpha, b, y, length):
-    """Return y after a length along y' = alpha - b y, or + b y where y < 0."""
+def first_power_state(alpha, b, y, length):
+    """Return y after a length along y' = alpha - b y, or alpha + b y where y < 0."""
     b = where(y >= 0.0, b, -b)
     flat = b == 0.0
     grown = where(flat, length, -math.expm1(-b * length) / where(flat, 1.0, b))
@@ -53,15 +63,15 @@ def carry_first_power(p, i, x0, x1, z):
         to_zero = where(flat, -y / alpha, math.log(where(over > 0.0, over, 1.0)) / where(flat, 1.0, unloading))
         to_zero = where(start > 0.0, to_zero, NEVER)
         stays = back & (to_zero >= length)
-        unloaded = along(alpha, unloading, where(stays, y, 0.0), length)
+        unloaded = first_power_state(alpha, unloading, where(stays, y, 0.0), length)
         rest = where(stays, 0.0, where(back, length - to_zero, length))
         from_zero = where(back, 0.0, y)
-    loaded = along(alpha, loading, from_zero, rest)
+    loaded = first_power_state(alpha, loading, from_zero, rest)
     return s * where(stays, unloaded, loaded)
 
 
 @njit
-def carry_one(law, numbers, number, first, size, x0, x1, states, carried, state, n_states, target, scratch):
+def carry_axis(law, numbers, number, first, size, x0, x1, states, carried, state, n_states, target, scratch):
     """Carry the states of one lane's axis by the laws' own closed forms, series and integration."""
     p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
     for i in range(size):
@@ -99,15 +109,15 @@ def carry_states(structure, numbers, states, memory, before, carried, follows, s
         for number in range(WIDTH):
             if not power or numbers[p + 3, number] != 1.0:
                 x0, x1 = before[k, number], memory[here, number]
-                carry_one(
+                carry_axis(
                     law, numbers, number, p, sizes[k], x0, x1, states, carried, state, n_states, first_state + state,
                     scratch,
                 )  # fmt: skip
 
 
 @inlined
-def slope(a, b, n):
-    """Return a' and b'."""
+def slopes(a, b, n):
+    """Return the slopes a' and b' on a line that loads."""
     square = max(a * a + b * b, 1e-300)
     bend = power(math.sqrt(square), n) / square * a
     return 1.0 - bend * a, -bend * b
@@ -116,16 +126,16 @@ def slope(a, b, n):
 @inlined
 def step_ahead(a, b, n, h):
     """Return a and b after a step of Dormand and Prince's method, as `wirerope_mj.mounts.laws.adaptive` has it."""
-    a1, b1 = slope(a, b, n)
-    a2, b2 = slope(a + h * (1 / 5 * a1), b + h * (1 / 5 * b1), n)
-    a3, b3 = slope(a + h * (3 / 40 * a1 + 9 / 40 * a2), b + h * (3 / 40 * b1 + 9 / 40 * b2), n)
-    a4, b4 = slope(a + h * (44 / 45 * a1 - 56 / 15 * a2 + 32 / 9 * a3), b + h * (44 / 45 * b1 - 56 / 15 * b2 + 32 / 9 * b3), n)
-    a5, b5 = slope(
+    a1, b1 = slopes(a, b, n)
+    a2, b2 = slopes(a + h * (1 / 5 * a1), b + h * (1 / 5 * b1), n)
+    a3, b3 = slopes(a + h * (3 / 40 * a1 + 9 / 40 * a2), b + h * (3 / 40 * b1 + 9 / 40 * b2), n)
+    a4, b4 = slopes(a + h * (44 / 45 * a1 - 56 / 15 * a2 + 32 / 9 * a3), b + h * (44 / 45 * b1 - 56 / 15 * b2 + 32 / 9 * b3), n)
+    a5, b5 = slopes(
         a + h * (19372 / 6561 * a1 - 25360 / 2187 * a2 + 64448 / 6561 * a3 - 212 / 729 * a4),
         b + h * (19372 / 6561 * b1 - 25360 / 2187 * b2 + 64448 / 6561 * b3 - 212 / 729 * b4),
         n,
     )
-    a6, b6 = slope(
+    a6, b6 = slopes(
         a + h * (9017 / 3168 * a1 - 355 / 33 * a2 + 46732 / 5247 * a3 + 49 / 176 * a4 - 5103 / 18656 * a5),
         b + h * (9017 / 3168 * b1 - 355 / 33 * b2 + 46732 / 5247 * b3 + 49 / 176 * b4 - 5103 / 18656 * b5),
         n,
@@ -149,8 +159,8 @@ def carry_lanes(num, p, dx, dy, y, j, k, zx, zy):
     size = math.sqrt(wx * wx + wy * wy)
     ahead = (b == 0.0) & (n == 1.0) & (a >= 0.0)
     steps = -math.floor(-length * max(n, 1.0) / (STEP * max(min(1.0, 2.0 * size), 1e-9)))
-    left = where(moves & (a >= 0.0) & (steps <= MOST), steps, 0.0)
-    late = moves & ((a < 0.0) | (steps > MOST))
+    left = where(moves & (a >= 0.0) & (steps <= MAX_STEPS), steps, 0.0)
+    late = moves & ((a < 0.0) | (steps > MAX_STEPS))
     not_done = where(ahead, 0.0, where(late, 1.0, 0.0))
     left = where(ahead, 0.0, left)
     straight = a + (1.0 - a) * -math.expm1(-length)
@@ -183,14 +193,16 @@ def carry_line(numbers, number, first, dx, dy, states, j, k, zx, zy, scratch):
 
 @njit
 def carry_on_brackets(numbers, number, first, n, line, states, first_state, carried, j, k, scratch):
-    """Carry the states of one lane's axes on brackets, n of each, over a line: its start (2), and how far it goes (2)."""
+    """Carry the n states of each of one lane's two axes on brackets over `line`: its start (2) and its extent (2) [m]."""
     p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
     length = math.sqrt(line[2] * line[2] + line[3] * line[3])
     divisor = length if length > 0.0 else 1.0
     loop = first + RATE_NUMBERS * n
-    size = (RATE_NUMBERS + ELASTIC) * n + 8 + int(numbers[loop + 4, number]) * int(numbers[loop + 5, number])
+    coefficients = int(numbers[loop + LOOP_ROWS, number]) * int(numbers[loop + LOOP_COLUMNS, number])
+    size = (RATE_NUMBERS + ELASTIC) * n + LOOP_COEFFICIENTS + coefficients + COMPLIANCES
     for i in range(size):
         p[LINE_ON_BRACKETS + i] = numbers[first + i, number]
+    # as `on_brackets_along` reads them: number of scales, start and direction of the line
     p[0], p[1], p[2], p[3], p[4] = n, line[0], line[1], line[2] / divisor, line[3] / divisor
     for scale in range(n):
         z[scale], z[n + scale] = carried[j + scale, number], carried[k + scale, number]

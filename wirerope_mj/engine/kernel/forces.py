@@ -55,8 +55,8 @@ def add_torque(lay, m, payload, base, fix, num, work):
 
 
 @njit
-def bent(lay, k, fix, values, first, column):
-    """Return Phi times modal coordinates (column 1), rates or accelerations (0), from `values[first]`, in its point's axes."""
+def elastic_motion(lay, k, fix, values, first, column):
+    """Return Phi times modal coordinates (column 1), or rates or accelerations (0), `values[first:]`, in the point's axes."""
     x = times(0.0, (values[first], values[first], values[first]))
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
@@ -65,8 +65,8 @@ def bent(lay, k, fix, values, first, column):
 
 
 @njit
-def bent_with_rate(lay, k, fix, y):
-    """Return Phi q and Phi q' of a point, in its axes; both at once, because the shapes are many numbers."""
+def elastic_motion_with_rate(lay, k, fix, y):
+    """Return Phi q and Phi q' of a point, in its axes, in one pass over the shapes."""
     x = v = times(0.0, (y[0], y[0], y[0]))
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
@@ -130,10 +130,10 @@ def deflect(lay, fix, num, y, work):
             above, below = lay[m + at.BENT], lay[m + at.BENT_BASE]
             own = given = times(0.0, arm)
             if above:
-                x, own = bent_with_rate(lay, above, fix, y)
+                x, own = elastic_motion_with_rate(lay, above, fix, y)
                 arm = plus(arm, x)
             if below:
-                x, given = bent_with_rate(lay, below, fix, y)
+                x, given = elastic_motion_with_rate(lay, below, fix, y)
                 there = plus(there, x)
             if turns:
                 arm = turned(work, k + at.KIN_R, arm)

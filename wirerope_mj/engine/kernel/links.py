@@ -3,7 +3,7 @@
 import math
 
 from wirerope_mj.engine.control.vectors import (
-    carried,
+    acceleration_at,
     cross,
     dot,
     grow,
@@ -11,11 +11,11 @@ from wirerope_mj.engine.control.vectors import (
     plus,
     product,
     quaternion,
-    swung,
     times,
     turned,
     unit,
     vector,
+    velocity_at,
 )
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.foundation.jit import inlined, njit
@@ -101,8 +101,8 @@ def place_turning(lay, row, k, over, fix, y, work):
         orient(work, k + at.KIN_Q, unit(q), k + at.KIN_R)
         keep(work, k + at.KIN_W, w)
         keep(work, k + at.KIN_A0, alpha)
-        keep(work, k + at.KIN_V, carried(r, w, vector(work, over + at.KIN_V)))
-        keep(work, k + at.KIN_L0, swung(r, w, alpha, vector(work, over + at.KIN_L0)))
+        keep(work, k + at.KIN_V, velocity_at(r, w, vector(work, over + at.KIN_V)))
+        keep(work, k + at.KIN_L0, acceleration_at(r, w, alpha, vector(work, over + at.KIN_L0)))
     for dof in range(first, first + lay[row + at.DOFS_OF]):
         d = lay[at.DOFS] + at.DOF_COLUMNS * dof
         f = lay[d + at.DOF_FIX]
@@ -114,11 +114,11 @@ def place_turning(lay, row, k, over, fix, y, work):
         if lay[d + at.DOF_KIND] == at.SLIDE:
             e = times(x, axis)
             keep(work, k + at.KIN_O, plus(o, e))
-            keep(work, k + at.KIN_V, plus(carried(e, w, v), times(rate, axis)))
-            keep(work, k + at.KIN_L0, plus(swung(e, w, alpha, a), times(2.0 * rate, cross(w, axis))))
+            keep(work, k + at.KIN_V, plus(velocity_at(e, w, v), times(rate, axis)))
+            keep(work, k + at.KIN_L0, plus(acceleration_at(e, w, alpha, a), times(2.0 * rate, cross(w, axis))))
             continue
         b = turned(work, k + at.KIN_R, vector(fix, f + at.ANCHOR))
-        c, vc, ac = plus(o, b), carried(b, w, v), swung(b, w, alpha, a)
+        c, vc, ac = plus(o, b), velocity_at(b, w, v), acceleration_at(b, w, alpha, a)
         turn = math.cos(0.5 * x), math.sin(0.5 * x)
         q = product(quaternion(work, k + at.KIN_Q), (turn[0], turn[1] * own[0], turn[1] * own[1], turn[1] * own[2]))
         orient(work, k + at.KIN_Q, unit(q), k + at.KIN_R)
@@ -128,8 +128,8 @@ def place_turning(lay, row, k, over, fix, y, work):
         keep(work, k + at.KIN_W, w)
         keep(work, k + at.KIN_A0, alpha)
         keep(work, k + at.KIN_O, plus(c, b))
-        keep(work, k + at.KIN_V, carried(b, w, vc))
-        keep(work, k + at.KIN_L0, swung(b, w, alpha, ac))
+        keep(work, k + at.KIN_V, velocity_at(b, w, vc))
+        keep(work, k + at.KIN_L0, acceleration_at(b, w, alpha, ac))
 
 
 @inlined

@@ -3,22 +3,22 @@
 import math
 
 from wirerope_mj.engine.control import layout as control
-from wirerope_mj.engine.control.peaks import close, parabola_bounds, touch, track_travel, track_vector
+from wirerope_mj.engine.control.peaks import parabola_bounds, track_closing, track_touch, track_travel, track_vector
 from wirerope_mj.engine.control.vectors import (
-    carried,
+    acceleration_at,
     cross,
     grow,
     keep,
     minus,
     plus,
-    swung,
     times,
     turned,
     turned_back,
     vector,
+    velocity_at,
 )
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.forces import bent, orientation
+from wirerope_mj.engine.kernel.forces import elastic_motion, orientation
 from wirerope_mj.foundation.jit import inlined
 from wirerope_mj.foundation.lanes import some, where
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, stop_force
@@ -40,20 +40,21 @@ def measure(lay, fix, num, y, work, whole):
             w, alpha = vector(work, k + at.KIN_W), vector(work, k + at.KIN_A)
             shapes = lay[row + at.FRAME_SHAPES]
             if shapes:
-                r = plus(r, turned(work, k + at.KIN_R, bent(lay, shapes, fix, y, 0, 1)))
+                r = plus(r, turned(work, k + at.KIN_R, elastic_motion(lay, shapes, fix, y, 0, 1)))
             position = plus(vector(work, k + at.KIN_O), r)
-            keep(work, o + control.ACCELERATION, swung(r, w, alpha, vector(work, k + at.KIN_L)))
+            keep(work, o + control.ACCELERATION, acceleration_at(r, w, alpha, vector(work, k + at.KIN_L)))
             if shapes:
-                rate = turned(work, k + at.KIN_R, bent(lay, shapes, fix, y, lay[at.NQ], 0))
+                rate = turned(work, k + at.KIN_R, elastic_motion(lay, shapes, fix, y, lay[at.NQ], 0))
                 grow(work, o + control.ACCELERATION, times(2.0, cross(w, rate)))
-                grow(work, o + control.ACCELERATION, turned(work, k + at.KIN_R, bent(lay, shapes, fix, work, lay[at.RHS], 0)))
+                vibration = turned(work, k + at.KIN_R, elastic_motion(lay, shapes, fix, work, lay[at.RHS], 0))
+                grow(work, o + control.ACCELERATION, vibration)
             if whole:
                 keep(work, o, position)
                 q = orientation(lay, lay[row + at.FRAME_LINK], lay[row + at.FRAME_TURN], fix, work)
                 work[o + 3], work[o + 4], work[o + 5], work[o + 6] = q[0], q[1], q[2], q[3]
-                keep(work, o + 7, carried(r, w, vector(work, k + at.KIN_V)))
+                keep(work, o + 7, velocity_at(r, w, vector(work, k + at.KIN_V)))
                 if shapes:
-                    grow(work, o + 7, turned(work, k + at.KIN_R, bent(lay, shapes, fix, y, lay[at.NQ], 0)))
+                    grow(work, o + 7, turned(work, k + at.KIN_R, elastic_motion(lay, shapes, fix, y, lay[at.NQ], 0)))
                 keep(work, o + 10, w)
                 keep(work, o + 16, alpha)
             if is_point:
@@ -123,10 +124,10 @@ def track_stops(lay, num, y, work, clock, time):
         p = lay[at.PARAMETERS] + lay[row + at.STOP_PARAMETER]
         below, above = -x - num[p + BELOW], x - num[p + ABOVE]
         depth = max(below, above)
-        close(work, k, closing, clock[HISTORY], clock[TIME_1], time, depth, where(below > above, -1.0, 1.0) * rate)
+        track_closing(work, k, closing, clock[HISTORY], clock[TIME_1], time, depth, where(below > above, -1.0, 1.0) * rate)
         if some(depth > 0.0):
             w = y[z + lay[row + at.STOP_STATE]] if lay[row + at.STOP_STATE] >= 0 else 0.0 * x
             pull = where(depth > 0.0, stop_force(num, p, x, rate, w), 0.0)
             force = abs(pull)
-            touch(work, k, clock[HISTORY], clock[TIME_1], time, depth, force, pull * rate, force > 0.0)
+            track_touch(work, k, clock[HISTORY], clock[TIME_1], time, depth, force, pull * rate, force > 0.0)
         k, row, closing = k + control.CONTACT_MEMORY, row + at.STOP_COLUMNS, closing + control.CLOSING_MEMORY

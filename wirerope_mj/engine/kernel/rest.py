@@ -20,7 +20,7 @@ from wirerope_mj.foundation.lanes import WIDTH, rows, table
 from wirerope_mj.mounts.laws.path import put
 
 # what a lane evaluates next: its position, a column of the Jacobian to either side, a trial position, or nothing more
-BEGIN, ABOVE, BELOW, TRY, FOUND, LOST = range(6)
+BEGIN, ABOVE, BELOW, TRY, CONVERGED, FAILED = range(6)
 # settings of the search, see `wirerope_mj.engine.statics.loading`
 TOLERANCE, ACCEPTED, DIFFERENCE, LONGEST, SLOW, ITERATIONS, HALVINGS, MOST, SETTINGS = range(9)
 # pivot relative to the largest entry of its column below which a Jacobian is not inverted here, and its lane is lost
@@ -28,7 +28,7 @@ SINGULAR = 1e-9
 
 
 @njit
-def moved(lay, position, step, out):
+def move_position(lay, position, step, out):
     """Write to `out` the coordinates after a step of all velocity coordinates, as mj_integratePos does."""
     for i in range(position.size):
         out[i] = position[i]
@@ -59,8 +59,8 @@ def largest(values):
 
 
 @njit
-def inverted(matrix, out):
-    """Write the inverse of a matrix, which is lost, to `out`; returns whether there is one. Gauss and Jordan, row pivots."""
+def invert(matrix, out):
+    """Write the inverse of a matrix, which is overwritten, to `out` by Gauss-Jordan with row pivots; False if there is none."""
     n = matrix.shape[0]
     for i in range(n):
         for j in range(n):
@@ -91,8 +91,8 @@ def inverted(matrix, out):
 
 
 @njit
-def updated(inverse, step, before, after, slow):
-    """Update an inverse Jacobian in place with a step and the residuals before and after; returns whether it serves."""
+def update_inverse(inverse, step, before, after, slow):
+    """Update an inverse Jacobian in place with a step and the residuals before and after; return whether it is usable."""
     n = step.size
     expected, across = np.zeros(n), np.zeros(n)
     for i in range(n):
@@ -112,23 +112,23 @@ def updated(inverse, step, before, after, slow):
 
 
 @njit
-def propose(search, number, settings):
-    """Begin another iteration of a lane's search from its position and residual: what to evaluate next."""
+def begin_iteration(search, number, settings):
+    """Begin another iteration of a lane's search: set the phase by its residual and inverse Jacobian."""
     phase, counts, value, step, inverse, _trial = search
     size = largest(value[number])
     if not size > settings[TOLERANCE] or not size < np.inf or counts[number, 1] >= settings[ITERATIONS]:
-        phase[number] = FOUND if size <= settings[ACCEPTED] else LOST
+        phase[number] = CONVERGED if size <= settings[ACCEPTED] else FAILED
         return
     counts[number, 1] += 1
     if counts[number, 0] == 0:  # no inverse Jacobian
         phase[number], counts[number, 3] = ABOVE, 0
         return
-    head(search, number, settings)
+    begin_step(search, number, settings)
 
 
 @njit
-def head(search, number, settings):
-    """Let a lane try Newton's step."""
+def begin_step(search, number, settings):
+    """Set a lane's trial step to Newton's."""
     phase, counts, value, step, inverse, _trial = search
     n = value.shape[1]
     for i in range(n):
@@ -143,8 +143,8 @@ def head(search, number, settings):
 
 
 @njit
-def consider(search, number, result, jacobian, settings):
-    """Go on with a lane's search after an evaluation; returns whether the trial position is the new one.
+def continue_search(search, number, result, jacobian, settings):
+    """Continue a lane's search with an evaluation's `result`; return whether the trial position is accepted.
 
     `counts` of a lane: 1 if it has an inverse Jacobian, 2 if that is fresh; iterations; halvings; column of the Jacobian.
     """
@@ -152,7 +152,7 @@ def consider(search, number, result, jacobian, settings):
     own, n = phase[number], value.shape[1]
     if own == BEGIN:
         put(result, 0, value[number], 0, n)
-        propose(search, number, settings)
+        begin_iteration(search, number, settings)
     elif own == ABOVE:
         for i in range(n):
             jacobian[number, i, counts[number, 3]] = result[i]
@@ -165,15 +165,15 @@ def consider(search, number, result, jacobian, settings):
         phase[number] = ABOVE
         if counts[number, 3] == n:
             counts[number, 0] = 2
-            phase[number] = LOST
-            if inverted(jacobian[number], inverse[number]):
-                head(search, number, settings)
+            phase[number] = FAILED
+            if invert(jacobian[number], inverse[number]):
+                begin_step(search, number, settings)
     elif own == TRY:
         if largest(result) < largest(value[number]):
-            serves = updated(inverse[number], step[number], value[number], result, settings[SLOW])
+            serves = update_inverse(inverse[number], step[number], value[number], result, settings[SLOW])
             counts[number, 0] = 1 if serves else 0
             put(result, 0, value[number], 0, n)
-            propose(search, number, settings)
+            begin_iteration(search, number, settings)
             return True
         counts[number, 2] += 1
         fresh = counts[number, 0] == 2
@@ -181,10 +181,10 @@ def consider(search, number, result, jacobian, settings):
             for i in range(n):
                 step[number, i] *= 0.5
         elif fresh:  # leads nowhere: rounding may have ended the search before
-            phase[number] = FOUND if largest(value[number]) <= settings[ACCEPTED] else LOST
+            phase[number] = CONVERGED if largest(value[number]) <= settings[ACCEPTED] else FAILED
         else:
             counts[number, 0] = 0
-            propose(search, number, settings)
+            begin_iteration(search, number, settings)
     return False
 
 
@@ -247,7 +247,7 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
             shared[structure[at.GRAVITY] + c] = load * gravity[c]
         waiting = 0
         for number in range(WIDTH):
-            phase[number] = BEGIN if residual[number] < np.inf else LOST
+            phase[number] = BEGIN if residual[number] < np.inf else FAILED
             counts[number, 1] = 0
             waiting += phase[number] == BEGIN
         while waiting:
@@ -259,24 +259,24 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
                 elif own == TRY:
                     for i in range(n):
                         whole[free[i]] = step[number, i]
-                moved(lay, position[number], whole, trial[number])
+                move_position(lay, position[number], whole, trial[number])
                 for i in range(nq):
                     states[i, number] = trial[number, i]
             evaluate_at(structure, shared, numbers, states, memory, before, carried, follows, sizes, scratch)
             tried += 1
             waiting = 0
             for number in range(WIDTH):
-                if phase[number] >= FOUND:
+                if phase[number] >= CONVERGED:
                     continue
                 for i in range(n):
                     result[i] = memory[structure[at.RHS] + free[i], number]
                 if tried > settings[MOST]:
-                    phase[number] = LOST
-                elif consider(search, number, result, jacobian, settings):
+                    phase[number] = FAILED
+                elif continue_search(search, number, result, jacobian, settings):
                     put(trial[number], 0, position[number], 0, nq)
-                waiting += phase[number] < FOUND
+                waiting += phase[number] < CONVERGED
         for number in range(WIDTH):
-            residual[number] = largest(value[number]) if phase[number] == FOUND else np.inf
+            residual[number] = largest(value[number]) if phase[number] == CONVERGED else np.inf
             for i in range(nq):
                 states[i, number] = position[number, i]
         evaluate_at(structure, shared, numbers, states, memory, before, carried, follows, sizes, scratch)

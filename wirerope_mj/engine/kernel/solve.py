@@ -7,13 +7,13 @@ inertia and force, as MuJoCo's has, so that both push back on it alike.
 """
 
 from wirerope_mj.engine.control.vectors import (
+    acceleration_at,
     cross,
     dot,
     keep,
     minus,
     plus,
     six,
-    swung,
     symmetric,
     times,
     turned,
@@ -58,7 +58,7 @@ def follow_base(lay, t, fix, work, base):
 
 
 @inlined
-def float_freely(lay, t, fix, num, y, work):
+def solve_floating_link(lay, t, fix, num, y, work):
     """Solve Newton's and Euler's equations of a floating link that carries no other."""
     first, link = lay[t + at.TREE_DOF], lay[t + at.TREE_LINK]
     k, wrench, r = lay[at.KIN] + at.KIN_SIZE * link, lay[at.WRENCH] + 6 * link, lay[at.RHS] + first
@@ -77,7 +77,7 @@ def float_freely(lay, t, fix, num, y, work):
 
 
 @inlined
-def slide(lay, t, fix, num, y, work):
+def solve_sliding_link(lay, t, fix, num, y, work):
     """Solve the equations of a link that only slides, whose mass matrix never changes."""
     first, n, link = lay[t + at.TREE_DOF], lay[t + at.TREE_DOFS], lay[t + at.TREE_LINK]
     k, r, inverse = lay[at.KIN] + at.KIN_SIZE * link, lay[at.RHS] + first, lay[t + at.TREE_INVERSE]
@@ -136,7 +136,7 @@ def compose(lay, link, ref, fix, num, work):
     force = vector(work, wrench)
     keep(work, c + at.COM_E, force)
     keep(work, c + at.COM_E + 3, plus(vector(work, wrench + 3), cross(arm, force)))
-    a = minus(swung(centre, w, alpha, vector(work, k + at.KIN_L0)), vector(fix, lay[at.GRAVITY]))
+    a = minus(acceleration_at(centre, w, alpha, vector(work, k + at.KIN_L0)), vector(fix, lay[at.GRAVITY]))
     f = times(mass, a)
     keep(work, c + at.COM_B, f)
     spin = plus(symmetric(about, alpha), cross(w, symmetric(about, w)))
@@ -197,7 +197,7 @@ def substitute(lay, first, n, work):
 
 
 @njit
-def balance(lay, first, n, fix, num, y, work, base):
+def assemble_tree(lay, first, n, fix, num, y, work, base):
     """Write a tree's mass matrix and right side from its composite links."""
     for dof in range(first + n - 1, first - 1, -1):
         d, j = lay[at.DOFS] + at.DOF_COLUMNS * dof, lay[at.SUB] + 6 * dof
@@ -236,7 +236,7 @@ def solve_tree(lay, t, fix, num, y, work, base):
         if parent >= link:
             for c in range(at.COM_SIZE):
                 work[one + c] += work[other + c]
-    balance(lay, first, n, fix, num, y, work, base)
+    assemble_tree(lay, first, n, fix, num, y, work, base)
     factor(lay, first, n, work)
     substitute(lay, first, n, work)
     for i in range(link, end):
@@ -261,12 +261,12 @@ def accelerate(lay, fix, num, y, work, base):
         if lay[t + at.TREE_KIND] == at.DRIVEN_TREE:
             follow_base(lay, t, fix, work, base)
         elif lay[t + at.TREE_KIND] == at.FREE_TREE:
-            float_freely(lay, t, fix, num, y, work)
+            solve_floating_link(lay, t, fix, num, y, work)
         elif lay[t + at.TREE_KIND] == at.MODAL_TREE:  # of unit mass, with all else of its right side there
             dof = lay[t + at.TREE_DOF]
             work[lay[at.RHS] + dof] += joint_passive_force(lay, lay[at.DOFS] + at.DOF_COLUMNS * dof, dof, num, y)
         elif lay[t + at.TREE_KIND] == at.SLIDING_TREE:
-            slide(lay, t, fix, num, y, work)
+            solve_sliding_link(lay, t, fix, num, y, work)
         else:
             solve_tree(lay, t, fix, num, y, work, base)
         t += at.TREE_COLUMNS

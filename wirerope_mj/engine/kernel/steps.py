@@ -106,8 +106,8 @@ def take_step(lay, fix, num, y, work, middle, end, h):
 
 
 @njit
-def apart(lay, fix, work, row):
-    """Return by how much less than their clearance the links of a pair have moved towards each other, > 0, at the least [m].
+def remaining_clearance(lay, fix, work, row):
+    """Return a lower bound of the clearance left between the links of a pair [m], > 0 while they cannot touch.
 
     The second's geoms have come no closer than its origin has moved in the first's axes, and its axes have turned times their
     reach: |R - R0| is at most the root of the sum of the squares.
@@ -125,8 +125,8 @@ def apart(lay, fix, work, row):
 
 
 @inlined
-def watch(lay, fix, y, work):
-    """Mark the lanes whose state is none any more, and those that reach what these equations do not hold."""
+def mark_failures(lay, fix, y, work):
+    """Mark the lanes whose state is not finite, or reaches a limit or contact that these equations do not hold."""
     size = 0.0 * y[0]
     for dof in range(lay[at.NV]):
         size = size + abs(work[lay[at.RHS] + dof]) + abs(y[lay[at.NQ] + dof])
@@ -139,7 +139,7 @@ def watch(lay, fix, y, work):
             fail(lay, work, (x <= fix[f + at.LOWEST]) | (x >= fix[f + at.HIGHEST]), at.LIMITED)
     row = lay[at.PAIRS]
     for _ in range(lay[at.N_PAIRS]):
-        fail(lay, work, apart(lay, fix, work, row) <= 0.0, at.TOUCHING)
+        fail(lay, work, remaining_clearance(lay, fix, work, row) <= 0.0, at.TOUCHING)
         row += at.PAIR_COLUMNS
 
 
@@ -243,7 +243,7 @@ def advance(structure, shared, numbers, states, memory, clock, which, grid, posi
         for step in range(max(steps, 1)):
             load(lay, memory, motion, which, point, 0)
             forward(lay, fix, num, y, work, base_at(motion, which, together, point))
-            watch(lay, fix, y, work)
+            mark_failures(lay, fix, y, work)
             sampled = step == 0 and grid[3, segment] != 0.0
             observe(lay, fix, num, y, work, clock, start + step * h, out, sample if sampled else -1)
             sample += 1 if sampled else 0
@@ -309,7 +309,7 @@ def advance_cycles(
         for step in range(steps):
             time = start + step * h
             forward(lay, fix, num, y, work, base_at(motion, which, True, point))
-            watch(lay, fix, y, work)
+            mark_failures(lay, fix, y, work)
             if clock[HISTORY] == 0.0 or clock[TIME_1] != time:
                 track_base(base, clock, time, motion, own, point)
                 observe(lay, fix, num, y, work, clock, time, out, -1)
@@ -319,7 +319,7 @@ def advance_cycles(
         if closes[segment]:
             time = grid[1, segment]
             forward(lay, fix, num, y, work, base_at(motion, which, True, point))
-            watch(lay, fix, y, work)
+            mark_failures(lay, fix, y, work)
             track_base(base, clock, time, motion, own, point)
             observe(lay, fix, num, y, work, clock, time, out, -1)
             close_cycle(lay, work, base, low[cycle], high[cycle])

@@ -125,7 +125,7 @@ def mean_slope(k, m, c):
 
 @njit
 def error_slope(k, m, c):
-    """Return the difference of that slope from the one to fourth order."""
+    """Return the difference of the mean slopes of fifth and fourth order of component c."""
     return (
         71 / 57600 * k[c]
         - 71 / 16695 * k[2 * m + c]

@@ -49,21 +49,21 @@ def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
 
 @njit
 def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
-    """Do the same on a path that does not cross zero."""
+    """Carry the states as `advance` does, from x0 to x1 on one side of zero; return the work [J]."""
     if law != PARALLEL:
-        return segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial)
+        return advance_single(law, p, i, x0, x1, z, j, n_states, slopes, trial)
     work = 0.0
     for part in range(int(p[i])):
         one, first, state, count = component(p, i, part, n_states)
         if one in RATE_DEPENDENT:  # infinitely slow: their states stay at zero
             continue
-        work += segment_of_one(one, p, first, x0, x1, z, j + state, count, slopes, trial)
+        work += advance_single(one, p, first, x0, x1, z, j + state, count, slopes, trial)
     return work
 
 
 @njit
-def segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial):
-    """Do the same for a law that is not made of several."""
+def advance_single(law, p, i, x0, x1, z, j, n_states, slopes, trial):
+    """Carry the states of one law, not several in parallel, as `segment` does; return the work [J]."""
     if x0 == x1:
         return 0.0
     if law == ON_BRACKET:
@@ -77,8 +77,8 @@ def segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial):
 
 
 @njit
-def segment_behind(p, i, d0, d1, z, n_states, slopes, trial):
-    """Do the same for the laws on a bracket, whose states stand alone in `z`, on a path d of their own that may cross zero."""
+def advance_behind_bracket(p, i, d0, d1, z, n_states, slopes, trial):
+    """Carry the states `z` of all laws on a bracket along their own deflection, d0 to d1, and return the work on them [J]."""
     work = 0.0
     for part in range(int(p[i + HEAD])):
         law, first, state, count = component(p, i + HEAD, part, n_states)
@@ -94,9 +94,9 @@ def segment_behind(p, i, d0, d1, z, n_states, slopes, trial):
 
 @njit
 def segment_on_bracket(p, i, x0, x1, z, j, n_states, slopes, trial):
-    """Do the same for a law in series with a spring: its own deflection goes one way, too, and only where it ends matters.
+    """Carry the states of a law in series with a spring as `segment` does; return the work [J].
 
-    With the states that it has there d + F / K = x1, by secants.
+    The law's own deflection d goes one way, too, and only its end matters: d + F / K = x1, by secants.
     """
     own, unused, stiffness = np.empty(n_states), np.empty(n_states), p[i]
     force = on_bracket(p, i, x0, 0.0, z, j, unused, 0)
@@ -104,7 +104,7 @@ def segment_on_bracket(p, i, x0, x1, z, j, n_states, slopes, trial):
     before, last, d, work, f = d0, x0 - x1, d0 + 0.5 * (x1 - x0), 0.0, force
     for _ in range(_SECANTS):
         put(z, j, own, 0, n_states)
-        work = segment_behind(p, i, d0, d, own, n_states, slopes, trial)
+        work = advance_behind_bracket(p, i, d0, d, own, n_states, slopes, trial)
         f = behind_bracket(p, i, d, 0.0, own, 0, unused, 0)
         left = d - x1 + f / stiffness
         if abs(left) <= _ROUNDED * (abs(x1) + abs(d)) or d == before or left == last:

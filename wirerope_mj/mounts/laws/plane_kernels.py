@@ -22,6 +22,9 @@ BIAXIAL = 9
 LOOP = 11
 RATE_NUMBERS = 6  # Parameters of `biaxial_rates`; of a law of several scales as many for each, one after another
 
+LOOP_ROWS, LOOP_COLUMNS, LOOP_COEFFICIENTS = 4, 5, 6  # offsets among the parameters of `loop_force`
+COMPLIANCES = 2  # of roll and the other axis' brackets, 0 without one [m/N]
+
 
 @njit
 def loop_force(p, i, u, w):
@@ -30,7 +33,7 @@ def loop_force(p, i, u, w):
     p = roll, compression, tension, W, I, J, coefficients row by row.
     """
     cu, cw = min(max(u, -p[i]), p[i]), min(max(w, -p[i + 1]), p[i + 2])
-    rows, columns = count(p, i + 4), count(p, i + 5)
+    rows, columns = count(p, i + LOOP_ROWS), count(p, i + LOOP_COLUMNS)
     a, b = (cu / p[i]) * (cu / p[i]), cw / p[i + 3]
     # Horner's scheme in b within that in a, each with its derivative; the powers begin with the first.
     value_b, of_a, of_ab, value = 0.0, 0.0, 0.0, 0.0
@@ -38,7 +41,7 @@ def loop_force(p, i, u, w):
         q, q_b = 0.0, 0.0
         for column in range(columns - 1, -1, -1):
             q_b = q_b * b + q
-            q = q * b + p[i + 6 + columns * row + column]
+            q = q * b + p[i + LOOP_COEFFICIENTS + columns * row + column]
         q_b = q_b * b + q
         q = q * b
         of_a, of_ab = of_a * a + value, of_ab * a + value_b
@@ -72,7 +75,7 @@ def loop_plane(p, i, x, v, z, j, zdot, k):
 
 
 @njit
-def reached(p, i, z, jx, jy):
+def state_direction(p, i, z, jx, jy):
     """Return the direction of w, a unit vector or 0, and |w|^n of two coupled hysteretic forces, see `biaxial_rates`."""
     wx, wy = z[jx] / p[i + 2], z[jy] / p[i + 3]
     size = math.sqrt(wx * wx + wy * wy)
@@ -92,7 +95,7 @@ def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
     From `OVERSHOOT` of the bound, where no solution is, up to `FAR`, |w|^n counts as that, as in `bouc_wen_rate`.
     """
     sigma = p[i]
-    wx, wy, reach = reached(p, i, z, jx, jy)
+    wx, wy, reach = state_direction(p, i, z, jx, jy)
     ux, uy = vx / p[i + 4], vy / p[i + 5]
     along = ux * wx + uy * wy
     pull = reach * (sigma * abs(along) + (1.0 - sigma) * along)
@@ -127,16 +130,16 @@ _SIGNS = 8  # two are usual
 
 
 @inlined
-def stand(p, i, n):
-    """Return where the brackets' compliances (2) begin, and behind them the elastic parts; before: rates, a loop's energy."""
+def compliances_index(p, i, n):
+    """Return the index of the brackets' compliances, between the loop's energy and the elastic parameters of every scale."""
     loop = i + RATE_NUMBERS * n
-    return loop + 6 + count(p, loop + 4) * count(p, loop + 5)
+    return loop + LOOP_COEFFICIENTS + count(p, loop + LOOP_ROWS) * count(p, loop + LOOP_COLUMNS)
 
 
 @njit
-def held(p, i, n, u, w, z, j, k):
-    """Return the forces [N] of the mount's own deflections u and w, hysteretic forces `z[j:]` and `z[k:]` held."""
-    e = stand(p, i, n) + 2
+def forces_at_states(p, i, n, u, w, z, j, k):
+    """Return the forces [N] at the mount's own deflections u and w and hysteretic forces `z[j:]` and `z[k:]`."""
+    e = compliances_index(p, i, n) + COMPLIANCES
     fu, fw = loop_force(p, i + RATE_NUMBERS * n, u, w)
     for scale in range(n):
         fu += z[j + scale] + polynomial(p[e], p[e + 1], p[e + 2], u)
@@ -147,10 +150,10 @@ def held(p, i, n, u, w, z, j, k):
 
 @njit
 def series_slopes(p, i, n, u, w, z, j, k):
-    """Return 1 + C dF/dd, hysteretic forces held, row by row."""
-    b, each = stand(p, i, n), 0.5 / _NUDGE
-    (u1, w1), (u2, w2) = held(p, i, n, u + _NUDGE, w, z, j, k), held(p, i, n, u - _NUDGE, w, z, j, k)
-    (u3, w3), (u4, w4) = held(p, i, n, u, w + _NUDGE, z, j, k), held(p, i, n, u, w - _NUDGE, z, j, k)
+    """Return 1 + C dF/dd at constant hysteretic forces, row by row (4)."""
+    b, each = compliances_index(p, i, n), 0.5 / _NUDGE
+    (u1, w1), (u2, w2) = forces_at_states(p, i, n, u + _NUDGE, w, z, j, k), forces_at_states(p, i, n, u - _NUDGE, w, z, j, k)
+    (u3, w3), (u4, w4) = forces_at_states(p, i, n, u, w + _NUDGE, z, j, k), forces_at_states(p, i, n, u, w - _NUDGE, z, j, k)
     roll, other = each * p[b], each * p[b + 1]
     return 1.0 + roll * (u1 - u2), roll * (u3 - u4), other * (w1 - w2), 1.0 + other * (w3 - w4)
 
@@ -161,12 +164,12 @@ def own_deflections(p, i, n, x, y, z, j, k):
 
     NaN where there are none.
     """
-    b = stand(p, i, n)
+    b = compliances_index(p, i, n)
     u, w, du, dw, left = x, y, 0.0 * x, 0.0 * y, 1e300 + 0.0 * x
     a = f = g = d = left
     for _ in range(_STEPS):
         tu, tw = u + du, w + dw
-        fu, fw = held(p, i, n, tu, tw, z, j, k)
+        fu, fw = forces_at_states(p, i, n, tu, tw, z, j, k)
         ru, rw = tu - x + p[b] * fu, tw - y + p[b + 1] * fw
         size = max(abs(ru), abs(rw))
         nearer = size < left
@@ -189,15 +192,15 @@ def on_brackets(p, i, n, x, y, vx, vy, z, j, k, zdot, to_j, to_k):
     p = of every scale those of `biaxial_rates`, those of `loop_force`, 1/K of both axes [m/N], of every scale `ELASTIC`.
     """
     u, w, a, f, g, d = own_deflections(p, i, n, x, y, z, j, k)
-    b, du, dw = stand(p, i, n), vx, vy
+    b, du, dw = compliances_index(p, i, n), vx, vy
     for _ in range(_SIGNS):
         auu, auw, awu, aww = a, f, g, d
         for scale in range(n):
             q = i + RATE_NUMBERS * scale
-            wx, wy, reach = reached(p, q, z, j + scale, k + scale)
+            wx, wy, reach = state_direction(p, q, z, j + scale, k + scale)
             along = du / p[q + 4] * wx + dw / p[q + 5] * wy
             reach = reach * (where(along < 0.0, -1.0, 1.0) * p[q] + (1.0 - p[q]))
-            roll, other = p[b] * p[q + 2], p[b + 1] * p[q + 3] * math.exp(p[b + 2 + ELASTIC * scale + 6] * w)
+            roll, other = p[b] * p[q + 2], p[b + 1] * p[q + 3] * math.exp(p[b + COMPLIANCES + ELASTIC * scale + 6] * w)
             auu, auw = auu + roll * (1.0 - reach * wx * wx) / p[q + 4], auw - roll * reach * wx * wy / p[q + 5]
             awu, aww = awu - other * reach * wx * wy / p[q + 4], aww + other * (1.0 - reach * wy * wy) / p[q + 5]
         det = auu * aww - auw * awu
@@ -207,7 +210,7 @@ def on_brackets(p, i, n, x, y, vx, vy, z, j, k, zdot, to_j, to_k):
             break
     for scale in range(n):
         biaxial_rates(p, i + RATE_NUMBERS * scale, du, dw, z, j + scale, k + scale, zdot, to_j + scale, to_k + scale)
-    return held(p, i, n, u, w, z, j, k)
+    return forces_at_states(p, i, n, u, w, z, j, k)
 
 
 @njit

@@ -68,7 +68,7 @@ def length_from_zero(alpha, b, n, u):
 
 @njit
 def work_from_zero(alpha, b, n, u):
-    """Return the integral of u over that length."""
+    """Return the integral of u over the length of `length_from_zero`."""
     return 0.5 * u * u / alpha * series_from_zero(b / alpha * u**n, 0.5 * n)
 
 
@@ -127,8 +127,8 @@ def summed(alpha, u, c, length):
 
 
 @njit
-def sized(alpha, b, n, u, length, way, c, a):
-    """Return u after a length along u' = way (alpha - b u^n), and the length that is left where it reached zero before."""
+def state_after(alpha, b, n, u, length, way, c, a):
+    """Return u after a length along u' = way (alpha - b u^n), and the length that remains from where u reached zero."""
     edge = edge_of(alpha, b, n)
     for _ in range(_STEPS):
         if length <= 0.0:
@@ -157,18 +157,18 @@ def carry_power(p, i, x0, x1, z, j, c, a):
     s, length = 1.0 if x1 > x0 else -1.0, abs(x1 - x0)
     y = s * z[j]
     if y < 0.0:
-        u, length = sized(alpha, gamma - beta, n, -y, length, -1.0, c, a)
+        u, length = state_after(alpha, gamma - beta, n, -y, length, -1.0, c, a)
         if u > 0.0 or length <= 0.0:
             z[j] = -s * u
             return
         y = 0.0
-    u, _ = sized(alpha, beta + gamma, n, y, length, 1.0, c, a)
+    u, _ = state_after(alpha, beta + gamma, n, y, length, 1.0, c, a)
     z[j] = s * u
 
 
 @njit
 def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
-    """Do the same for the Bouc-Wen law of a number and return the work done on it [J].
+    """Carry a Bouc-Wen law's state as `carry_power` does and return the work done on the law [J].
 
     The work is an eight-point Gauss-Legendre sum along each series; near zero it is that of the rest of the force alone.
     `scratch` holds 2 (ORDER + 1) numbers and one more.

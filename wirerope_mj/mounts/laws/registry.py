@@ -39,7 +39,7 @@ from wirerope_mj.mounts.laws.parallel import PARALLEL, Parallel
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, ON_BRACKETS
 from wirerope_mj.mounts.laws.softening import BoucWenBaberNoori, ScraggedBoucWen, baber_noori, scragged_bouc_wen
 from wirerope_mj.mounts.laws.stop import STOP, Stop
-from wirerope_mj.mounts.laws.stop_kernels import LOSS, advance_stop, stop, turned
+from wirerope_mj.mounts.laws.stop_kernels import LOSS, advance_stop, loss_state_after, stop
 from wirerope_mj.mounts.laws.table_kernels import advance_table, tabulated
 from wirerope_mj.mounts.laws.tabulated import TABULATED, Tabulated
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI, VaianaRosati, approach, approach_work, vaiana_rosati
@@ -89,7 +89,7 @@ BOUC_WEN_LAWS = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN)
 
 @njit
 def unknown(law, p, i, x, v, z, j, zdot, k):
-    """Return the force of a law that no kernel is known of."""
+    """Return NaN, the force of a law without a kernel."""
     return np.nan
 
 
@@ -210,7 +210,7 @@ evaluate_rarer = chosen(
 
 
 @njit
-def evaluate_one(law, p, i, x, v, z, j, zdot, k):
+def evaluate_single(law, p, i, x, v, z, j, zdot, k):
     """Return the force [N] of a law that is not several in parallel, as `evaluate` does."""
     if law <= KELVIN_VOIGT:
         return common(law, p, i, x, v, z, j, zdot, k)
@@ -227,7 +227,7 @@ def parallel(p, i, x, v, z, j, zdot, k):
     for part in range(count(p, i)):
         row = i + 1 + 3 * part
         state = count(p, row + 2)
-        force += evaluate_one(count(p, row), p, i + count(p, row + 1), x, v, z, j + state, zdot, k + state)
+        force += evaluate_single(count(p, row), p, i + count(p, row + 1), x, v, z, j + state, zdot, k + state)
     return force
 
 
@@ -297,6 +297,6 @@ def carry_exactly(law, p, i, x0, x1, z, j):
         z[j] = approach(p, i, x0, x1, z[j])
     elif law == STOP:
         if p[i + LOSS] > 0.0:
-            z[j] = turned(p, i, z[j], 1.0 if x1 > x0 else -1.0, abs(x1 - x0))
+            z[j] = loss_state_after(p, i, z[j], 1.0 if x1 > x0 else -1.0, abs(x1 - x0))
     else:  # a tabulated law's state is Bouc-Wen's too
         carry_bouc_wen(p, i, x0, x1, z, j)

@@ -32,9 +32,9 @@ def carry(law, p, x0, x1, z, c, a):
     if law == PARALLEL:
         for part in range(int(p[0])):
             one, first, state, count = component(p, 0, part, z.size)
-            carry_one(one, p, first, x0, x1, z, state, count, c, a)
+            carry_single(one, p, first, x0, x1, z, state, count, c, a)
     else:
-        carry_one(law, p, 0, x0, x1, z, 0, z.size, c, a)
+        carry_single(law, p, 0, x0, x1, z, 0, z.size, c, a)
     finite = True
     for state in range(z.size):
         finite = finite and abs(z[state]) < np.inf
@@ -42,8 +42,8 @@ def carry(law, p, x0, x1, z, c, a):
 
 
 @njit
-def carry_one(law, p, i, x0, x1, z, j, n_states, c, a):
-    """Do the same for a law that is not made of several, its parameters in `p[i:]` and its states in `z[j:]`."""
+def carry_single(law, p, i, x0, x1, z, j, n_states, c, a):
+    """Carry the states `z[j:]` of one law, not several in parallel, with the parameters `p[i:]` in place from x0 to x1."""
     if x0 == x1:
         return
     if has_closed_form(law, p, i):
@@ -79,7 +79,7 @@ def follow_force(law, p, deflection, z, n_states):
 
 @njit
 def next_start(starts, gains, bracket):
-    """Return where a cycle that gains nothing starts, from the last two, (2,) each, and update `bracket`, (2,).
+    """Estimate the start of the closed cycle from starts and gains of the last two, (2,) each; update `bracket`, (2,).
 
     The secant through the two, at most eight times their distance; the middle of the bracket where the last step did not
     halve the gain or the secant leaves the bracket; where the last cycle ended, which is inside, while there is no bracket.

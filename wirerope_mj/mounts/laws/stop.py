@@ -11,7 +11,7 @@ import scipy
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.structure import NotNegative, bounds
 from wirerope_mj.mounts.laws.law import Law, anywhere
-from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
+from wirerope_mj.mounts.laws.stop_kernels import elastic, rounded_depth
 from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
 
 STOP = 13
@@ -122,7 +122,7 @@ class Stop(Law):
             depth = counted + 0.5 * self.rounding
             if 0.0 <= counted < 0.5 * self.rounding:
                 depth = float(scipy.optimize.brentq(
-                    lambda d, counted=counted: seated(d, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300
+                    lambda d, counted=counted: rounded_depth(d, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300
                 ))  # fmt: skip
             depths.append(depth)
         return np.array([*head, 0.0, 1.0, *table, *depths])
@@ -134,7 +134,7 @@ class Stop(Law):
 
     def pressed(self, depth: float) -> float:
         """Return the elastic force at a depth behind the gap [N]."""
-        return float(elastic(self.kernel_parameters(), 0, seated(depth, self.rounding)[0])) if depth > 0.0 else 0.0
+        return float(elastic(self.kernel_parameters(), 0, rounded_depth(depth, self.rounding)[0])) if depth > 0.0 else 0.0
 
     @property
     def rate_independent(self) -> bool:  # type: ignore[override]

@@ -15,12 +15,12 @@ _SHORTEST = 1e-12  # Fraction of an interval that is passed over where rounding 
 _NO_ROUNDING = 1e-300  # Taken for a rounding of zero [m], of which no depth is a fraction
 # Panels at least: within its rounding a hardening stop begins as depth^(3 exponent), which eight points have to 1e-10 then.
 _PANELS = 4
-_STEEPEST = 4.0  # Largest slope of `graded`
+_STEEPEST = 4.0  # Largest slope of `graded_node`
 
 
 @njit
-def seated(depth, rounding):
-    """Return what counts of a depth > 0 [m], r (t^3 - t^4 / 2) up to t = depth / r = 1, then depth - r / 2, and its slope."""
+def rounded_depth(depth, rounding):
+    """Return a depth > 0 [m] as rounded, r (t^3 - t^4 / 2) up to t = depth / r = 1, then depth - r / 2, and its slope."""
     t = min(depth / max(rounding, _NO_ROUNDING), 1.0)
     within = rounding * t * t * t * (1.0 - 0.5 * t)
     return where(depth >= rounding, depth - 0.5 * rounding, within), t * t * (3.0 - 2.0 * t)
@@ -28,7 +28,7 @@ def seated(depth, rounding):
 
 @njit
 def elastic(p, i, depth):
-    """Return the elastic force of the stop at what counts of its depth [N]."""
+    """Return the elastic force of the stop [N] at a rounded depth [m]."""
     if count(p, i + N_POINTS) > 0:
         table = i + N_POINTS - 4  # as in a tabulated law
         return cubics(p, table, row_at(p, table, depth), depth)[0]
@@ -44,7 +44,7 @@ def stop_force(p, i, x, v, w):
         return 0.0
     side = where(pressed, -1.0, 1.0)
     depth = where(pressed, -x - below, x - above)
-    counted, slope = seated(depth, p[i + ROUNDING])
+    counted, slope = rounded_depth(depth, p[i + ROUNDING])
     force = elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * w) + p[i + VISCOUS] * slope * side * v
     return where(pressed | pulled, side * max(force, 0.0), 0.0)
 
@@ -64,14 +64,14 @@ def stop(p, i, x, v, z, j, zdot, k):
 
 
 @njit
-def turned(p, i, w, s, length):
+def loss_state_after(p, i, w, s, length):
     """Return the state w after a length in the direction s."""
     return s + (w - s) * math.exp(-p[i] * length)
 
 
 @njit
 def next_corner(p, i, x, s):
-    """Return the next deflection from x in the direction s where a stop has a corner; infinite if there is none."""
+    """Return the next corner of a stop from the deflection x in the direction s [m]; infinite if there is none."""
     best, n = np.inf, int(p[i + N_POINTS])
     for side in (-1.0, 1.0):
         gap, r = (p[i + BELOW] if side < 0.0 else p[i + ABOVE]), p[i + ROUNDING]
@@ -88,20 +88,20 @@ def next_corner(p, i, x, s):
 
 
 @njit
-def at_touch(p, i, x, length):
-    """Return whether an interval that begins at x does so where the force is, or nearly is, not smooth: where the stop touches.
+def starts_at_touch(p, i, x, length):
+    """Return whether the force is not smooth, or hardly so, at the start x of an interval: where the stop touches.
 
-    That is the touch of a stop that is not rounded, and of others where less than a quarter of the interval is beyond it.
+    x is at the touch of a stop without rounding, or beyond a touch by less than a quarter of the interval.
     """
     depth = max(-x - p[i + BELOW], x - p[i + ABOVE])
     return (p[i + ROUNDING] == 0.0 and depth == 0.0) or 0.0 < depth < 0.25 * length
 
 
 @njit
-def graded(u, touch):
-    """Return a part of an interval and its slope over u, 0 to 1: u^4 from a touch at the start (-1) or end (1) of the interval.
+def graded_node(u, touch):
+    """Return a fraction of an interval and its slope over u, 0 to 1: u^4 from a touch at the interval's start (-1) or end (1).
 
-    There a force d^exponent is not smooth, and one of u is, as smooth as u^(4 exponent + 3).
+    At a touch a force d^exponent is not smooth over the depth d, but over u it is as smooth as u^(4 exponent + 3).
     """
     if touch == 0:
         return u, 1.0
@@ -122,15 +122,15 @@ def advance_stop(p, i, x0, x1, z, j):
             # On each panel w is an exponential over at most one of its lengths.
             length = abs(end - x)
             panels = _PANELS + (int(min(_STEEPEST * p[i] * length, 160.0)) if lossy else 0)
-            touch = -1 if at_touch(p, i, x, length) else 1 if at_touch(p, i, end, length) else 0
+            touch = -1 if starts_at_touch(p, i, x, length) else 1 if starts_at_touch(p, i, end, length) else 0
             for panel in range(panels):
                 for node in range(8):
-                    part, weight = graded((panel + NODES[node]) / panels, touch)
-                    here = turned(p, i, w, s, length * part) if lossy else 0.0
+                    part, weight = graded_node((panel + NODES[node]) / panels, touch)
+                    here = loss_state_after(p, i, w, s, length * part) if lossy else 0.0
                     force = stop_force(p, i, x + s * length * part, 0.0, here)
                     work += s * length / panels * WEIGHTS[node] * weight * force
         if lossy:
-            w = turned(p, i, w, s, abs(end - x))
+            w = loss_state_after(p, i, w, s, abs(end - x))
         x = end
     if lossy:
         z[j] = w
@@ -138,25 +138,25 @@ def advance_stop(p, i, x0, x1, z, j):
 
 
 @njit
-def pull_at(p, i, cubic, t, x0, w, s):
-    """Return the force of a stop before it is kept from pulling [N], > 0 where it pushes; w is its state at x0, direction s."""
+def unclipped_push(p, i, cubic, t, x0, w, s):
+    """Return a stop's force before it is clipped at 0 [N], > 0 where the stop pushes; w is its state at x0, direction s."""
     x, v = position(cubic, t), speed(cubic, t)
-    here = turned(p, i, w, s, abs(x - x0)) if p[i + LOSS] > 0.0 else 0.0
+    here = loss_state_after(p, i, w, s, abs(x - x0)) if p[i + LOSS] > 0.0 else 0.0
     below, above = -x - p[i + BELOW], x - p[i + ABOVE]
     side, depth = (-1.0, below) if below > above else (1.0, above)
     if depth <= 0.0:
         return 0.0
-    counted, slope = seated(depth, p[i + ROUNDING])
+    counted, slope = rounded_depth(depth, p[i + ROUNDING])
     return elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * here) + p[i + VISCOUS] * slope * side * v
 
 
 @njit
-def letting_go(p, i, cubic, start, end, x0, w, s):
-    """Return where between two instants a viscous stop lets go or takes hold, their ends on either side of it."""
-    rising = pull_at(p, i, cubic, end, x0, w, s) > 0.0
+def contact_change_time(p, i, cubic, start, end, x0, w, s):
+    """Bisect for the instant at which a viscous stop separates or engages, once between `start` and `end`."""
+    rising = unclipped_push(p, i, cubic, end, x0, w, s) > 0.0
     for _ in range(60):
         middle = 0.5 * (start + end)
-        if (pull_at(p, i, cubic, middle, x0, w, s) > 0.0) == rising:
+        if (unclipped_push(p, i, cubic, middle, x0, w, s) > 0.0) == rising:
             end = middle
         else:
             start = middle
@@ -165,11 +165,11 @@ def letting_go(p, i, cubic, start, end, x0, w, s):
 
 @njit
 def pushing_work(p, i, cubic, start, end, x0, w, s):
-    """Return the work over an interval on which a stop either pushes or does not [J]."""
+    """Return the work of a stop [J] over an interval in which it pushes throughout or not at all."""
     work, width = 0.0, end - start
     for node in range(8):
         t = start + width * NODES[node]
-        force = max(pull_at(p, i, cubic, t, x0, w, s), 0.0)
+        force = max(unclipped_push(p, i, cubic, t, x0, w, s), 0.0)
         x = position(cubic, t)
         work += width * WEIGHTS[node] * speed(cubic, t) * (-force if -x - p[i + BELOW] > x - p[i + ABOVE] else force)
     return work
@@ -190,12 +190,12 @@ def stop_work(p, i, cubic, start, end, z, j):
         panels = _PANELS + (int(min(p[i] * abs(x1 - x0), 40.0)) if lossy else 0)
         for panel in range(panels):
             one, two = t + (until - t) * panel / panels, t + (until - t) * (panel + 1) / panels
-            if (pull_at(p, i, cubic, one, x0, w, s) > 0.0) != (pull_at(p, i, cubic, two, x0, w, s) > 0.0):
-                kink = letting_go(p, i, cubic, one, two, x0, w, s)
+            if (unclipped_push(p, i, cubic, one, x0, w, s) > 0.0) != (unclipped_push(p, i, cubic, two, x0, w, s) > 0.0):
+                kink = contact_change_time(p, i, cubic, one, two, x0, w, s)
                 work += pushing_work(p, i, cubic, one, kink, x0, w, s)
                 one = kink
             work += pushing_work(p, i, cubic, one, two, x0, w, s)
         t, x = until, corner
     if lossy:
-        z[j] = turned(p, i, w, s, abs(x1 - x0))
+        z[j] = loss_state_after(p, i, w, s, abs(x1 - x0))
     return work

@@ -11,8 +11,8 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS, position, reversals, shifted, speed, zero_between
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop import Loop
-from wirerope_mj.mounts.laws.path import SCRATCH, follow_path, put, segment_of_one
-from wirerope_mj.mounts.laws.registry import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_one
+from wirerope_mj.mounts.laws.path import SCRATCH, advance_single, follow_path, put
+from wirerope_mj.mounts.laws.registry import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_single
 from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import VISCOUS, stop_work
 from wirerope_mj.mounts.laws.viscous import KELVIN_VOIGT, TINKER_CUTCHINS, ZENER, zener_state
@@ -47,7 +47,7 @@ _ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 
 def slope_at(law, p, i, cubic, t, z, scratch):
     """Return zdot [N/s] and the power [W] at the instant t in the state z."""
     scratch[0], v = z, speed(cubic, t)
-    force = evaluate_one(law, p, i, position(cubic, t), v, scratch, 0, scratch, 1)
+    force = evaluate_single(law, p, i, position(cubic, t), v, scratch, 0, scratch, 1)
     return scratch[1], force * v
 
 
@@ -64,7 +64,7 @@ def integrate_in_time(law, p, i, cubic, start, end, z, j):
         fastest = max(fastest, abs(speed(cubic, 0.25 * quarter * end)))
     for sign in (-1.0, 1.0):
         scratch[0] = now
-        force = evaluate_one(law, p, i, sign * farthest, sign * fastest, scratch, 0, scratch, 1)
+        force = evaluate_single(law, p, i, sign * farthest, sign * fastest, scratch, 0, scratch, 1)
         if np.isfinite(force) and np.isfinite(scratch[1]):
             most_gain, most_force = max(most_gain, abs(scratch[1])), max(most_force, abs(force))
     floors = (most_gain * (end - start), most_force * fastest * (end - start))
@@ -135,7 +135,7 @@ def work_over(law, p, i, cubic, start, end, z, j, n_states, trial, unused):
     if law == STOP and p[i + VISCOUS] != 0.0:
         return stop_work(p, i, cubic, start, end, z, j)
     if law not in RATE_DEPENDENT:
-        return segment_of_one(law, p, i, position(cubic, start), position(cubic, end), z, j, n_states, unused, trial)
+        return advance_single(law, p, i, position(cubic, start), position(cubic, end), z, j, n_states, unused, trial)
     work, shortest = 0.0, _NARROWEST * (end - start)
     origin = z[j] if law == ZENER else 0.0
     begun = start
@@ -150,7 +150,7 @@ def work_over(law, p, i, cubic, start, end, z, j, n_states, trial, unused):
             if law == ZENER:
                 trial[0] = zener_state(p[i + 1], p[i + 2], shifted(cubic, begun), origin, t - begun)
             v = speed(cubic, t)
-            work += width * WEIGHTS[node] * v * evaluate_one(law, p, i, position(cubic, t), v, trial, 0, unused, 0)
+            work += width * WEIGHTS[node] * v * evaluate_single(law, p, i, position(cubic, t), v, trial, 0, unused, 0)
         start = end if start + width >= end else start + width
     if law == ZENER:
         z[j] = zener_state(p[i + 1], p[i + 2], shifted(cubic, begun), origin, end - begun)
@@ -158,8 +158,8 @@ def work_over(law, p, i, cubic, start, end, z, j, n_states, trial, unused):
 
 
 @njit
-def work_of_all(law, p, cubic, start, end, z, n_states, trial, unused):
-    """Do the same for a law or for several in parallel."""
+def work_of_law(law, p, cubic, start, end, z, n_states, trial, unused):
+    """Carry the states `z` of a law, or of several in parallel, as `work_over` does; return the work [J]."""
     if law != PARALLEL:
         return work_over(law, p, 0, cubic, start, end, z, 0, n_states, trial, unused)
     work = 0.0
@@ -183,10 +183,10 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
             for end in (one, two, h):
                 if end > start and law not in (KELVIN_VOIGT, ZENER) and position(cubic, start) * position(cubic, end) < 0.0:
                     middle = zero_between(cubic, start, end)  # friction or a polynomial may have a kink there
-                    work[t] += work_of_all(law, p, cubic, start, middle, z, n_states, trial, unused)
+                    work[t] += work_of_law(law, p, cubic, start, middle, z, n_states, trial, unused)
                     start = middle
                 if end > start:
-                    work[t] += work_of_all(law, p, cubic, start, end, z, n_states, trial, unused)
+                    work[t] += work_of_law(law, p, cubic, start, end, z, n_states, trial, unused)
                     start = end
         put(z, 0, states[t], 0, n_states)
         force[t] = evaluate(law, p, 0, deflection[t], rate[t], z, 0, unused, 0)
