@@ -29,7 +29,7 @@ def test_a_good_start_is_not_left_for_a_worse_place(monkeypatch):
         """Return stages that lead away from the start, as those of areas alone may."""
         if method == "three-stage":
             far = {name: 3.0 * value for name, value in values.items()}
-            return run_search(search, full, far, most=1), ()
+            return run_search(search, full, far, max_evaluations=1), ()
         return run_all_stages(search, loops, full, values, method)
 
     monkeypatch.setattr("wirerope_mj.mounts.identification.identify.run_stages", astray)

@@ -48,6 +48,6 @@ def test_a_search_that_is_cut_short_has_not_converged():
     loops = prepare(cyclic_test(law, [1e-3, 4e-3]))
     family = FAMILIES[wr.BoucWen]
     search = Unknowns(family=family, coordinates=family.coordinates(scales_of(loops)), fixed={})
-    found = run_search(search, loop_residual(loops), {**family.read(law), "x_y": 1e-4, "sigma": 0.01}, most=3)
+    found = run_search(search, loop_residual(loops), {**family.read(law), "x_y": 1e-4, "sigma": 0.01}, max_evaluations=3)
     assert not found.converged
     assert "still moved after 3" in found.message

@@ -9,7 +9,7 @@ from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.statics import HISTORIES, stability_blocks
 from wirerope_mj.dynamics.modes import Modes
-from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utilisation
+from wirerope_mj.dynamics.modes.carried import carried, deflection_range, travel_utilisation
 from wirerope_mj.dynamics.modes.rest import SHARES, strain_energy
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import Absent
@@ -204,7 +204,7 @@ def outside_tests(system: System, large: Sequence[Modes]) -> Iterator[str]:
     """Yield for each amplitude the mounts that it takes outside the tests of their laws."""
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     for result in large:
-        if where := untested(isolators, {name: reached_in(result, name) for name in system.mounts}):
+        if where := untested(isolators, {name: deflection_range(result, name) for name in system.mounts}):
             tested = "outside the cycles that isolators were identified from"
             yield f"{_amplitude_text(result)} is {tested}: {where}. Their laws are extrapolated."
 

@@ -131,7 +131,7 @@ def _sag_table(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) 
     return Table(
         "sag", "Sag and load of every mount", columns, rows,
         note="Axial: along the mount's own axis, negative in compression. Carries: what the mount pushes up with. Used: axial "
-        "load over the rated static load, which is one in compression. "
+        "load in compression over the rated static load. "
         + " ".join(f"{history.capitalize()}: {HISTORIES[history]}." for history in table.sags),
     )  # fmt: skip
 

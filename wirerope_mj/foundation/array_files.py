@@ -336,7 +336,7 @@ def _columns_of_variables(path: Path, content: Mapping[str, Any], wanted: Collec
             scalars[name] = float(value)
         elif many and np.size(value) > 1:
             left_out.append(split_unit(name)[0])
-    return _select_columns(path, _named_by_texts(columns, texts), scalars, wanted, left_out)
+    return _select_columns(path, _label_columns(columns, texts), scalars, wanted, left_out)
 
 
 def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -363,31 +363,32 @@ def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
         yield name, content
 
 
-def _named_by_texts(columns: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
-    """Name the columns of a matrix by the one list of names beside it, with units from another list.
+def _label_columns(columns: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
+    """Label the columns of each matrix by the only list of names of its width, with units from the only list of units.
 
-    So are vectors, where their own names are what the list says, as far as MATLAB's letters go.
+    The vectors of a file are labelled as one matrix, if their names are those of the list with `_` for signs that MATLAB's
+    names cannot have.
     """
-    members: dict[str, list[str]] = {}  # of each matrix, and vectors
+    members: dict[str, list[str]] = {}  # columns by matrix, vectors under ""
     for name in columns:
         members.setdefault(name.rpartition("(")[0] if name.endswith(")") else "", []).append(name)
-    called_alike: dict[str, dict[str, str]] = {}  # by matrix
-    for matrix, alike in members.items():
-        of_width = {name: list(map(str.strip, text)) for name, text in texts.items() if len(text) == len(alike)}
+    labels: dict[str, dict[str, str]] = {}  # labels of the columns by matrix
+    for matrix, member in members.items():
+        of_width = {name: list(map(str.strip, text)) for name, text in texts.items() if len(text) == len(member)}
         units = {name: text for name, text in of_width.items() if "unit" in name.lower()}
-        names = {name: text for name, text in of_width.items() if name not in units and len(set(text)) == len(alike)}
+        names = {name: text for name, text in of_width.items() if name not in units and len(set(text)) == len(member)}
         if not matrix:
             in_letters = {name: [re.sub(r"\W", "_", label) for label in text] for name, text in names.items()}
-            names = {name: text for name, text in names.items() if in_letters[name] == alike != text}
+            names = {name: text for name, text in names.items() if in_letters[name] == member != text}
         if len(names) == 1:
             (called,) = names.values()
-            (stated,) = units.values() if len(units) == 1 else [[""] * len(alike)]
+            (stated,) = units.values() if len(units) == 1 else [[""] * len(member)]
             headings = [f"{name} [{unit}]" if unit else name for name, unit in zip(called, stated, strict=True)]
-            called_alike[matrix] = dict(zip(alike, headings, strict=True))
-    several = sum(map(bool, called_alike)) > 1  # of which none may take the place of another
+            labels[matrix] = dict(zip(member, headings, strict=True))
+    several = sum(map(bool, labels)) > 1  # then labels begin with the matrix, so that none repeats
     renamed = {
         name: f"{matrix}.{heading}" if several and matrix else heading
-        for matrix, headings in called_alike.items()
+        for matrix, headings in labels.items()
         for name, heading in headings.items()
     }
     return {renamed.get(name, name): column for name, column in columns.items()}

@@ -73,16 +73,16 @@ def line_of(path: Path, keys: Sequence[str | int], named: Sequence[str] = ()) ->
         if entry_at(content, [*inward, name]) is not None:
             inward.append(name)
 
-    def holds(number: int) -> bool:
-        """Tell whether what begins in the first lines holds the entry."""
+    def contains_entry(number: int) -> bool:
+        """Tell whether the first `number` lines, completed to valid TOML, contain the entry."""
         for end in range(number, len(lines)):
             try:
                 return entry_at(tomllib.loads("\n".join(lines[:end])), inward) is not None
-            except tomllib.TOMLDecodeError:  # a list or a text that goes on below
+            except tomllib.TOMLDecodeError:  # a list or a text that continues in the next line
                 continue
         return True
 
-    return bisect_left(range(1, len(lines)), True, key=holds) + 1 if inward else None
+    return bisect_left(range(1, len(lines)), True, key=contains_entry) + 1 if inward else None
 
 
 def entry_at(content: object, keys: Sequence[str | int]) -> object:

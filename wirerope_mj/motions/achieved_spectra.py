@@ -26,7 +26,7 @@ SEGMENTS = 12
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class AchievedSpectrum(Brief):
-    """Response spectrum that a motion was made for, and the one that it has, along one direction."""
+    """Required and achieved response spectrum of a motion along one direction."""
 
     direction: str  #: such as "x" or "(1, 1, 0)"
     damping: float  #: damping ratio of the oscillators
@@ -62,7 +62,7 @@ class AxisPair(Brief):
 
 
 def achieved_spectra(motion: BaseMotion, *, until: float = math.inf) -> tuple[AchievedSpectrum, ...]:
-    """Compute what a motion achieves of each spectrum that a part of it was made for; () if there is none.
+    """Compute the achieved spectrum for each required spectrum of a motion's parts; () if none is required.
 
     The whole motion counts, up to the instant `until` [s]: what other parts add along a direction is achieved, too.
     """
@@ -85,7 +85,7 @@ def achieved_spectra(motion: BaseMotion, *, until: float = math.inf) -> tuple[Ac
 
 
 def axis_pairs(motion: BaseMotion, spectra: Sequence[AchievedSpectrum], *, until: float = math.inf) -> tuple[AxisPair, ...]:
-    """Compute how far the directions of the required spectra are independent; `spectra` are those of `achieved_spectra`.
+    """Compute how far the directions of required spectra are independent; `spectra`: the result of `achieved_spectra`.
 
     Coherence by Welch's method: Hann windows over a twelfth of the time while both are significant, half overlapping.
     A motion that is too short for twelve periods of its lowest frequency tells nothing, and has no pair.

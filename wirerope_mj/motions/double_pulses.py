@@ -118,12 +118,10 @@ class DoubleHalfSine(DoublePulse):
 
     @property
     def first_duration(self) -> float:
-        """Length t1 of the first half-sine [s]."""
         return math.pi * self.peak_velocity / (2 * self.peak)
 
     @property
     def second_duration(self) -> float:
-        """Length t2 of the second half-sine [s]."""
         return 2 * self.final_displacement / self.peak_velocity - self.first_duration
 
     @property
@@ -177,12 +175,10 @@ class DoubleTriangle(DoublePulse):
 
     @property
     def first_duration(self) -> float:
-        """Length t3 of the first triangle [s]."""
         return 2 * self.peak_velocity / self.peak
 
     @property
     def second_duration(self) -> float:
-        """Length T2 of the second triangle [s]."""
         room = 3 * self.final_displacement / self.peak_velocity - (2 - self.r1) * self.first_duration
         return room / (1 + self.r2)
 

@@ -1,4 +1,4 @@
-"""Drops of a case that stops dead on the floor: freely onto a face, an edge or a corner, and about an edge that stays there."""
+"""Drops of a case that stops dead on the floor: freely onto a face, an edge or a corner, and about an edge on the floor."""
 
 import math
 import re
@@ -78,7 +78,6 @@ class Drop(ShockTableImpact):
 
     @property
     def up(self) -> Array:
-        """Unit vector from the floor, (3,)."""
         return self.unit
 
     @cached_property
@@ -166,7 +165,7 @@ class RotationalDrop(BaseMotion):
 
     @property
     def tilt(self) -> float:
-        """Angle from which it is let go [rad]."""
+        """Angle from which the case is released [rad]."""
         return math.asin(self.drop_height / self.length)
 
     @cached_property
@@ -196,7 +195,6 @@ class RotationalDrop(BaseMotion):
 
     @property
     def up(self) -> Array:
-        """Unit vector from the floor, (3,)."""
         return np.array([0.0, 0.0, 1.0])
 
     @property
@@ -211,7 +209,7 @@ class RotationalDrop(BaseMotion):
 
     @property
     def landing_rate(self) -> float:
-        """Angular velocity with which it lands [rad/s]."""
+        """Angular velocity with which the case lands [rad/s]."""
         return -float(self._fall(np.array([self._landing]), 1)[0])
 
     @property
@@ -223,7 +221,7 @@ class RotationalDrop(BaseMotion):
         return ((self._landing, -np.cross(spin, -np.array(self.centre))),)
 
     def _fall(self, t: Array, order: int) -> Array:
-        """Return the angle as it falls (order 0) or a derivative of it (1, 2), (n_t,)."""
+        """Return the case's angle during the fall (order 0) or its derivatives (1, 2), (n_t,)."""
         k, quarter, rate = self._pendulum
         sn, cn, *_ = ellipj(rate * (t - self.lift - self.hold) + quarter, k**2)
         x = 2.0 * np.arcsin(k * sn)

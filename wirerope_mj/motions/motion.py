@@ -116,7 +116,7 @@ class BaseMotion(ABC):
     def corners(self) -> Array:
         """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, (n,).
 
-        By default the instants of its events.
+        By default the instants of the motion's events.
         """
         return unique_times(time for time, _ in self.events)
 
@@ -157,7 +157,7 @@ class BaseMotion(ABC):
 
     @property
     def initial(self) -> str:
-        """State in which a simulation begins unless another is asked for: "settled", "unloaded" where the base falls."""
+        """Default start state of a simulation: "settled", or "unloaded" where the base falls."""
         return "settled" if self.up is None else "unloaded"
 
     @property
@@ -317,12 +317,11 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @cached_property
     def corners(self) -> Array:
-        """Corners of all terms [s], sorted and unique, (n,)."""
         return unique_times(np.concatenate([term.corners for term in self.terms]))
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
-        """Velocity jumps of all terms; those at the same instant are added."""
+        """Velocity jumps of all terms; jumps at the same instant are added."""
         jumps: list[tuple[float, Array]] = []
         all_jumps = (jump for term in self.terms for jump in term.velocity_jumps)
         for time, change in sorted(all_jumps, key=lambda jump: jump[0]):
@@ -344,7 +343,6 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @property
     def directions(self) -> Array:
-        """Directions of all terms, (n, 3)."""
         return np.concatenate([term.directions for term in self.terms])
 
     @property
@@ -354,12 +352,11 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @property
     def initial(self) -> str:
-        """State in which a simulation begins unless another is asked for: that of the term that falls."""
+        """Default start state of a simulation: that of the term that falls."""
         return next((term.initial for term in self.terms if term.up is not None), "settled")
 
     @property
     def loaded_sites(self) -> tuple[str, ...]:
-        """Sites at which forces of any term act, each once."""
         return tuple(dict.fromkeys(site for term in self.terms for site in term.loaded_sites))
 
     def load(self, site: str, time: ArrayLike) -> Array:
@@ -368,17 +365,14 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Files of all terms, each once."""
         return tuple(dict.fromkeys(path for term in self.terms for path in term.files))
 
     @property
     def targets(self) -> tuple[TargetSpectrum, ...]:
-        """Response spectra that any term was made for."""
         return tuple(target for term in self.terms for target in term.targets)
 
     @property
     def parts(self) -> "tuple[BaseMotion, ...]":
-        """Elementary motions of all terms."""
         return tuple(part for term in self.terms for part in term.parts)
 
 

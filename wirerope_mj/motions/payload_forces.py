@@ -89,7 +89,7 @@ def _harmonic(
 
 
 def _site_and_table(text: str, folder: Path) -> tuple[tuple[str, ForceRows], str]:
-    """Split site and table of forces from the beginning of a phrase; return both and the rest of the phrase."""
+    """Split a phrase into site, table of forces, and the rest of the phrase."""
     site, rest = site_first(text, folder)
     rows, rest = file_first(force_rows)(rest, folder)
     return (site, rows), rest
@@ -224,7 +224,6 @@ class ForceTable(PayloadForce):
 
     @property
     def corners(self) -> Array:
-        """All instants [s], (n,)."""
         return self.start + np.array(self.times)
 
     def _described(self) -> tuple[str, float]:

@@ -51,7 +51,7 @@ def made_of(*, started: bool = True, **arguments: str) -> Callable[..., Any]:
 
 
 def lasting(phrase: Phrase, direction: Direction, number: int) -> Entries:
-    """Return the arguments of a vibration from its phrase: length, seed, ramps; a seed of its own for each direction."""
+    """Return the arguments of a vibration from its phrase: length, seed, ramps; the seed differs between directions."""
     seed = phrase.named.get("seed", 1.0)
     if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:
         raise ValueError(f"a seed is an integer from 0 to {LARGEST_SEED}, got {seed:.17g}.")
@@ -74,7 +74,7 @@ def file_first(read: Callable[[Path], Read]) -> Callable[[str, Path], tuple[Read
 
 
 def site_first(text: str, _: Path) -> tuple[str, str]:
-    """Return the site that a phrase begins with, and what follows."""
+    """Split the site from the beginning of a phrase; return it and the rest."""
     site, _space, rest = text.strip().partition(" ")
     if NUMBER.match(site):
         raise ValueError(f"the name of a site for forces must stand first, got {short(site)!r}.")

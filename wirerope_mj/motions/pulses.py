@@ -89,7 +89,7 @@ class HalfSine(Pulse):
 
 @dataclass(frozen=True, kw_only=True)
 class Sawtooth(Pulse):
-    """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2. Its values are as in `HalfSine`."""
+    """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2. Arguments are those of `HalfSine`."""
 
     kind: ClassVar[str] = "sawtooth"
     phrases = (
@@ -101,7 +101,6 @@ class Sawtooth(Pulse):
 
     @property
     def velocity_change(self) -> float:
-        """Velocity along the direction that the pulse leaves behind [m/s]."""
         return self.peak * self.duration / 2
 
     @cached_property
@@ -142,7 +141,6 @@ class Trapezoid(Pulse):
 
     @property
     def velocity_change(self) -> float:
-        """Velocity along the direction that the pulse leaves behind [m/s]."""
         return self.peak * (self.duration - self.rise)
 
     @property

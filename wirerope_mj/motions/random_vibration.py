@@ -94,7 +94,7 @@ class RandomVibration(AsCall, StartedMotion):
 
     @property
     def rms(self) -> float:
-        """Rms acceleration between rise and fall [m/s^2], of the density; that of random amplitudes scatters about it."""
+        """Rms acceleration between rise and fall [m/s^2], of the density; the rms of random amplitudes scatters about it."""
         return psd_rms(self.psd)
 
     @property

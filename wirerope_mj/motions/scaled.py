@@ -86,7 +86,6 @@ class Scaled(_Transformed):
 
     @property
     def directions(self) -> Array:
-        """Directions of the other motion, (n, 3)."""
         return self.motion.directions
 
     def _described(self, quoted: str) -> str:
@@ -164,7 +163,6 @@ class Turned(_Transformed):
 
     @property
     def directions(self) -> Array:
-        """Directions of the other motion, turned, (n, 3)."""
         return self._transformed(self.motion.directions)
 
     def _described(self, quoted: str) -> str:

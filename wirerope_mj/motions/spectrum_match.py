@@ -1,4 +1,4 @@
-"""A base motion whose response spectrum is a given one: for earthquakes, of which only the spectrum is prescribed."""
+"""A base motion with a given response spectrum: for earthquakes, which are prescribed by their spectrum alone."""
 
 import math
 from collections.abc import Sequence
@@ -75,7 +75,7 @@ def too_steep(frequencies: Array, target: Array, damping: float) -> str:
 
 
 def zero_period_level(points: Points) -> float:
-    """Find the zero-period acceleration [m/s^2] of a spectrum that ends level, below its highest; 0: it states none."""
+    """Find the zero-period acceleration [m/s^2] of a spectrum that ends level, below its highest; 0 if it states none."""
     (_, before), (_, last) = points[-2:]
     return last if math.isclose(before, last, rel_tol=1e-3) and AMPLIFIED * last <= max(level for _, level in points) else 0.0
 
@@ -305,7 +305,7 @@ class _Matching:
         return np.interp(np.log(self.lines), np.log(self.frequencies), values)
 
     def excess(self, values: Array) -> Array:
-        """Compute the relative excess of responses over the target, (n,); of the base's peak only what it lacks."""
+        """Compute the relative excess of responses over the target, (n,); the base's peak counts only if it is too low."""
         excess = np.abs(values) / self.target - 1
         if self.rigid:
             excess[-1] = min(excess[-1], 0.0)

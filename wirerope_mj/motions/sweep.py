@@ -264,7 +264,6 @@ class Sweep(StraightMotion):
 
     @property
     def corners(self) -> Array:
-        """End of the sweep [s], (1,)."""
         return np.array([self.duration])
 
     @cached_property

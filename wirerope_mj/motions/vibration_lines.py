@@ -32,7 +32,7 @@ MOST_DWELLS = 100  # frequencies of an amplitude table's dwells
 def _dwells(
     shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, table: tuple[str, Points]
 ) -> BaseMotion:
-    """Pass the lines of an amplitude table one after the other, each from rest to rest, and then dwell at some of them."""
+    """Make the sine of each line of an amplitude table in turn, each starting and ending at rest, then dwells at some lines."""
     quantity, lines = table
     amplitudes, chosen = dict(lines), phrase.quantities.get("frequency", ())
     if ("dwell" in phrase.named) != bool(chosen):
@@ -144,7 +144,7 @@ class VibrationLines(AsCall, StartedMotion):
 
     @property
     def targets(self) -> tuple[TargetSpectrum, ...]:
-        """The response spectrum that the lines were made for; none unless it was given."""
+        """Response spectrum that the lines were made for; empty if none was given."""
         if self.target is None or self.damping is None:
             return ()
         return (TargetSpectrum(self.target, self.damping, self.unit),)

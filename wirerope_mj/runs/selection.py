@@ -25,7 +25,7 @@ from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.new_model import KIND, marks
 from wirerope_mj.runs.scenario_file import judged_by
-from wirerope_mj.studies.catalogue import TriedPart, replaced
+from wirerope_mj.studies.catalogue import TriedPart, replaceable_mounts
 from wirerope_mj.studies.measures import payload_bodies, payload_points
 
 _PLACED = "WR16-400"  # part of the box's mounts before every part takes their places
@@ -138,7 +138,7 @@ def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = Non
     stops = {
         bottoms.get(name, mount.isolator_name): mount.written for name, mount in system.mounts.items() if mount.isolator.is_stop
     }
-    text = with_part(system, dict.fromkeys(replaced(system), chosen.name) | bottoms)
+    text = with_part(system, dict.fromkeys(replaceable_mounts(system), chosen.name) | bottoms)
     new_system = load_system(text, isolators=stops | {chosen.name: isolator})
     moved = [mount.position - new_system.mounts[key].position for key, mount in system.mounts.items()]
     if np.abs(moved).max() > 1e-9:

@@ -153,7 +153,7 @@ class Race:
         self._left = [(case, name) for case, name in remaining if name not in beyond]
 
     def _batch(self, case: str, names: Sequence[str], step: float) -> list[Mapping[str, float] | BatchFailure]:
-        """Simulate parts side by side; return their measures, beside which no response is kept."""
+        """Simulate parts side by side and return their measures; responses are not kept."""
         systems, motion, random = [self._systems[name] for name in names], self._cases[case], self._random[case]
         samples = needs_samples(systems[0])
         rate = _RATE if samples or random else _SAMPLES
@@ -184,7 +184,7 @@ def vibrates_at_random(motion: BaseMotion) -> bool:
 
 
 def sigma_measures(response: Response | None) -> dict[str, float]:
-    """Judge 3-sigma accelerations as a run does: the largest utilisation, and the largest of them [m/s^2].
+    """Judge 3-sigma accelerations as a run does; return the largest utilisation and the largest acceleration [m/s^2].
 
     NaN without a response or a limit, or where the run is too short.
     """
@@ -219,7 +219,9 @@ def try_parts(
     if any(motion.rotates for motion in cases.values()):
         system = replace(with_rotation(system), limits=system.limits, combined_travel=system.combined_travel)
     tried = [
-        TriedPart(name=name, isolator=parts[name], system=on, placement=placement, mounts=len(replaced(system)), reason=why)
+        TriedPart(
+            name=name, isolator=parts[name], system=on, placement=placement, mounts=len(replaceable_mounts(system)), reason=why
+        )
         for name, on, why in _systems(system, parts, room)
     ]
     with warnings.catch_warnings(action="ignore", category=ModelWarning):  # of parts that will not be chosen
@@ -235,8 +237,8 @@ def try_parts(
     ]
 
 
-def replaced(system: System) -> list[str]:
-    """Return the mounts that a part would replace; ModelError if there is none."""
+def replaceable_mounts(system: System) -> list[str]:
+    """List the mounts that a part may replace, all but stops; ModelError if there is none."""
     mounts = [name for name, mount in system.mounts.items() if not mount.isolator.is_stop]
     if not mounts:
         raise ModelError("the model has no mounts but stops: there is no place for an isolator.")
@@ -246,8 +248,8 @@ def replaced(system: System) -> list[str]:
 def _systems(
     system: System, parts: Mapping[str, Isolator], room: Array | None = None
 ) -> Iterator[tuple[str, System | None, str]]:
-    """Yield name, system and "" of each part, or None and the reason why there is none."""
-    mounts = replaced(system)
+    """Yield name, system and "" of each part; None and a reason in place of a system that cannot be built."""
+    mounts = replaceable_mounts(system)
     weight = sum(payload.mass for payload in payloads_of(system)) * math.hypot(*system.model.opt.gravity)
     base: System | None = None
     for name, isolator in parts.items():
@@ -282,7 +284,7 @@ def in_place(system: System, isolator: Isolator) -> dict[str, Isolator]:
     """Return the isolators of mounts, and of the stops where a part goes solid, when the part replaces them, by mount."""
     stops = system.bottoms.values()
     placed = {name: bottom_in_place(system.mounts[name].written, isolator) for name in stops}
-    return dict.fromkeys(replaced(system), isolator) | placed
+    return dict.fromkeys(replaceable_mounts(system), isolator) | placed
 
 
 def shifted(system: System, placed: Mapping[str, Isolator]) -> dict[str, list[float]]:
@@ -383,7 +385,7 @@ def select_parts(
     selection = CatalogueSelection(tried=tuple(tried), cases=cases, by=by, stated=stated or {}, room=room)
     if not selection.meeting:
         first = next((part.system for part in tried if part.system is not None), next(iter(systems.values())))
-        selection = replace(selection, needed=needed_mount(first, len(replaced(first)), cases))
+        selection = replace(selection, needed=needed_mount(first, len(replaceable_mounts(first)), cases))
 
     def order(part: TriedPart) -> tuple[int, float, float]:
         used = part.governing[0]

@@ -1,4 +1,4 @@
-"""Variants whose runs end before their peaks are over: nothing of them is judged but what is exceeded already."""
+"""Variants whose runs end before their peaks are over: only limits that are exceeded already are judged."""
 
 import math
 from collections.abc import Sequence
@@ -46,7 +46,7 @@ class Lengths:
         return self._early(number, slowest_period(self._make.system(row)) if math.isnan(slowest) else slowest)
 
     def quiet_from(self, row: Entries) -> float:
-        """Return the instant [s] after which no response of a variant may grow; infinite where it may until the end."""
+        """Return the instant [s] after which no response of a variant may grow; infinite if growth is allowed to the end."""
         return quiet_from(*self._asked[self._number(row)])
 
     def _number(self, row: Entries) -> int:
@@ -66,9 +66,9 @@ def growth_text(note: str, kinds: Sequence[str]) -> str:
 
 
 def ended_early(table: pa.Table, measure: str = "") -> Booleans:
-    """Return the mask of the variants whose runs end before their peaks are over, (n,); none for a measure of the rest.
+    """Return the mask of the variants whose runs end before their peaks are over, (n,); none for a measure at rest.
 
-    With a measure, those are among them of which such a one still grows.
+    With `measure`, so are the variants in which a measure of its kind still grows.
     """
     kind = measure.partition("/")[0]
     if "message" not in table.column_names or kind in _AT_REST:
@@ -92,6 +92,6 @@ def why_early(table: pa.Table) -> str:
 
 
 def _least(note: str) -> float:
-    """Return how long a run must be by its note [s]."""
+    """Parse the least length of a run [s] from its note."""
     number, unit = note.rpartition("run at least ")[2].split()
     return float(number) * (1e-3 if unit == "ms" else 1.0)

@@ -42,7 +42,7 @@ def measure_names(system: System) -> list[str]:
 
 
 def measures(system: System, peaks: Peaks, rest: State | None, response: Response | None = None) -> dict[str, float]:
-    """Return the measures of one variant; `rest` is the equilibrium at its start, None if it does not start at one.
+    """Return the measures of one variant; `rest` is the equilibrium from which it starts, if it starts from one.
 
     The `response` is wanted of a system of which `needs_samples` says so.
 

@@ -171,9 +171,9 @@ def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdi
     run = response.initial_state.time, response.final_state.time
     # Older responses lack the slowest period.
     begin = math.inf if math.isnan(numerics.slowest_period) else quiet_from(response.motion, run, numerics.motion_end)
-    growing = set() if early else {row for row in rows if _grows(response, row, begin)}
+    growing = set() if early else {row for row in rows if _rises_late(response, row, begin)}
     if growing and math.isfinite(over := numerics.motion_end):
-        growing |= {row for row in rows if _grows(response, row, 0.5 * (over + begin), goes_on=False)}
+        growing |= {row for row in rows if _rises_late(response, row, 0.5 * (over + begin), continues=False)}
     reason = early or growth_note(run[1])
 
     def judged(row: Verdict) -> Verdict:
@@ -186,8 +186,8 @@ def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdi
     return tuple(judged(row) for row in rows)
 
 
-def _grows(response: Response, row: Verdict, begin: float, *, goes_on: bool = True) -> bool:
-    """Check whether a value within its limit grew after `begin` [s], or would later; the latter only if it `goes_on`."""
+def _rises_late(response: Response, row: Verdict, begin: float, *, continues: bool = True) -> bool:
+    """Tell whether a value within its limit rose after `begin` [s], or, if the motion `continues`, would rise after the run."""
     if row.verdict != WITHIN or row.time is None or row.time <= begin:
         return False
     course = utilisation_over_time(response, row)
@@ -199,7 +199,7 @@ def _grows(response: Response, row: Verdict, begin: float, *, goes_on: bool = Tr
         return True
     # Parts of equal length end at `begin` and at the end: the growth in each continues as a geometric series, which is summed.
     late, fall = last - before, 1.0 - (last - before) / max(before - first, last - before, 1e-300)
-    return goes_on and late / max(fall, 1.0 / _LARGEST_CREEP) > GROWTH
+    return continues and late / max(fall, 1.0 / _LARGEST_CREEP) > GROWTH
 
 
 def growth_note(end: float) -> str:

@@ -101,7 +101,7 @@ def _carrying_deflection(law: Law, rest: float, force: float, amplitude: float, 
     return math.nan
 
 
-def reached_in(modes: Modes, mount: str) -> tuple[Array, Array]:
+def deflection_range(modes: Modes, mount: str) -> tuple[Array, Array]:
     """Find the lowest and highest deflections of a mount over all modes, sag included [m], (3,) each."""
     rest, amplitudes = modes.equilibrium.mounts[mount].deflection, (modes.amplitude or 0.0) * abs(modes.mounts[mount])
     largest = amplitudes.max(axis=0, initial=0.0)  # (n_modes, 3) -> (3,)
@@ -110,5 +110,5 @@ def reached_in(modes: Modes, mount: str) -> tuple[Array, Array]:
 
 def travel_utilisation(system: System, modes: Modes, mount: str) -> float:
     """Find the largest utilisation of a mount's rated travels in any of the modes, sag included [-]; 0 without a rating."""
-    reached = travel.travel_reached(*reached_in(modes, mount))
+    reached = travel.travel_reached(*deflection_range(modes, mount))
     return max(travel.travel_utilisation(reached, system.mounts[mount].isolator.limits.travel.stated).values(), default=0.0)

@@ -57,11 +57,11 @@ def _with_smoothed_axes(isolator: Isolator, width: float) -> Isolator:
 def width_indices(system: System) -> Integers:
     """Find the indices of the smoothing widths of a system's laws in its model's numeric_data."""
     model = system.model
-    numbers = model.actuator_dynprm[-1]
-    layout, parameters = int(numbers[1]), int(numbers[2])
+    addresses = model.actuator_dynprm[-1]
+    layout, parameters = int(addresses[at.PRM_LAYOUT]), int(addresses[at.PRM_PARAMETERS])
     first = layout + int(model.numeric_data[layout + at.AXES])
     rows = model.numeric_data[first : first + 3 * at.AXIS_COLUMNS * len(system.mounts)].reshape(-1, at.AXIS_COLUMNS)
-    return parameters + widths_of(rows[:, :2], model.numeric_data[parameters:])
+    return parameters + widths_of(rows[:, [at.LAW, at.FIRST_PARAMETER]], model.numeric_data[parameters:])
 
 
 def widths_of(laws: AnyArray, parameters: Array) -> Integers:

@@ -84,7 +84,7 @@ class ByMujoco:
 class ByKernel:
     """A system that the kernel steps through cycles, until it fails.
 
-    The kernel follows no channel that is fixed to the base: its acceleration is followed beside them.
+    The kernel tracks no channel that is fixed to the base: for these the base's acceleration is tracked, as the last row.
     """
 
     def __init__(self, system: System, motion: Sine | Sweep, start: State) -> None:
@@ -95,7 +95,7 @@ class ByKernel:
         self._group = group_of([equations(system)], start.values[moving(system)][np.newaxis], [0])
         self._base = np.zeros(at.CHANNEL_MEMORY)
         n = tables.tracked.size
-        self._rows = np.full(tables.channels.size, n)  # of every channel among those that are followed, the base's last
+        self._rows = np.full(tables.channels.size, n)  # row of every channel in the extremes; n: the base's
         self._rows[tables.tracked] = np.arange(n)
         self._before = self._snapshot()
 

@@ -12,7 +12,7 @@ FARTHEST = 1e3  # clearance that is as good as any larger one [m]
 
 @dataclass
 class Writer:
-    """Numbers that are put one behind the other, and where each begins."""
+    """Array of numbers that grows at its end."""
 
     numbers: list[float]
 
@@ -32,7 +32,7 @@ class Pose:
     quaternion: Array
 
     def then(self, origin: Array, quaternion: Array) -> "Pose":
-        """Compose this pose with that of a frame stated in it."""
+        """Compose this pose with a pose that is stated in its frame."""
         turned, product = np.empty(3), np.empty(4)
         mujoco.mju_rotVecQuat(turned, np.asarray(origin, dtype=np.float64), self.quaternion)
         mujoco.mju_mulQuat(product, self.quaternion, np.asarray(quaternion, dtype=np.float64))

@@ -36,7 +36,7 @@ class _Changed:
 
 
 class Numbers:
-    """Writes the numbers of variants of a system where they have its structure and its shared numbers."""
+    """Writes the numbers of those variants of a system that keep its structure and its shared numbers."""
 
     def __init__(self, system: System, equations: Equations) -> None:
         """Locate the numbers of mounts, bodies and points."""

@@ -107,7 +107,7 @@ class Peak:
 
     @property
     def time(self) -> float:
-        """Its instant [s]."""
+        """Instant of the largest norm [s]."""
         return self.numbers.item(1)
 
     vector = _part(VECTOR, "The vector at that instant, (3,).")

@@ -97,9 +97,9 @@ def _touched(contact: ContactPeak, row: Array) -> ContactPeak:
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """Result of stepping: state at the grid's end, peaks over every step, largest step [s], and who made it.
+    """Result of stepping: state at the grid's end, peaks over every step, largest step [s], and the engine.
 
-    `why` says why it is MuJoCo's and not the kernel's, if it is.
+    `why` is the reason why MuJoCo computed it and not the kernel, "" if the kernel did.
     """
 
     final_state: State
@@ -115,7 +115,7 @@ def run(
     system: System, motion: BaseMotion, grid: TimeGrid, initial: State, *, callback: Kind,
     sink: Callable[[int, Array], None] | None = None, progress: Callable[[float], None] | None = None,
 ) -> RunResult:  # fmt: skip
-    """Step `system` through `grid` from `initial` by MuJoCo and hand every sample to `sink`, if there is one.
+    """Step `system` through `grid` from `initial` by MuJoCo and pass every sample to `sink`, if it is given.
 
     The system's model is copied, so that one system serves several threads. `sink` takes the number of the first of some
     samples and the system's sensor values, (n_samples, n_values), which it must copy; `progress` takes the simulated time [s]
@@ -159,7 +159,7 @@ def run(
 
 
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
-    """Read the peaks from the tracker's memory in userdata; what is fixed to the base has the base's own."""
+    """Read the peaks from the tracker's memory in userdata; channels fixed to the base have the peak of the base."""
     assembly = system.assembly
     rows = assembly.tables.user.channel_rows(user)
     every = [Peak.of(row) for row in rows.take(_NUMBERS, axis=1)]
@@ -212,7 +212,7 @@ def missing_modes(system: System, motion: BaseMotion) -> tuple[str, ...]:
 
 
 def highest_frequency(motion: BaseMotion) -> float:
-    """Compute the highest frequency of a base motion [Hz]: of steady vibration its own, of shocks from the spectrum.
+    """Compute the highest frequency of a base motion [Hz]: the stated one of steady vibration, that of the spectrum of shocks.
 
     Below that of a shock lies `WITHIN` of the energy of its acceleration. A jump of the velocity alone has none: 0.
     """
@@ -289,7 +289,7 @@ def warn_of_uncertainty(response: Response) -> None:
 
 
 def warn_of_given_step(timestep: float, error: float, *, stacklevel: int = 3) -> None:
-    """Warn of a given step [s] whose error, relative to the peaks, is large; NaN is not."""
+    """Warn of a given step [s] whose error, relative to the peaks, is large; never for NaN."""
     if error > ENOUGH_GIVEN:
         warnings.warn(
             f"the given step of {1e3 * timestep:.4g} ms is too long for friction that yields within it: half of it differs by "

@@ -44,7 +44,7 @@ class Equilibria:
 
 
 class EquilibriumSolver:
-    """Finds equilibria of variants that share a structure with `system`, whose own equations those are."""
+    """Finds equilibria of variants that share the structure of `system`, whose equations are `equations`."""
 
     def __init__(self, system: System, equations: Equations) -> None:
         """Prepare the tables that all variants share."""
@@ -119,7 +119,7 @@ def settle_together(systems: Sequence[System], history: History) -> None:
 
 
 def _confirmed(system: System, history: History, data: mujoco.MjData, rests: Equilibria, number: int) -> Equilibrium | None:
-    """Return one of several equilibria if MuJoCo's own accelerations vanish there, else None."""
+    """Return the equilibrium of variant `number` if MuJoCo's accelerations vanish there, else None."""
     if not rests.found[number]:
         return None
     model, qpos = system.model, rests.states[number, : system.model.nq]

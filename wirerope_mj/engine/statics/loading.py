@@ -168,7 +168,7 @@ class Loading:
             return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 
     def _root(self, position: Array, tolerance: float) -> tuple[Array, float]:
-        """Find the equilibrium position next to `position`, and the largest acceleration there, > `tolerance` if it is none.
+        """Find the equilibrium next to `position`, and the largest acceleration there, > `tolerance` if the search failed.
 
         Newton's method for neighbouring roots, of which one's Jacobian serves the next. Broyden's updates (1965, his first)
         carry the inverse Jacobian along; a new one is taken from differences only where convergence slows. Directions without

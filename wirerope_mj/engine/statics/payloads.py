@@ -1,4 +1,4 @@
-"""Payloads, what no mount resists of their motions, and what a model says that is perhaps not meant.
+"""Payloads, their motions that no mount resists, and probable modelling errors.
 
 A payload is a body that mounts carry, with everything that stands on it or is joined to it by equality constraints. On one
 mount, or on mounts in line, it turns about them. Axes without a law, a strange gravity, masses far away and masses in other
@@ -43,7 +43,7 @@ class Payload:
     joined: tuple[int, ...] = ()  # ids of the lowest bodies of what is joined to it, and does not stand on it
 
     def centre(self, data: mujoco.MjData, masses: Array) -> Array:
-        """Compute its centre of mass in `data` [m], (3,), from the masses of all subtrees [kg]."""
+        """Compute the payload's centre of mass in `data` [m], (3,), from the masses of all subtrees [kg]."""
         if not self.joined:
             return data.subtree_com[self.root].copy()
         roots = [self.root, *self.joined]

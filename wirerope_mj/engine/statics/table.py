@@ -181,7 +181,7 @@ def _sag(system: System, result: Equilibrium) -> Sag:
 
 
 def _on_stops(isolator: Isolator, load: MountLoad) -> Array:
-    """Compute the force of the bump stops of an isolator at rest in its axes, all of its force where it is one [N], (3,)."""
+    """Compute the force of an isolator's bump stops at rest, in its axes [N], (3,); the whole force if it is a stop."""
     if isolator.is_stop:
         return load.force
     force = np.zeros(3)

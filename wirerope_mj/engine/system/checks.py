@@ -43,7 +43,7 @@ _ELSEWHERE = "What each element may hold: https://mujoco.readthedocs.io/en/stabl
 
 
 def check_written(text: str, path: Path | None) -> None:
-    """Raise ModelError if a number in the model's text is NaN, which MuJoCo takes for one that is not stated."""
+    """Raise ModelError if a number in the model's text is NaN, which MuJoCo takes as not stated."""
     if "nan" not in text.lower() and "<include" not in text:
         return
     try:

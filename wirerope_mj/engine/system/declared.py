@@ -65,7 +65,7 @@ def check_visible(model: mujoco.MjModel) -> None:
 def declared_mounts(
     spec: mujoco.MjSpec, model: mujoco.MjModel, *, folder: Path | None, isolators: Mapping[str, Isolator]
 ) -> list[DeclaredMount]:
-    """Return the mounts in the order of their tuples; isolators in memory precede files, of which those in `folder` first."""
+    """Return the mounts in the order of their tuples; isolators in memory precede files, files in `folder` others."""
     files = {text.name: text.data for text in spec.texts}
     loaded: dict[str, Isolator] = {}
     mounts: list[DeclaredMount] = []
@@ -173,7 +173,7 @@ def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
 
 
 def declared_areas(spec: mujoco.MjSpec, mounts: Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Return the mounts of every area, in order; ModelError if one names no mount, or a mount stands on two of them."""
+    """Return the mounts of every area, in order; ModelError if an area names no mount, or two areas share a mount."""
     areas: dict[str, tuple[str, ...]] = {}
     taken: dict[str, str] = {}
     for text in spec.texts:

@@ -1,4 +1,4 @@
-"""A copy of a system's model that loads by itself, with what a variant of it differs by."""
+"""A copy of a system's model that loads by itself, with the changes of a variant."""
 
 import re
 import shutil

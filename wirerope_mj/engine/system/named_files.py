@@ -1,4 +1,4 @@
-"""Files that an MJCF model names: those it cannot do without, and whether they lie where they must."""
+"""Files that an MJCF model names, and checks that they lie in its folder and are no devices."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -77,7 +77,7 @@ def geom_name(model: mujoco.MjModel, geom: int) -> str:
 
 
 def payload_first(model: mujoco.MjModel, base: int, pair: tuple[int, int]) -> tuple[int, int]:
-    """Order a pair of geoms with the one that is fixed to the base or the world last; MuJoCo orders them by shape."""
+    """Order a pair of geoms, a geom fixed to the base or the world last; MuJoCo orders them by shape."""
     fixed = [geom < 0 or model.body_weldid[model.geom_bodyid[geom]] in (0, base) for geom in pair]
     return (pair[1], pair[0]) if fixed[0] and not fixed[1] else pair
 

@@ -181,7 +181,7 @@ def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
 
 
 def tune(model: mujoco.MjModel, tunings: Mapping[str, float], nominal: mujoco.MjModel) -> None:
-    """Tune joint springs in place, to natural frequencies that are factors on those of the same joints in another model.
+    """Tune joint springs in place, to factors on the natural frequencies that the same joints have in the model `nominal`.
 
     So they are whatever masses have become, and damping ratios stay; so does the force in each spring as drawn.
     """

@@ -92,7 +92,6 @@ class Record(BaseMotion):
 
     @property
     def end(self) -> float:
-        """Instant of the last sample [s]."""
         return float(self.time[-1])
 
     @property

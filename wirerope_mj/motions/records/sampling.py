@@ -42,7 +42,7 @@ _MOST_ADDED = 20_000_000
 
 
 def continued(a: Array, count: int) -> Array:
-    """Return a signal (n,) with samples added at both ends, (n + 2 count,).
+    """Extend a signal (n,) by `count` predicted samples at both ends, (n + 2 count,).
 
     A pulse is mirrored, so that a filter takes nothing from its area even where it begins with the first sample. A vibration
     was cut out of a longer one and is continued by linear prediction (Burg): sines go on with their phase, noise dies away.
@@ -141,7 +141,7 @@ def resampled(reading: Reading, rate: float) -> Reading:
 
 
 def filtered(samples: Array, up: int, down: int) -> Array:
-    """Return samples (n, k) at up / down of their rate, through the filter of `resampled`; the first stays where it is."""
+    """Return samples (n, k) at up / down of their rate, through the filter of `resampled`; the first keeps its instant."""
     from scipy.signal import firwin, kaiserord, resample_poly
 
     most = max(up, down)
@@ -204,7 +204,7 @@ def _curved(reading: Reading, time: Array, usual: float) -> Reading:
 
 
 def without_baseline(time: Array, samples: Array, baseline: str, highpass: float | None) -> tuple[Array, Array]:
-    """Return instants [s], (n,), and accelerations, (n, 3), without a constant, or without what is slower than a cutoff [Hz].
+    """Return instants [s], (n,), and accelerations, (n, 3), minus a constant by `baseline`, or high-pass filtered.
 
     `baseline` is one of `BASELINES`; the filter has the gain one half at its cutoff `highpass`. Samples are changed in place,
     unless they are filtered: a record is then longer, by rest at both ends. ValueError: the cutoff is half the sampling rate

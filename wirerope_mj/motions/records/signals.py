@@ -62,7 +62,7 @@ def moved_level(a: Array, rate: float) -> tuple[float, float, int] | None:
 
 
 def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *, played: bool = True) -> Iterator[str]:
-    """Yield warnings about the zero of an acceleration (n,) at instants [s], of a base that is `played` or of a response.
+    """Yield warnings about the zero of an acceleration (n,) at instants [s], of a response, or of a base if `played`.
 
     `where` is how a sentence about it begins, "along x"; levels are said in a unit, its name and what one of it is in SI.
     """
@@ -169,7 +169,7 @@ def resolution_warnings(where: str, a: Array, rest: float, rate: float, *, unit:
 
 
 def _lone_samples(a: Array) -> list[int]:
-    """Return the samples that stand alone out of their neighbours, most of all first."""
+    """Return the samples that stand out alone of their neighbours, the highest first."""
     before, after = a[1:-1] - a[:-2], a[1:-1] - a[2:]
     out = np.where(before * after > 0.0, np.minimum(np.abs(before), np.abs(after)), 0.0)
     several = min(_SEVERAL + 1, out.size)

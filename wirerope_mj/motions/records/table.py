@@ -68,7 +68,7 @@ def read_blocks(
                     converters=converters or None,
                 )  # fmt: skip
         except ValueError:
-            name_bad_line(header, columns, clock, missing=missing)
+            raise_for_bad_line(header, columns, clock, missing=missing)
             raise RecordError(
                 f"{header.path}: a row behind the header in line {header.line} holds something else than numbers. Write "
                 "it again as plain CSV in UTF-8."
@@ -76,7 +76,7 @@ def read_blocks(
         if not len(block):
             return
         if not np.all(np.abs(block) <= LARGEST):
-            name_bad_line(header, columns, clock, missing=missing)
+            raise_for_bad_line(header, columns, clock, missing=missing)
         yield block
 
 
@@ -112,7 +112,7 @@ def most_rows(path: Path) -> int:
     return rows
 
 
-def name_bad_line(header: Header, columns: Sequence[int], clock: Clock | None = None, *, missing: bool = False) -> None:
+def raise_for_bad_line(header: Header, columns: Sequence[int], clock: Clock | None = None, *, missing: bool = False) -> None:
     """Raise RecordError that names the first row that cannot belong to a record, if there is one."""
     before, of_numbers = -math.inf, isinstance(header.content, np.ndarray)
     for number, cells in numbered_rows(header):
@@ -155,7 +155,7 @@ def read_record_table(
     path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False, turns: bool = False,
     stated: Stated | None = None,
 ) -> Reading:  # fmt: skip
-    """Return the accelerations in the columns of a table in any container, and what turns the base.
+    """Return the accelerations in the columns of a table in any container, and the angular channels of the base.
 
     Without `channels` they are in the columns named x, y and z, without a `unit` in the header's. With `fill` empty cells and
     NaN are filled with straight lines; else they are an error. With `turns` angular rates or accelerations are read, too: those
@@ -190,7 +190,7 @@ def read_record_table(
         header.factor(column, TURN_UNITS[kind]) if column in turned else next(accelerations) for column in directions
     ])  # fmt: skip
     columns, axes = [time, *directions], axes_of(directions.values())
-    instants, samples, filled = _in_si(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
+    instants, samples, filled = _read_scaled(header, columns, clock, factors[:, np.newaxis] * axes, fill=fill)
     ranges = [range_of(header.units[column]) for column in directions if column not in turned]
     if ranges and None not in ranges:
         require_within_range(header.location, samples[:, :3], max(limit for limit in ranges if limit is not None))
@@ -212,7 +212,7 @@ def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Readi
     """Read columns of a table as they are, (n, n_columns), and the unit of each in its header, None without a unit."""
     header, time, clock = _opened(path, names, kind="test record")
     columns = [find_column(header, name, without=time) for name in names]
-    instants, samples, messages = _in_si(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)
+    instants, samples, messages = _read_scaled(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)
     units = tuple(header.units[column] for column in columns)
     messages += _borrowed_time(header, time, columns)
     return Reading(instants, samples, units=(), warnings=tuple(messages)), units
@@ -234,10 +234,13 @@ def _borrowed_time(header: Header, time: int, columns: Sequence[int]) -> list[st
     ]
 
 
-def _in_si(
+def _read_scaled(
     header: Header, columns: Sequence[int], clock: Clock | None, matrix: Array, *, fill: bool
 ) -> tuple[Array, Array, list[str]]:
-    """Read instants [s], (n,), the other columns times a matrix (n_columns, k), and warnings of samples that were filled."""
+    """Read instants [s], (n,), samples (n, k), the other columns times `matrix` (n_columns, k), and warnings of filled gaps.
+
+    The first of `columns` is the time, parsed by `clock` where it is given.
+    """
     path, content = header.path, header.content
     time_factor = header.factor(columns[0], TIME_UNITS) if clock is None else 1.0
     blocks: Iterable[Array]
@@ -246,7 +249,7 @@ def _in_si(
         usable = np.abs(blocks[0]) <= LARGEST
         usable[:, 1:] |= np.isnan(blocks[0][:, 1:]) & fill
         if not usable.all():
-            name_bad_line(header, columns, missing=fill)
+            raise_for_bad_line(header, columns, missing=fill)
     else:
         # memory that is not written to costs nothing: a long record stands in memory once
         most = most_rows(path) if content is None else len(content)
@@ -264,7 +267,7 @@ def _in_si(
         raise RecordError(f"{path}: a record needs at least 2 rows of numbers, this one has {size}.")
     time, samples = time[:size], samples[:size]
     if np.any(time[1:] <= time[:-1]):
-        name_bad_line(header, columns, clock, missing=fill)
+        raise_for_bad_line(header, columns, clock, missing=fill)
     return time, samples, messages
 
 
@@ -353,7 +356,7 @@ def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> tupl
 
 
 def _axis_columns(header: Header, time: int, *, required: bool = True) -> dict[int, Direction]:
-    """Return the indices of the columns that are named after an axis, with their directions; none only if not `required`."""
+    """Return the indices of the columns that are named after an axis, with their directions; {} if none is `required`."""
     columns: dict[int, Direction] = {}
     if lost := [name for name in header.left_out if _AXIS_COLUMN.fullmatch(underscored_unit(name, ACCELERATION_UNITS)[0])]:
         raise RecordError(

@@ -64,7 +64,7 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
     histories, systems = _histories(path, unit)
     heads = dict(histories)
     if channels is None:
-        chosen = _all_of_one_node(path, histories)
+        chosen = _directions_of_single_node(path, histories)
     else:
         names = _names(list(heads.values()))
         places = {_index_of(path, list(heads.values()), names, name): direction for name, direction in channels.items()}
@@ -209,18 +209,22 @@ def _index_of(path: Path, heads: Sequence[Entries], names: Sequence[str], name: 
     raise RecordError(f"{path}: {fault}; the file holds {plain(short(listed, 600))}.")
 
 
-def _all_of_one_node(path: Path, histories: Histories) -> dict[int, Direction]:
-    """Return all histories along the directions that the file gives them; they must be of one node and at most three."""
+def _directions_of_single_node(path: Path, histories: Histories) -> dict[int, Direction]:
+    """Return the direction of every history by its number; RecordError unless all have one node and different axes.
+
+    Names are `node:direction`, as in "12:-z", or `node:direction#n` where several have one node and direction.
+    """
     names = _names([head for _, head in histories])
-    ends = [name.partition(":")[2].partition("#")[0] for name in names]
+    directions = [name.partition(":")[2].partition("#")[0] for name in names]
     nodes = {name.partition(":")[0] for name in names}
-    end = (ends[0] or "z").lstrip("-")
-    if len(nodes) > 1 or not all(ends) or len({end.lstrip("-") for end in ends}) < len(ends):
+    axes = {direction.lstrip("-") for direction in directions}
+    if len(nodes) > 1 or not all(directions) or len(axes) < len(directions):
+        axis = (directions[0] or "z").lstrip("-")
         raise RecordError(
             f"{path}: which of {', '.join(names)} move the base? Name one for each direction, for instance "
-            f'channels={{"{names[0]}": "{end}"}} (--channels {names[0]}={end}).'
+            f'channels={{"{names[0]}": "{axis}"}} (--channels {names[0]}={axis}).'
         )
-    return {n: _VECTORS.get(end, end) for (n, _), end in zip(histories, ends, strict=True)}
+    return {n: _VECTORS.get(direction, direction) for (n, _), direction in zip(histories, directions, strict=True)}
 
 
 def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:

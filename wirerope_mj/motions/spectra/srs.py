@@ -50,7 +50,7 @@ class Extremes(Brief):
 
     @property
     def maximax(self) -> Array:
-        """The largest of all."""
+        """Largest magnitude of either sign."""
         return np.maximum(self.positive, self.negative)
 
     @classmethod
@@ -70,7 +70,7 @@ def _of_acceleration(name: str, which: str) -> Any:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ShockResponseSpectrum(Summarised):
-    """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency: those of ISO 18431-4.
+    """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency (ISO 18431-4).
 
     All are magnitudes, (n_f,) for one acceleration, (n_f, k) for k of them side by side.
     """

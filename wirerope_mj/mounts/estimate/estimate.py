@@ -1,4 +1,4 @@
-"""An isolator without a data sheet: its values from geometry with the errors of such estimates, and a file of it."""
+"""An isolator without a data sheet: its values estimated from geometry, their errors, and its isolator file."""
 
 import math
 from dataclasses import dataclass, replace

@@ -89,7 +89,7 @@ class Trends:
     ratios: dict[str, float]
 
     def predict(self, *, height: float, width: float, rope: float, bar: float, loops: float) -> Values:
-        """Predict the values of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel.
+        """Predict the values of an isolator from its geometry [m]; ValueError if no loop or no travel would remain.
 
         The vibration stiffness in shear is the shock stiffness, as in the table.
         """
@@ -164,7 +164,7 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
 
 @cache
 def other_vendor_errors() -> dict[str, Array]:
-    """Compute log(estimate / data sheet) of the values of VMC's table, which no trend has seen; one for each part stating it.
+    """Compute log(estimate / data sheet) of the values of VMC's table, to which no trend was fitted, one for each part.
 
     Their bars are not stated and taken from the trend. The table has no values at 45 degrees.
     """

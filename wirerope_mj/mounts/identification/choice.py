@@ -59,13 +59,13 @@ class LawComparison(Brief):
 
     @property
     def most_general(self) -> LawRow:
-        """The law whose largest error on an amplitude left out is smallest; the best one if no law has such errors."""
+        """Law with the smallest largest error at an amplitude left out; the best law if none has such errors."""
         errors = [math.inf if np.isnan(row.errors_left_out).any() else row.errors_left_out.max() for row in self.rows]
         return self.rows[int(np.argmin(errors))]
 
     @property
     def recommended(self) -> LawRow:
-        """The most general law, or the best one if it fits far better and amplitudes are too few to leave one out for it.
+        """The most general law, or the best law if it fits far better and has too few amplitudes to leave one out.
 
         Where the best law has errors on amplitudes left out, they count more than its criterion. Where it has none, its rivals'
         errors of the fit to all loops are as much as they can be held against: more than twice its own somewhere, with a

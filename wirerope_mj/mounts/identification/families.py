@@ -1,4 +1,4 @@
-"""Coordinates in which laws are searched for, and those of the laws that cyclic tests can fix.
+"""Coordinates in which laws are searched for, and the laws that cyclic tests determine.
 
 A Bouc-Wen law is searched for by its normalised form (z_max, x_y, sigma, n), whose numbers are less correlated than alpha, beta
 and gamma; b and c of Ni's law by their product, the only one that acts; Jenkin elements by their stiffnesses and the
@@ -42,7 +42,7 @@ class Scales:
 
 # Fraction of the least amplitude below which a slip deflection is not resolved: of a sine's 200 samples nine behind a turning
 # point still show the stiffness before it, fewer show a jump of the force alone.
-SEEN = 0.02
+RESOLVED = 0.02
 
 
 @dataclass(frozen=True)
@@ -92,11 +92,11 @@ ELASTIC = 1e-6  # Loss below which a stop is elastic: no test shows it, and the 
 
 
 def least_exponent(s: Scales) -> float:
-    """Find the least exponent n that samples resolve: below it half of the slope at z = 0 is lost within `SEEN`.
+    """Return the smallest exponent n that samples resolve: the slope at z = 0 halves no earlier than `RESOLVED`.
 
-    Half of the slope is lost at x_y (1/2)^(1/n), here with x_y at the largest amplitude and `SEEN` of the least one.
+    It halves at x_y (1/2)^(1/n), which with x_y at the largest amplitude is `RESOLVED` of the smallest one.
     """
-    return max(0.1, math.log(2.0) / math.log(s.deflection / (SEEN * s.least)))
+    return max(0.1, math.log(2.0) / math.log(s.deflection / (RESOLVED * s.least)))
 
 
 def _slips(s: Scales) -> list[float]:
@@ -118,7 +118,7 @@ def _hysteresis(s: Scales, *, sigma: bool = True) -> list[Coordinate]:
 
 
 def _elastic(s: Scales, *names: str) -> list[Coordinate]:
-    """List polynomial stiffnesses; the linear one is that of a spring, which cannot be negative."""
+    """List polynomial stiffnesses; the linear stiffness, that of a spring, cannot be negative."""
     rows = []
     for power, name in enumerate(names, start=1):
         size = s.force / s.deflection**power
@@ -193,7 +193,7 @@ def masing_family(elements: int) -> Family:
         size = s.force / s.deflection
         rows = [*_elastic(s, "k", "k2", "k3")]
         rows += [Coordinate(f"c{e}", "N/m", 1e-5 * size, 1e4 * size, linear=True) for e in range(1, elements + 1)]
-        rows.append(Coordinate("x1", "m", SEEN * s.least, 10.0 * s.deflection, grid=(0.15 * s.least, 0.5 * s.least)))
+        rows.append(Coordinate("x1", "m", RESOLVED * s.least, 10.0 * s.deflection, grid=(0.15 * s.least, 0.5 * s.least)))
         # They slip one after the other up to the largest amplitude.
         return rows + [Coordinate(f"x{e}/x{e - 1}", "-", 1.01, 1e4, grid=(2.0, 3.5)) for e in range(2, elements + 1)]
 

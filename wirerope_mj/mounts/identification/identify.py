@@ -55,7 +55,7 @@ def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
 
 
 def group_error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:
-    """Compute the root mean square of a law's force minus that of the loops of one amplitude, over half of the force range.
+    """Compute the rms difference of a law's force from the loops of one amplitude, over half of the force range.
 
     Both are without their means.
     """
@@ -79,7 +79,7 @@ Fit = Callable[[Sequence[Loop], int, Identification | None], Identification]
 
 
 def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[int, tuple[ScaleRow, ...]]:
-    """Fit one scale, two and three, and return the largest number that the loops support, and all trials.
+    """Fit one, two and three scales; return the largest number of scales that the loops support, and all fits.
 
     One more scale is taken if the criterion falls and the error at amplitudes left out falls, too: its mean over the
     amplitudes in logarithms, for that of the largest, into which a spring is extrapolated, is ten times that of the others.
@@ -120,7 +120,7 @@ SAME = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class _End:
-    """End of one search, with its stages and its start, "given" or "grid"."""
+    """Minimum of one search, with its stages and its start, "given" or "grid"."""
 
     minimum: Minimum
     stages: tuple[Stage, ...]
@@ -230,7 +230,7 @@ def _result(
     unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None, profiles: bool,
     data: Data,
 ) -> Identification:  # fmt: skip
-    """Return the identification at the best end, after restarts from better fits that its profiles have shown."""
+    """Return the identification at the best minimum, restarted from any better fit that its profiles find."""
     evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
     for restarts_left in range(DEEPER, -1, -1):
         least = min(end.minimum.cost for end in ends)

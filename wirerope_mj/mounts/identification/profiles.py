@@ -28,7 +28,7 @@ STEPS = 15  # Steps of the others' search at one value: it begins where the stra
 
 @dataclass(frozen=True, kw_only=True)
 class ProfilePoint:
-    """Numbers fitted with one of them held, and the rise of the sum of squares above the best, in variances."""
+    """Coordinates fitted with one held fixed, and the rise of the sum of squares above the minimum, in variances."""
 
     numbers: Array
     rise: float
@@ -46,7 +46,7 @@ class Survey:
 def survey(
     unknowns: Unknowns, residual: Residual, best: Minimum, rivals: Sequence[Minimum], noise: float | None = None
 ) -> Survey:
-    """Compute the uncertainty of the best minimum from its profiles and from the minima where other searches ended.
+    """Compute the uncertainty of the best minimum from its profiles and from the minima of other searches.
 
     Standard errors span all points that fit as well; a message names each value that is open so. `noise` is the standard
     deviation of the residuals; None: as they are left.
@@ -110,7 +110,7 @@ def _different(first: Mapping[str, Parameter], second: Mapping[str, Parameter]) 
 
 
 class _Profile:
-    """Profile of one coordinate to one side: it is moved step by step, and the others are fitted again."""
+    """Profile of one coordinate to one side: the coordinate is moved step by step, and all others are fitted again."""
 
     def __init__(
         self, unknowns: Unknowns, residual: Residual, best: Minimum, uncertainty: Uncertainty, spread: float, index: int
@@ -137,7 +137,7 @@ class _Profile:
             held = replace(self.unknowns, fixed={**self.unknowns.fixed, c.name: target})
             if held.free:
                 start = self.unknowns.values(np.clip(moved, *self.unknowns.bounds))
-                ended = run_search(held, self.residual, start, most=STEPS)
+                ended = run_search(held, self.residual, start, max_evaluations=STEPS)
                 cost, evaluations = ended.cost, ended.evaluations
                 moved = self.unknowns.numbers(held.values(ended.numbers))
             else:
@@ -160,7 +160,7 @@ class _Profile:
         return farthest
 
     def _straight(self, moved: Array) -> bool:
-        """Return whether the residual at the end of the straight line is that of a linear problem."""
+        """Return whether the residual at the end of a straight line is as a linear problem has it."""
         low, high = self.unknowns.bounds
         if not ((moved > low) & (moved < high)).all():
             return False

@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.units import significant
-from wirerope_mj.mounts.identification.families import SEEN
+from wirerope_mj.mounts.identification.families import RESOLVED
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.scales import yield_deflection
 from wirerope_mj.mounts.identification.search import Stage, rms
@@ -61,11 +61,12 @@ def validity_of(law: Law, loops: Sequence[MeasuredLoop]) -> str:
         return text
     form = min(forms, key=_half_slope)  # of several scales the one that shows least
     half = 1e3 * _half_slope(form)
-    if half > SEEN * least:
+    if half > RESOLVED * least:
         return text
     return (
-        f"{text}. With n = {form.n:.3g} half of the slope alpha is lost within {half:.2g} mm, less than {100.0 * SEEN:g} % of "
-        "the least amplitude, which its samples do not show: the stiffness of smaller cycles is a guess"
+        f"{text}. With n = {form.n:.3g} half of the slope alpha is lost within {half:.2g} mm, less than "
+        f"{100.0 * RESOLVED:g} % of the least amplitude, which its samples do not show: the stiffness of smaller cycles is a "
+        "guess"
     )
 
 
@@ -169,12 +170,12 @@ class Identification(Summarised):
 
     @property
     def falling(self) -> str:
-        """From which deflections on the tangent stiffness is negative within twice the tested ones, as text; "" if nowhere."""
+        """Deflections beyond which the tangent stiffness is negative, within twice the tested deflections, as text; else ""."""
         low, high = self.measured.deflection
         return falling_text(self.law, BEYOND * min(low, 0.0), BEYOND * max(high, 0.0))
 
     def __str__(self) -> str:
-        """The law, its error, its parameters with units and errors, what is not identifiable, and its range of validity."""
+        """Summarise law, error, parameters with units and errors, what is not identifiable, and the range of validity."""
         lines = [
             repr(self.law),
             f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops; "

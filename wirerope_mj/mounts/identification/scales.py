@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 
-from wirerope_mj.mounts.identification.families import FAMILIES, SEEN, Coordinate, Family, Scales
+from wirerope_mj.mounts.identification.families import FAMILIES, RESOLVED, Coordinate, Family, Scales
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Parallel, SymmetricBoucWen
 
 # Names of the scales, the first with the largest yield deflection, by their number; a law of one scale needs none.
@@ -50,7 +50,7 @@ def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
     def coordinates(s: Scales) -> list[Coordinate]:
         single = {c.name: c for c in single_scale.coordinates(s)}
         rows = [replace(single["z_max"], name=f"z_max_{name}") for name in names]
-        rows.append(replace(single["x_y"], name=f"x_y_{names[0]}", lower=SEEN * s.least))
+        rows.append(replace(single["x_y"], name=f"x_y_{names[0]}", lower=RESOLVED * s.least))
         rows += [Coordinate(ratio, "-", APART, FARTHEST) for ratio, _ in pairs]
         rows += [replace(single["n"], name=f"n_{name}", lower=LEAST_EXPONENT) for name in names]
         return [*rows, single["sigma"], *(c for c in single_scale.coordinates(s) if c.stiffness)]

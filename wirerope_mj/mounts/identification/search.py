@@ -85,15 +85,15 @@ def rms(residual: Array) -> float:
 
 # Step of the differences that make the Jacobian, in logarithms or scaled units: 1e5 times the traces' own error.
 STEP = 1e-6
-TOLERANCE = 1e-10  # Relative change of the numbers below which a search has ended
+TOLERANCE = 1e-10  # Relative change of the numbers below which a search has converged
 # Variances of the residual that a step has to take from the sum of squares: 0.03 standard errors of one parameter.
 GAIN = 1e-3
 # So many steps together have to take this many variances from the sum of squares: half a standard error of one parameter.
 # What moves on and takes less creeps along a valley that the noise does not tell apart from its end.
 STEPS_RUNNING, STALLED = 10, 0.25
-EVALUATIONS = 100  # Steps of one search; what needs more has lost its way
-CREPT = f"{STEPS_RUNNING} steps together changed the residual by less than half a standard error does"
-CALM = "the last step changed the residual by less than the noise can tell"
+EVALUATIONS = 100  # Largest number of evaluations of a search; one that needs more is on a wrong way
+STALL_MESSAGE = f"{STEPS_RUNNING} steps together changed the residual by less than half a standard error does"
+COST_CONVERGED = "the last step changed the residual by less than the noise can tell"
 REFUSED = 1e3  # Residual of a law that cannot be evaluated on the loops, in units of their force: far from any fit
 
 
@@ -129,7 +129,7 @@ class Unknowns:
 
 @dataclass(frozen=True, kw_only=True)
 class Minimum:
-    """The end of a search: numbers, residual and Jacobian there, steps, evaluations (Jacobians included), why it ended."""
+    """Result of a search: numbers, their residual and Jacobian, steps, evaluations (Jacobians included), why it stopped."""
 
     numbers: Array
     residual: Array
@@ -145,11 +145,11 @@ class Minimum:
 
 
 class _StalledError(Exception):
-    """Raised where ten steps have changed the residual by less than the noise resolves."""
+    """Raised when `STEPS_RUNNING` steps have changed the residual by less than the noise resolves."""
 
 
 class _Residuals:
-    """The residual and its Jacobian along a search: counts evaluations, and ends a search that stalls."""
+    """The residual and its Jacobian along a search: counts evaluations, and stops a search that stalls."""
 
     def __init__(self, unknowns: Unknowns, residual: Residual, begin: Array) -> None:
         self._unknowns, self._residual = unknowns, residual
@@ -165,7 +165,7 @@ class _Residuals:
         return self._latest[1]
 
     def jacobian(self, numbers: Array) -> Array:
-        """Differentiate the residual by differences; _StalledError where ten steps have changed it too little."""
+        """Differentiate the residual by differences; _StalledError if the search stalls."""
         before = self._latest[1] if np.array_equal(self._latest[0], numbers) else self._value(numbers)
         # SciPy's own step is relative to the number: for one near zero it is so small that the differences are rounding.
         high, columns = self._unknowns.bounds[1], []
@@ -177,7 +177,7 @@ class _Residuals:
         self.steps.append(
             Minimum(
                 numbers=numbers.copy(), residual=before, jacobian=matrix, iterations=len(self.steps) + 1,
-                evaluations=self.evaluations, converged=True, message=CREPT,
+                evaluations=self.evaluations, converged=True, message=STALL_MESSAGE,
             )
         )  # fmt: skip
         cost = self.steps[-1].cost
@@ -196,25 +196,29 @@ class _Residuals:
         return np.where(np.isfinite(value), value, REFUSED)
 
 
-def run_search(unknowns: Unknowns, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS) -> Minimum:
-    """Run a trust-region Levenberg-Marquardt search with bounds (SciPy's `least_squares`, "trf") to its end.
+def run_search(
+    unknowns: Unknowns, residual: Residual, start: Mapping[str, float], *, max_evaluations: int = EVALUATIONS
+) -> Minimum:
+    """Run a trust-region Levenberg-Marquardt search with bounds (SciPy's `least_squares`, "trf").
 
-    What counts as an end is measured by the noise, the variance of a residual as it is left: a relative change of the cost
-    would ask for more where there are many samples, and never end in a valley that the data leave open.
+    It has converged when a step reduces the sum of squares by less than `GAIN` of the residual's variance, or changes the
+    numbers by less than `TOLERANCE`; a search that stalls (`STALLED`) returns its last step, as converged. A relative change of
+    the cost would ask for more where there are many samples, and never converge in a valley that the data leave open.
     """
     begin = unknowns.numbers(start)
     residuals = _Residuals(unknowns, residual, begin)
     try:
         result = scipy.optimize.least_squares(
-            residuals.residual, begin, jac=residuals.jacobian, bounds=unknowns.bounds, x_scale="jac", max_nfev=most,
-            ftol=GAIN / residuals.freedom, xtol=TOLERANCE, gtol=TOLERANCE,
+            residuals.residual, begin, jac=residuals.jacobian, bounds=unknowns.bounds, x_scale="jac",
+            max_nfev=max_evaluations, ftol=GAIN / residuals.freedom, xtol=TOLERANCE, gtol=TOLERANCE,
         )  # fmt: skip
     except _StalledError:
         return residuals.steps[-1]
-    message = {0: f"it still moved after {most} evaluations", 2: CALM, 4: CALM}.get(result.status, str(result.message))
+    ends = {0: f"it still moved after {max_evaluations} evaluations", 2: COST_CONVERGED, 4: COST_CONVERGED}
     return Minimum(
         numbers=result.x, residual=result.fun, jacobian=result.jac, iterations=result.njev,
-        evaluations=residuals.evaluations, converged=result.status > 0, message=message,
+        evaluations=residuals.evaluations, converged=result.status > 0,
+        message=ends.get(result.status, str(result.message)),
     )  # fmt: skip
 
 
@@ -252,7 +256,7 @@ def run_stages(
     if method == "frequency":
         end, ended = stage("frequency", unknowns, harmonic_residual(loops), values)
         # The error, and what the data identify, are still those of the forces.
-        by_force = run_search(unknowns, full, ended, most=1)
+        by_force = run_search(unknowns, full, ended, max_evaluations=1)
         return replace(by_force, converged=end.converged, message=end.message), tuple(stages)
     if method == "three-stage":
         begin = {**{c.name: values[c.name] for c in unknowns.coordinates}, **unknowns.fixed}

@@ -1,4 +1,4 @@
-"""Nominally equal isolators: one law for all of them, and how its parameters scatter from one to the next."""
+"""Nominally equal isolators: one law for all specimens, and the scatter of its parameters between specimens."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.families import SEEN, Family
+from wirerope_mj.mounts.identification.families import RESOLVED, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop
 from wirerope_mj.mounts.identification.scales import APART
 from wirerope_mj.mounts.identification.search import Unknowns
@@ -21,7 +21,7 @@ SAMPLES = 60  # Samples of each loop that the grid is compared with: its shape, 
 
 
 def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int) -> list[dict[str, float]]:
-    """Choose the best points of the grid, and the best one for each pattern of signs of its coordinates.
+    """Choose the best points of the grid, and the best point for each pattern of signs of the coordinates.
 
     Laws with coordinates of either sign can have a valley for each pattern, of depths that the noise does not tell apart: a
     spring that hardens to one side, and one that softens to the other beside a stiffer straight one. `count` is the number of
@@ -50,7 +50,7 @@ def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int
 
 
 def _completed(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]) -> tuple[dict[str, float], float]:
-    """Complete nonlinear values, the shape, by the best linear ones; return them all and the mean square residual."""
+    """Complete nonlinear values, the shape, by the best linear values; return all values and the mean square residual."""
     linear = [c for c in unknowns.free if c.linear]
     multiplied, fixed = [c for c in unknowns.coordinates if c.linear], unknowns.fixed
     base = {c.name: fixed.get(c.name, max(c.lower, 0.0)) for c in multiplied} | dict(shape)
@@ -102,9 +102,9 @@ def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Seque
 
 
 def _points_of(unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[str], n: float, sigma: float) -> list[_Point]:
-    """Evaluate the grid's points of one n and one sigma: all yield deflections far enough apart, every asymmetry."""
+    """Evaluate the grid's points with one n and sigma: all yield deflections far enough apart, every asymmetry."""
     amplitudes = [loop.amplitude for loop in loops]
-    yields = np.geomspace(2.0 * SEEN * min(amplitudes), max(amplitudes), _YIELD)
+    yields = np.geomspace(2.0 * RESOLVED * min(amplitudes), max(amplitudes), _YIELD)
     shapes = [[loop.shape(float(x_y), sigma, n) for loop in loops] for x_y in yields]
     springs = [c for c in unknowns.coordinates if c.name in _POWERS]
     picks = combinations(range(_YIELD), len(names))

@@ -94,7 +94,7 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
 
 
 def noise_of(unknowns: Unknowns, minimum: Minimum, noise: float | None) -> float:
-    """Return the standard deviation of the residuals: `noise`, else that of the residuals at the minimum."""
+    """Return `noise`, or else the standard deviation of the residuals at the minimum."""
     freedom = minimum.residual.size - len(unknowns.free)
     if noise is not None:
         return noise

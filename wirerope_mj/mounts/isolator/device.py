@@ -260,7 +260,7 @@ _NOWHERE = 1.0  # Gap of a stop [m] where it is not known where a device goes so
 
 
 def bottom_in_place(stop: Isolator, device: Isolator) -> Isolator:
-    """Return the stop of a mount when another device replaces its own; one that never closes where sizes are unknown."""
+    """Return the stop of a mount when another device replaces the mount's; one that never closes if sizes are unknown."""
     unknown = replace(
         stop, axial=replace(cast(Stop, stop.axial), gap_below=_NOWHERE, gap_above=None), geometry=_core_geometry(device)
     )

@@ -135,7 +135,7 @@ class Temperature(Part):
 
     @property
     def factors(self) -> tuple[float, float]:
-        """Factors on all forces, and on the hysteretic and viscous part beside it; 1 where no temperature is said."""
+        """Factors on all forces, and in addition on the hysteretic and viscous part; 1 without a temperature."""
         if self.at is None:
             return 1.0, 1.0
         stiffness, damping = (np.interp(self.at, self.celsius, values or [1.0] * len(self.celsius)) for values in (
@@ -145,7 +145,7 @@ class Temperature(Part):
 
     @property
     def description(self) -> str:
-        """The temperature and the factors that it makes, or the temperatures that are stated, as text."""
+        """Temperature and its factors, or the temperatures for which factors are stated, as text."""
         if self.at is None:
             return f"stated from {self.celsius[0]:g} to {self.celsius[-1]:g} degC; the laws are as written"
         stiffness, damping = self.factors
@@ -331,7 +331,7 @@ class MeasuredRange(Part):
         return f"at {', '.join(texts)}" if texts else ""
 
     def joined(self, other: "MeasuredRange | None") -> "MeasuredRange":
-        """Join two measured ranges; a pace that one of them lacks is that of the other."""
+        """Join two measured ranges; where a pace is missing in one range, the other range's is taken."""
         if other is None:
             return self
         spans, other_spans = self.stated, other.stated

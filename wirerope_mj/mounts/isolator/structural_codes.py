@@ -54,7 +54,7 @@ class AxisTable:
         return float((steps[:, 1] / steps[:, 0]).max())
 
     def viscous(self, frequency: float) -> float:
-        """Return the damper [N s/m] that dissipates what the loop does, at a frequency [Hz]: W / (pi omega A^2)."""
+        """Return the damper [N s/m] that dissipates the loop's energy at a frequency [Hz]: W / (pi omega A^2)."""
         return self.loop.dissipated_energy / (2.0 * math.pi**2 * frequency * self.loop.amplitude**2)
 
 

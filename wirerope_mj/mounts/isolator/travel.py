@@ -39,7 +39,7 @@ SIDES = {"roll": ("roll", "roll"), "shear": ("shear", "shear"), "axial": ("compr
 
 
 def travel_in(rating: str, deflection: Array) -> Array:
-    """Measure how far deflections, (..., 3), go in the direction of a rating [m], (...); 0 where they go the other way."""
+    """Measure how far deflections, (..., 3), go in the direction of a rating [m], (...); 0 in the opposite direction."""
     axis, sign = RATINGS[rating]
     along = deflection[..., axis]
     return np.asarray(np.abs(along) if sign == 0.0 else np.maximum(sign * along, 0.0) + 0.0)  # + 0.0: never -0.0
@@ -59,7 +59,7 @@ def travel_utilisation(reached: Mapping[str, ArrayLike], rated: Mapping[str, flo
 
 
 def one_way(reached: Mapping[str, ArrayLike], rated: Container[str]) -> str:
-    """Find the rating, compression or tension, in which alone a mount moves, and which is not stated though the other is.
+    """Find the unrated direction, compression or tension, if a mount moves in it alone and the other direction is rated.
 
     "" if there is none. A mount that hangs uses 0 % of its rated compression, which says nothing of it.
     """
@@ -70,7 +70,7 @@ def one_way(reached: Mapping[str, ArrayLike], rated: Container[str]) -> str:
 
 
 def largest_utilisation(reached: Array, rated: Array) -> Array:
-    """Return the largest of travels over rated ones [m], (..., 4) each in the order of RATINGS; NaN where nothing is rated.
+    """Return the largest ratio of travels to rated travels [m], (..., 4) each in the order of RATINGS; NaN without a rating.
 
     Where a mount moves `one_way`, and farther so than in a rated way, that rating counts only if it is exceeded.
     """

@@ -53,14 +53,14 @@ class EnhancedDryFriction(Law):
 
     @property
     def normalised(self) -> Normalised:
-        """Normalised form of the Bouc-Wen law that it is."""
+        """Normalised form of the equivalent Bouc-Wen law."""
         return Normalised(z_max=self.d, x_y=self.u_c, sigma=1.0, n=1.0)
 
     normal_form = normalised
 
     @property
     def bouc_wen_parameters(self) -> Array:  # type: ignore[override]
-        """Parameters of the Bouc-Wen law that it is."""
+        """Parameters of the equivalent Bouc-Wen law."""
         return self.kernel_parameters()[:4]
 
     @property

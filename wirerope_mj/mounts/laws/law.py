@@ -1,4 +1,4 @@
-"""A restoring-force law: its parameters, what others ask of it, and how it is written to a file."""
+"""A restoring-force law: its parameters, its properties that the rest of the package uses, and its form in a file."""
 
 import math
 from abc import ABC
@@ -109,7 +109,7 @@ class Law(ABC):
 
     @property
     def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out."""
+        """Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; parameters without force are left out."""
         parts = {name: unit.partition("/") for name, unit in self.units().items()}
         powers = {name: float((above[:1] in "NJ") - (below[:1] == "J")) for name, (above, _, below) in parts.items()}
         return {name: power for name, power in powers.items() if power}
@@ -121,7 +121,7 @@ class Law(ABC):
 
     @property
     def components(self) -> "tuple[Law, ...]":
-        """Laws in parallel that it is made of; itself where it is single."""
+        """Parallel laws of which the law consists; a single law: itself."""
         return (self,)
 
     @property
@@ -145,7 +145,7 @@ class Law(ABC):
         raise TypeError(f"{self.name} is no law that cyclic tests identify.")
 
     def kernel_parameters(self) -> Array:
-        """Return the parameters in the order of the law's kernel, (n_p,): that of their declaration for most laws."""
+        """Return the parameters in the order of the law's kernel, (n_p,), which for most laws is that of declaration."""
         return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)
 
     @property
@@ -155,7 +155,7 @@ class Law(ABC):
 
     @property
     def closed_stiffness(self) -> float:
-        """Tangent that limits the stable step [N/m]: the initial one, of a stop the one behind its gap."""
+        """Tangent that limits the stable step [N/m]: the initial tangent, of a stop the tangent behind its gap."""
         return self.initial_stiffness
 
     @property
@@ -180,7 +180,7 @@ class Law(ABC):
         return len(self.state_names)
 
     def faint(self) -> "Law":
-        """Return a law with as many states and hardly any force, of the same class where possible: that of a failed mount."""
+        """Return a law with as many states and hardly any force, for a failed mount; of the same class where possible."""
         if self.faint_parameters:
             names = {field.name for field in fields(self)} & self.faint_parameters.keys()
             return replace(self, **{name: self.faint_parameters[name] for name in names})
@@ -261,7 +261,7 @@ class Law(ABC):
         return self.multiplied("friction", factor)
 
     def parameter(self, name: str) -> Any:
-        """Return a parameter by its name; "stiffness[0]" is the first entry of one that is several numbers."""
+        """Return a parameter by its name; "stiffness[0]" is the first entry of a vector-valued parameter."""
         key, _, index = name.partition("[")
         value = getattr(self, key)
         return value[int(index[:-1])] if index else value

@@ -48,7 +48,7 @@ class LoopCoupling:
 
     @property
     def scale(self) -> float:
-        """W: deflection that the axial one is measured in [m]."""
+        """W: unit in which the axial deflection is measured [m]."""
         return max(self.compression, self.tension)
 
     def energy(self, deflection: ArrayLike) -> Array:
@@ -86,13 +86,13 @@ class LoopCoupling:
         return {**ends, "coefficients": [list(row) for row in self.coefficients]}
 
     def _nearest(self, deflection: ArrayLike) -> tuple[Array, Array, Array]:
-        """Return the nearest point of the box (..., 2) and how far beyond it roll and axial are, (...) each."""
+        """Return the nearest point of the box (..., 2), and the distances of roll and axial beyond the box, (...) each."""
         d = np.asarray(deflection, dtype=np.float64)
         inside = np.clip(d, (-self.roll, -self.compression), (self.roll, self.tension))
         return inside, d[..., 0] - inside[..., 0], d[..., 1] - inside[..., 1]
 
     def _slope(self, d: Array, of_u: int = 0, of_w: int = 0) -> Array:
-        """Return a derivative of the polynomial, of an order in u and one in w, (...)."""
+        """Return the derivative of the polynomial of order `of_u` in u and `of_w` in w, (...)."""
         table = _derivative(self.coefficients, of_u, of_w)
         units = self.roll**of_u * self.scale**of_w
         return np.asarray(polyval2d(d[..., 0] / self.roll, d[..., 1] / self.scale, table) / units, dtype=np.float64)

@@ -80,14 +80,14 @@ class OwnLaw(Law):
         if not self.state_names or isinstance(self.state_names, str):
             raise ValueError(f"`state_names` must name at least one state, got {self.state_names!r}; a curve is `Tabulated`.")
         for x, v in ((0.0, RATE), (self.travel, -RATE), (-self.travel, RATE)):
-            force, rates = self._tried(x, v, np.zeros(self.n_states))
-            again, _ = self._tried(x, v, np.zeros(self.n_states))
+            force, rates = self._trial_call(x, v, np.zeros(self.n_states))
+            again, _ = self._trial_call(x, v, np.zeros(self.n_states))
             if force != again:
                 raise ValueError(f"`force` must depend on its arguments alone, got {force:.6g} N, then {again:.6g} N.")
-            slower, half = self._tried(x, 0.5 * v, np.zeros(self.n_states))
+            slower, half = self._trial_call(x, 0.5 * v, np.zeros(self.n_states))
             if not np.allclose(2.0 * half, rates, rtol=ROUNDING, atol=0.0) or abs(slower - force) > ROUNDING * abs(force):
                 raise ValueError("`force` must not depend on the rate v, and `zdot` must be proportional to it.")
-        force, _ = self._tried(0.0, RATE, np.zeros(self.n_states))
+        force, _ = self._trial_call(0.0, RATE, np.zeros(self.n_states))
         if force != 0.0:
             raise ValueError(f"the force of the unloaded mount must be 0, got {force:.6g} N.")
         if not self.initial_stiffness > 0.0:
@@ -102,8 +102,8 @@ class OwnLaw(Law):
             if generated > ROUNDING * amplitude * float(np.ptp(force)):
                 raise ValueError(f"a closed cycle of {amplitude:g} m must not generate energy, got {generated:.6g} J.")
 
-    def _tried(self, x: float, v: float, z: Array) -> tuple[float, Array]:
-        """Call the function from Python and return force and rates."""
+    def _trial_call(self, x: float, v: float, z: Array) -> tuple[float, Array]:
+        """Call `force` once from Python; return the force [N] and the rates of the states, (n,)."""
         rates = np.full(self.n_states, np.nan)
         here = f"at x = {x:g} m, v = {v:g} m/s, z = {z.tolist()}"
         try:
@@ -123,8 +123,8 @@ class OwnLaw(Law):
     @property
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state [N/m], by a difference."""
-        slopes = self._tried(0.0, 1.0, np.zeros(self.n_states))[1]
-        forces = [self._tried(sign * TINY, sign, sign * TINY * slopes)[0] for sign in (1.0, -1.0)]
+        slopes = self._trial_call(0.0, 1.0, np.zeros(self.n_states))[1]
+        forces = [self._trial_call(sign * TINY, sign, sign * TINY * slopes)[0] for sign in (1.0, -1.0)]
         return (forces[0] - forces[1]) / (2.0 * TINY)
 
     def same_structure(self, other: Law | None) -> bool:

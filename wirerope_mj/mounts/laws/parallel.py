@@ -117,7 +117,7 @@ class Parallel(Law):
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
     def certainly_valid(self, columns: Entries) -> bool:
-        """Tell whether each law is certainly valid with what the columns make of its parameters; False says nothing."""
+        """Tell whether each law is certainly valid with the columns' values of its parameters; False means unknown."""
         if not all(law.force_powers for law in self.laws):  # a law around another one is tried entry by entry
             return False
         for law, changes in zip(self.laws, self.composed(columns), strict=True):

@@ -1,4 +1,4 @@
-"""Two Bouc-Wen laws in a plane of two deflections, their hysteretic forces with one bound; that of roll and shear."""
+"""Two Bouc-Wen laws in a plane of two deflections with one bound of their hysteretic forces; the law of roll and shear."""
 
 import math
 from abc import ABC, abstractmethod
@@ -48,7 +48,7 @@ class PlaneLaw(ABC):
         """The two laws."""
 
     def coupling_parameters(self) -> Array:
-        """Return the parameters of the elastic coupling energy: here those of none."""
+        """Return the parameters of the elastic coupling energy; here there is none."""
         return np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0])
 
     def mount_parameters(self) -> Array:
@@ -69,7 +69,7 @@ class PlaneLaw(ABC):
 
     @property
     def scales(self) -> Sequence[Self]:
-        """Laws with one hysteretic force per axis of which this one is the sum; itself where it is one."""
+        """Laws with one hysteretic force per axis of which the law is the sum; a single law: itself."""
         return (self,)
 
     def rate_parameters(self) -> Array:
@@ -154,7 +154,7 @@ def elastic_of(law: Law) -> Array:
 
 
 def asymmetry_of(law: Law) -> float:
-    """Return the exponent lambda of F2 = exp(lambda x) [1/m], 0 for a law that has none."""
+    """Return the exponent lambda of F2 = exp(lambda x) [1/m], 0 for a law without F2."""
     return float(law.kernel_parameters()[7]) if law.kernel == ASYMMETRIC_BOUC_WEN else 0.0
 
 

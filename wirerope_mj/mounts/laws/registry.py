@@ -94,7 +94,7 @@ def unknown(law, p, i, x, v, z, j, zdot, k):
 
 
 def chosen(kernels):
-    """Make the function that calls, of kernels by their numbers, that of its first argument, the law's number."""
+    """Make the function that calls the kernel of the law number in its first argument, from kernels by number."""
     rows, choice = list(kernels.items()), unknown
     while rows:  # six to a function: each function that Numba compiles costs what some lines do
         rows, choice = rows[:-6], _choice((rows[-6:] * 6)[:6], choice)

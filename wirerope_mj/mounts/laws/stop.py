@@ -20,7 +20,7 @@ NEVER = 1e300  # Gap of a side without a stop [m]
 
 @dataclass(frozen=True, kw_only=True)
 class Stop(Law):
-    """A bump stop: no force within the gap, beyond it one that only pushes.
+    """A bump stop: no force within the gap, a pushing force beyond it.
 
         depth = rest - x - gap_below  or  x - rest - gap_above  (whichever is > 0)
         d = r (t^3 - t^4 / 2) for t = depth / r < 1,  depth - r / 2 beyond             r = rounding
@@ -99,7 +99,7 @@ class Stop(Law):
 
     @property
     def unloaded_gaps(self) -> dict[str, float]:
-        """Gaps from the unloaded geometry [m], < 0 where it presses there, of the sides that have one, "below" and "above"."""
+        """Gaps from the unloaded geometry [m], < 0 where the stop presses there, by side with a stop, "below" or "above"."""
         rest, sides = self.rest or 0.0, {"below": self.gap_below, "above": self.gap_above}
         return {side: gap - rest if side == "below" else gap + rest for side, gap in sides.items() if gap is not None}
 
@@ -109,7 +109,7 @@ class Stop(Law):
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
     def kernel_parameters(self) -> Array:
-        """Return what `wirerope_mj.mounts.laws.stop_kernels.stop` reads."""
+        """Return the parameters of `wirerope_mj.mounts.laws.stop_kernels.stop`."""
         inverse = 1.0 if self.reversal is None else 1.0 / self.reversal
         gaps = self.unloaded_gaps
         ends = [gaps.get(side, NEVER) for side in ("below", "above")]
@@ -129,7 +129,7 @@ class Stop(Law):
 
     @property
     def _curve(self) -> "scipy.interpolate.PPoly":
-        """Force over what counts of the depth; a point before the origin makes it leave that flat."""
+        """Force over the rounded depth; a point before the origin makes the curve begin flat."""
         return monotone(np.array([-1.0, 0.0, *self.depths]), np.array([0.0, 0.0, *self.forces]))
 
     def pressed(self, depth: float) -> float:

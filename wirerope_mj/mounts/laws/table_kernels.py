@@ -109,7 +109,7 @@ def level_cubics(knots: Sequence[float], values: Sequence[float] | Array, scale:
 
 
 def held(x: Array, curve: "scipy.interpolate.PPoly") -> Array:
-    """Return deflections, those beyond the ends of a curve moved there."""
+    """Return deflections clipped to the range of a curve."""
     return np.clip(x, curve.x[0], curve.x[-1])
 
 

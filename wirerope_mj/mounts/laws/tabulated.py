@@ -23,7 +23,7 @@ _FARTHEST_YIELD = 100.0  # times the travel, at which a loop has no width any mo
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Tabulated(AsCall, Law):
-    """A law from points of curves: a piecewise cubic and a fraction, another one, of an exponential hysteretic force.
+    """A law from points of curves: one piecewise cubic, plus a second one times an exponential hysteretic force.
 
         F = M(x) + g(x) z,    zdot = (z_max xdot - |xdot| z) / x_y
 
@@ -164,7 +164,7 @@ class Tabulated(AsCall, Law):
         return curve, fraction, z_max
 
     def _mirrored(self, values: Array, *, odd: bool) -> Array:
-        """Return values at the points together with those at the mirrored ones, if the law is symmetric."""
+        """Return the values at the points and, if the law is symmetric, at the mirrored points."""
         if not self.symmetric:
             return values
         values = values - values[0] if odd else values

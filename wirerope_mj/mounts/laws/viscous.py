@@ -1,4 +1,4 @@
-"""Laws whose force depends on the deflection rate: linear viscoelastic ones, Tinker and Cutchins', Ko's equivalent viscous."""
+"""Laws whose force depends on the deflection rate: linear viscoelastic laws, Tinker and Cutchins', Ko's equivalent viscous."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""A law around another one: smoothed, for what differentiates it at reversals, or in series with an elastic bracket."""
+"""A law that wraps another law: smoothed, to be differentiated at reversals, or in series with an elastic bracket."""
 
 from dataclasses import dataclass, replace
 from operator import attrgetter
@@ -23,7 +23,7 @@ def _of_law(name: str, doc: str) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class _Wrapped(Law):
-    """A law around another one, whose states it has. It lives in memory alone: an isolator file holds the other."""
+    """A law that wraps another law and has its states. It lives in memory alone: an isolator file holds the inner law."""
 
     law: Law
 
@@ -92,7 +92,7 @@ def smoothable(law: Law) -> bool:
 
 
 def with_width(law: Law, width: float) -> Law:
-    """Return a law smoothed over a velocity [m/s], of several in parallel each that can be; the law itself if none can."""
+    """Return a law smoothed over a velocity [m/s], in each parallel part that can be; the law itself if none can."""
     if isinstance(law, Parallel):
         laws = tuple(with_width(component, width) for component in law.laws)
         return replace(law, laws=laws) if laws != law.laws else law

@@ -189,7 +189,7 @@ TENSION = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class AxisCurves:
-    """Shape of a loop's elastic force along either axis while the other one rests; the stiffness k is left open.
+    """Shape of a loop's elastic force along either axis with the other axis at rest; the stiffness k is left open.
 
         axial  F = k exp(asymmetry x) (x + axial_cubic x^3)
         roll   F = k (x + roll_cubic x^3)

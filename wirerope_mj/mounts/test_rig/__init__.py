@@ -1,4 +1,4 @@
-"""The virtual cyclic test rig: loops of a law, what they measure, what an acquisition would see of them, and their files."""
+"""The virtual cyclic test rig: loops of a law, their measures, their acquisition with noise, and their files."""
 
 from wirerope_mj.mounts.test_rig.cycles import load_cycles, steady_loops
 from wirerope_mj.mounts.test_rig.reading import load_cyclic_test, save_cyclic_test

@@ -142,7 +142,7 @@ def _bin(phase: Array, bins: int) -> Integers:
 
 
 def _mean_over_bins(cycles: list[PhasedCycle], values: list[Array], bins: int) -> Array:
-    """Average over cycles, which count alike, their means over bins, (bins,); 0 where no cycle has a sample."""
+    """Average the cycles' means over bins, with equal weights, (bins,); 0 where no cycle has a sample."""
     sums, counts = np.zeros(bins), np.zeros(bins)
     for cycle, series in zip(cycles, values, strict=True):
         numbers = _bin(cycle.phase, bins)

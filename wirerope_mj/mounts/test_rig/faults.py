@@ -118,7 +118,7 @@ def hum_in(time: Array, force: Array) -> Hum | None:
 
 
 def _line(time: Array, force: Array, frequency: float) -> tuple[Array, float]:
-    """Fit the oscillation at a frequency in a force without its slow part; return it, (n,), and its amplitude [N]."""
+    """Fit the oscillation at a frequency in a force without its slow part; return that line, (n,), and its amplitude [N]."""
     angle = 2.0 * np.pi * frequency * (time - time[0])
     window = np.hanning(force.size)
     period = max(1, round(1.0 / (frequency * (time[1] - time[0]))))

@@ -98,7 +98,7 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
 
 
 def _located(trace: Trace, run: Sequence[int]) -> _Reversals:
-    """Locate the reversals of a run: where the deflection is least or largest, and how it rises on both sides alike."""
+    """Locate the reversals of a run: minima and maxima of deflection, and the shape that both sides share."""
     period = 2.0 * float(np.median(np.diff(trace.times[run[0] - 1 : run[-1] + 2])))
     width = _SHAPE * period
     instants, senses = [], []

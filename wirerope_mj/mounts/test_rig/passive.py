@@ -19,7 +19,7 @@ def is_noise(values: Array, noise: float) -> bool:
 
 
 def has_cycle(force: Array) -> bool:
-    """Return whether a force of one cycle [N], (n,), has more at the cycle's frequency than noise of its size would have.
+    """Return whether a force of one cycle [N], (n,), exceeds noise of its size at the cycle's frequency.
 
     Of n samples of white noise, the fraction r that one frequency has in their variance is exceeded with the probability
     (1 - r)^((n - 3) / 2), whatever the noise's size. The sample that repeats the first is left out.

@@ -1,4 +1,4 @@
-"""Turning points of a noisy deflection, and the loop cut from a long record with those before it."""
+"""Turning points of a noisy deflection, and the loop cut from a long record with the turning points before it."""
 
 from dataclasses import dataclass, field
 
@@ -105,7 +105,7 @@ def _smoothed(values: Array, window: int) -> Array:
 
 
 def _reversals(values: Array, threshold: float) -> Integers:
-    """Find the samples at which a series turns back by more than `threshold`, with those it begins and ends at."""
+    """Find the samples at which a series turns back by more than `threshold`, with its first and last sample."""
     turns: list[int] = []
     high = low = extreme = 0
     direction = 0

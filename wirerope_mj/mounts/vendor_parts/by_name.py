@@ -100,7 +100,7 @@ def shipped_file(part: VendorPart) -> str | None:
 
 @cache
 def _fitted(name: str) -> Isolator:
-    """Read the fit of a part of the tables, or fit it, once: half a second that every mount of a model would take again."""
+    """Read the stored fit of a vendor's part, or fit it; cached, since a fit takes half a second."""
     fit = catalogue_folder() / "vendors" / "fitted" / f"{name}.toml"
     return _read(fit) if isfile(fit) else _fit(next(part for part in vendor_parts() if part.name == name))
 

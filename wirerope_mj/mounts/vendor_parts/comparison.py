@@ -1,4 +1,4 @@
-"""Values of a vendor beside those of an isolator's laws, by their own paths, and what the rest says of one that is left out.
+"""A vendor's values beside those of an isolator's laws, on the same paths, and each value predicted from the others.
 
 The latter is the band of error of an isolator that was fitted to all of them. An axis to which three values or more are fitted
 has its law fitted without one of them, and that law's value stands beside the vendor's. Two values fix friction and spring, and
@@ -30,7 +30,7 @@ AXES = ("compression", "shear")
 
 
 def compare(path: str | Path, isolator: Isolator) -> list[ComparedValue]:
-    """Return every value of a data sheet beside that of the laws of `isolator`, and its sags under rated load."""
+    """Return every value of a data sheet beside the value of the isolator's laws, and its sags under rated load."""
     content = read_toml(path, "data sheet")
     if "curve" in content:
         return curve_values(read_curve_sheet(content, Path(path)), isolator)
@@ -70,7 +70,7 @@ def _axis_values(axis: str, stated: AxisValues, law: Law, amplitude: float) -> l
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """Values that were left out, and what is said of them without."""
+    """Values that were left out, and their predictions from the other values."""
 
     values: tuple[ComparedValue, ...]  # those of the isolator, `fitted` predicted without `vendor`
     # by axis, the error of which nine in ten parts of the vendor's table stay below when one of their two stiffnesses is left
@@ -101,7 +101,7 @@ def left_out(name: str, isolator: Isolator) -> Band:
 
 
 def _predict_without(sheet: DataSheet, axis: str) -> list[ComparedValue]:
-    """Predict each fitted value of an axis by the law fitted without it; none where there are only two."""
+    """Predict each fitted value of an axis by the law fitted without that value; empty if the axis has only two."""
     stated: AxisValues | None = getattr(sheet, axis)
     if stated is None or len(stated.fitted) < 3:
         return []

@@ -107,7 +107,7 @@ def read_table(path: Path, series: Series) -> list[VendorPart]:
 
 
 def _stated(location: str, name: str, cell: str, factor: float) -> float | None:
-    """Return a cell in SI; an empty one is not stated."""
+    """Return a cell in SI; None for an empty cell."""
     if not cell:
         return None
     value = number_in(location, name, cell)

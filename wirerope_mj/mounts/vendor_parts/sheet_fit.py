@@ -247,7 +247,7 @@ def fit_part(part: VendorPart, *, scales: Literal[1, 2] = 2) -> Isolator:
 
 
 def axis_of(part: VendorPart, mode: str, damping: float | None = None) -> AxisValues | None:
-    """Return the values of one mode; None where they are not stated."""
+    """Return the values of one mode; None for values that are not stated."""
     values = part.modes[mode]
     if values.travel is None or values.vibration is None or values.shock is None:
         return None

@@ -221,11 +221,11 @@ class Coordinates:
         self._inverse = np.linalg.pinv(slopes @ self.root)
 
     def normals(self, s: Array) -> Array:
-        """Return u at standard deviations s of the fit, (n, d)."""
+        """Return standard normals u, (n, d), at standard deviations s of the fit, (n, d)."""
         return self._middle + s @ self.root.T
 
     def bent(self, normals: Array) -> Array:
-        """Return the coordinates of u, (n, d): s where the priors are straight."""
+        """Return the coordinates of standard normals u, (n, d); they equal s where the priors are linear."""
         return np.asarray((self._logarithms(normals) - self._origin) @ self._inverse.T)
 
     def _logarithms(self, normals: Array) -> Array:

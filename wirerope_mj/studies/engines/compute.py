@@ -93,7 +93,7 @@ class Accident(str):
 
 @dataclass(frozen=True)
 class Measured:
-    """Measures of a variant, and when something of it last reached an extreme that counts [s]."""
+    """Measures of a variant, and the instant of its latest significant extreme [s]."""
 
     values: Mapping[str, float]
     late: float
@@ -166,7 +166,7 @@ def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> 
 
 
 def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together) -> tuple[dict[str, Array], Array]:
-    """Return the measures of n variants by name, (n,) each, NaN of those that failed, and their late instants [s]."""
+    """Return the measures of n variants by name, (n,) each, NaN if failed, and instants of latest significant extremes [s]."""
     values, ends = {name: np.full(n, NAN) for name in measure_names(work.system)}, np.zeros(n)
     for name, column in done.columns.items():
         values[name][done.indices] = column
@@ -182,7 +182,7 @@ def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together)
 def _grown(
     work: Work, begin: float, rows: Sequence[Entries], values: Mapping[str, Array], which: Sequence[int], done: Together
 ) -> list[list[str]]:
-    """Return the kinds of measures of variants that reach more than until `begin` [s], for which they are computed again."""
+    """Return the kinds of measures of variants that grow after `begin` [s], by computing the variants up to `begin` again."""
     # What has a limit may grow by `GROWTH` of it, as in a run, and what has none by as much of itself.
     shorter = replace(work, duration=begin)
     again = _side_by_side(partial(together_again, shorter, done, which))

@@ -114,7 +114,7 @@ class _Cluster:
             hand_over()
 
     def alone(self, chunk: Chunk) -> Part:
-        """Compute a chunk while nothing else runs; its part says so if workers die again."""
+        """Compute a chunk while nothing else runs; its part states it if workers die again."""
         part = self._part(self._submit(self._shared(), chunk))
         return died(self._work, chunk, _DEATH) if part is None else part
 
@@ -141,7 +141,7 @@ class _Cluster:
 
 @contextmanager
 def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
-    """Lend a client of the cluster at `address`, or of one that exists during the block."""
+    """Lend a client of the cluster at `address`, or of a cluster that exists during the block."""
     import dask.config
     from distributed import Client, LocalCluster
 

@@ -24,7 +24,7 @@ _ending = threading.Event()
 
 
 def _end_all() -> None:
-    """End the workers with this process: one that is still starting would notice only seconds later."""
+    """End all workers as this process exits: a worker that is still starting would notice only seconds later."""
     _ending.set()
     for process in list(_started):
         process.kill()

@@ -68,7 +68,7 @@ def together_again(work: Work, done: Together, rows: Sequence[int]) -> Together:
 
 
 def _measured(work: Work, ready: "_Ready") -> Together:
-    """Step variants to the end, and return the measures of those that hold."""
+    """Step variants to the end, and return the measures of the valid ones."""
     _, extremes, good = _step(work, ready)
     columns = measures_together(work.system, extremes, ready.forces, ready.isolators)
     return Together(
@@ -164,7 +164,7 @@ def _step(work: Work, ready: _Ready, sink: Sink | None = None, threads: int = 1)
 
 
 def _start_states(work: Work, variants: Variants) -> tuple[Array, Array | None, Booleans]:
-    """Return qpos, qvel and act at the start, forces of the mounts at rest if they start there, and whether these are found."""
+    """Return qpos, qvel and act at the start, the mounts' forces if that is an equilibrium, and whether it was found, (n,)."""
     system, n = work.system, len(variants.indices)
     unloaded, where = _unloaded(system), moving(system)
     forces, valid = None, np.ones(n, dtype=bool)

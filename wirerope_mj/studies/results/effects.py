@@ -146,7 +146,7 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
 
 
 def _effect(classes: Integers, values: Array) -> tuple[float, float]:
-    """Return the sum of squares that classes explain beyond chance, and the p-value of that."""
+    """Return the sum of squares that classes explain beyond chance, and its p-value."""
     n, m = values.size, int(classes.max()) + 1
     whole = float(np.sum((values - values.mean()) ** 2))
     inside = float(np.sum((values - _class_means(classes, values)[classes]) ** 2))

@@ -60,7 +60,7 @@ class Measure:
 
     @property
     def heading(self) -> str:
-        """Words for its name: "combined travel", "deflection, m1, axial"."""
+        """Heading of its column: "combined travel", "deflection, m1, axial"."""
         quantity, *rest = self.name.split("/")
         return ", ".join([quantity.replace("_", " "), *("all" if part == "*" else part for part in rest)])
 
@@ -130,7 +130,7 @@ def most_critical(table: pa.Table, limits: Mapping[str, float] = MappingProxyTyp
 
 
 def known_measures(table: pa.Table, names: Sequence[str]) -> list[str]:
-    """Return those of some measures that have values, older tables have fewer; `ALL` only if a point exceeds all bodies."""
+    """Select the measures that have values in a table, an older one has fewer; `ALL` only if a point exceeds all bodies."""
     points_matter = ALL in names and any(name.startswith(ALL[:-1]) for name in table.column_names)
     points_matter = points_matter and bool((values_of(table, ALL) > values_of(table, ALL[:-2])).any())
     present = [name for name in names if name in table.column_names or (name == ALL and points_matter)]
@@ -215,7 +215,7 @@ def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
 
 
 def exceedance(values: Array, limit: float, *, failed: int = 0, early: int = 0) -> Exceedance:
-    """Return the exceedance of a limit by values, of variants besides which `failed` have none and `early` are not judged."""
+    """Return the exceedance of a limit by values, besides `failed` variants and `early` ones, which are not judged."""
     known = finite(values)
     k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
     low = float(scipy.stats.beta.ppf(tail, k, n - k + 1)) if k else 0.0

@@ -71,7 +71,7 @@ class StudySummary:
 
     @cached_property
     def indices(self) -> tuple[SobolIndices, ...]:
-        """Sobol's indices of the measures that are displayed; of a study that was not sampled for them, none."""
+        """Sobol's indices of the displayed measures; empty unless the study was sampled for indices."""
         if self.result.study.sampling != OF_INDICES:
             return ()
         names = dict.fromkeys([self.by, *drawn_measures(self.result.table), *self.limits])
@@ -157,7 +157,7 @@ class StudySummary:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """Factors of Sobol's indices that are many numbers, of which none is displayed: "stiffness (16 numbers)"."""
+        """Vector-valued factors whose Sobol indices are not displayed, with their size: "stiffness (16 numbers)"."""
         if self.result.study.sampling != OF_INDICES:
             return ()
         return tuple(f"{name} ({len(columns)} numbers)" for name, columns in self._factors.items() if len(columns) > _PAIR)

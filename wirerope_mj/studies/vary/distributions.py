@@ -107,7 +107,7 @@ class Uniform:
 
 @dataclass(frozen=True, init=False)
 class Choice:
-    """One of some values, numbers, booleans or strings, all equally likely; in a grid each of them; the rest as `Normal`."""
+    """Equally likely numbers, booleans or strings, in a grid each of them; other arguments are those of `Normal`."""
 
     choices: tuple[Any, ...]
     relative: bool

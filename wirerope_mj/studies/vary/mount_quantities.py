@@ -239,7 +239,7 @@ class PositionShift(MountColumn, Shift):
 
 
 class Turn(MountColumn, Shift):
-    """Angle [°] by which a mount's axes turn about an axis of the world; the model's, which are turned, have no one angle."""
+    """Angle [°] by which a mount's axes turn about an axis of the world; turned axes of the model have no single angle."""
 
     form = "mount/NAME/turn/x"
     model_unit = "°"

@@ -133,7 +133,7 @@ class InputColumn:
 
     @classmethod
     def matching(cls, entry: Entry, pattern: str) -> list[str]:
-        """Return the names that match a pattern's parts; one that matches isolators and stops, as * does, means isolators."""
+        """Return the names that match a pattern's parts; a part that matches isolators and stops, as *, means isolators."""
         matches: list[str] = []
         existing = cls.existing(entry.system)
         for part in parts_of(pattern, existing):
@@ -157,7 +157,7 @@ class InputColumn:
         return tuple(cls(name=name, targets=part, key=entry.key, relative=distribution.relative) for name, part in groups)
 
     def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
-        """Return the values in the model, one for each target; empty where it has none.
+        """Return the values in the model, one for each target; empty where the model has none.
 
         Of a shift it is the position that is shifted, of a factor the value that is multiplied: [m], [kg], SI, [deg].
         """
@@ -212,7 +212,7 @@ class ValueOrFactor(InputColumn):
 
 
 class Positive(ValueOrFactor):
-    """Quantity that is larger than nothing, and changes by a factor."""
+    """Positive quantity, which changes by a factor."""
 
     bounds = "positive"
 
@@ -226,7 +226,7 @@ class Positive(ValueOrFactor):
 
 @dataclass(frozen=True, kw_only=True)
 class Shift(InputColumn):
-    """Shift of what stands somewhere; its key is the axis."""
+    """Shift of a mount or a centre of mass; its key is the axis."""
 
     acts = "shift"
     model_unit = "m"

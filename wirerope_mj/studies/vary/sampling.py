@@ -261,7 +261,7 @@ def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
 
 
 def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> Isolator:
-    """Draw the isolator that as many other specimens of the same make might have given.
+    """Draw the isolator that a test of other specimens of the same make might have given.
 
     They are sampled from the isolator's own spread; their mean and covariance replace parameters and spread. Studies with
     several seeds show how far a result hangs on the specimens that happened to be tested (a parametric bootstrap).

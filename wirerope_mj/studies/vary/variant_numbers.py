@@ -1,4 +1,4 @@
-"""The variants of a study by the numbers in which their equations differ: no system is made of them."""
+"""The variants of a study by the numbers in which their equations differ, without systems of their own."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from wirerope_mj.studies.vary.variants import Maker, Work, systems_valid
 
 @dataclass(frozen=True, kw_only=True)
 class Variants:
-    """Variants by what their equations differ in."""
+    """Variants by the numbers in which their equations differ."""
 
     indices: list[int]  # which of the rows they are
     motions: list[BaseMotion]  # of their bases
