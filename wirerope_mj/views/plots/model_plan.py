@@ -22,7 +22,7 @@ _LEVEL = 11.0  # distance of dimensions below each other
 _LETTER = 0.58  # mean width of a letter over its height
 _KEY = 60  # letters of a line of the key
 _INK, _FRAME, _GRID, _GROUND = (hexadecimal(part) for part in (LIGHT.heading, LIGHT.frame, LIGHT.line, LIGHT.ground))
-_MOUNT, _STOP, _POINT, _BODY = (hexadecimal(LIGHT.compared[number]) for number in (0, 1, 3, 2))
+_MOUNT, _STOP, _POINT, _BODY = map(hexadecimal, (LIGHT.mount[0], LIGHT.mount[1], LIGHT.payload[1], LIGHT.payload[0]))
 
 
 def save_plan(layout: Layout, path: Path) -> None:
