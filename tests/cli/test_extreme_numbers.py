@@ -88,7 +88,7 @@ def test_values_that_scatter_along_fewer_directions_than_there_are_have_coordina
     fit = type("Fit", (), {"normals": np.zeros(2), "covariance": np.eye(2)})()
     coordinates = Coordinates(prior, fit)
     u = np.array([[0.3, -0.1], [-0.1, 0.3]])
-    bent = coordinates.bent(u)
+    bent = coordinates.from_normals(u)
     np.testing.assert_allclose(bent[0], bent[1], atol=1e-9)  # one value, one place: rounding of slopes
     assert np.abs(bent[0]).max() > 0.05
 

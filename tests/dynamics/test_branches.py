@@ -411,7 +411,7 @@ def test_a_branch_goes_on_past_stops_that_are_grazed():
 
 
 def test_a_branch_that_ends_gives_no_advice_that_was_not_tried(monkeypatch):
-    monkeypatch.setattr(GrowingBranch, "_leap", lambda self, last: None)
+    monkeypatch.setattr(GrowingBranch, "_search_beyond", lambda self, last: None)
     monkeypatch.setattr(Continuation, "step", lambda *a, **k: None)
     branch = wr.follow_branch(sdof(HARDENING, mass=1.0), start=0.15, stop=0.5, acceleration=1.0, **ALONG)
     assert not branch.complete

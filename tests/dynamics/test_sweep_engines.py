@@ -95,10 +95,10 @@ def test_what_is_handed_over_is_what_mujoco_itself_would_know():
     room = np.empty((2, 3, system.assembly.tables.channels.size, 3))
     kernel, known = ByKernel(system, sweep, start), ByMujoco(system, sweep, start)
     for grid, ends in grids:
-        assert kernel.go(grid, ends, *room)
+        assert kernel.step_cycles(grid, ends, *room)
     taken = kernel.handed_over()
     with installed(known.stepper.model, known.stepper.data):
-        known.go(*grids[0], *room)
+        known.step_cycles(*grids[0], *room)
     clock = [at.TIME_1, at.TIME_2, at.HISTORY, at.OBSERVING]
     np.testing.assert_allclose(taken.stepper.user[clock], known.stepper.user[clock], rtol=1e-14)
     assert known.stepper.user[at.HISTORY] == 2.0

@@ -12,7 +12,7 @@ from wirerope_mj.runs import study as studies_of_runs
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.study import limits_of, study_job
 from wirerope_mj.studies.engines import local
-from wirerope_mj.studies.engines.compute import died
+from wirerope_mj.studies.engines.compute import failed_part
 
 JOB = """
 name = "Two cases"
@@ -52,7 +52,7 @@ def test_a_study_of_a_job_stays_whole_until_the_one_that_replaces_it_is(tmp_path
             compute(2.0, force=True)
     assert files(folder) == before
     with monkeypatch.context() as patch:
-        patch.setattr(local, "compute", lambda work, chunk: died(work, chunk, "its process died"))
+        patch.setattr(local, "compute", lambda work, chunk: failed_part(work, chunk, "its process died"))
         with pytest.raises(wr.SimulationError, match="processes that computed variants died"):
             compute(2.0, force=True)
     assert files(folder) == before

@@ -15,7 +15,7 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.atomic_files import worked_on_alone
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.studies.engines import local
-from wirerope_mj.studies.engines.compute import compute, died
+from wirerope_mj.studies.engines.compute import compute, failed_part
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 
@@ -164,7 +164,7 @@ def test_responses_that_are_gone_are_told(done):
 
 def test_chunks_whose_process_died_are_told_with_the_way_on(tmp_path, monkeypatch):
     def deadly(work, chunk):
-        return died(work, chunk, "its process died") if chunk.number == 1 else compute(work, chunk)
+        return failed_part(work, chunk, "its process died") if chunk.number == 1 else compute(work, chunk)
 
     with monkeypatch.context() as patch:
         patch.setattr(local, "compute", deadly)

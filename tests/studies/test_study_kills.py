@@ -24,7 +24,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli.study import compute_and_print
 from wirerope_mj.studies import folder as study_folder
 from wirerope_mj.studies.engines import local
-from wirerope_mj.studies.engines.compute import compute, died
+from wirerope_mj.studies.engines.compute import compute, failed_part
 from wirerope_mj.studies.results.varied import summary
 from wirerope_mj.studies.study import chunks, load_study
 
@@ -166,7 +166,7 @@ def test_a_study_killed_while_it_computes_again_what_had_died_loses_nothing(alon
     folder = tmp_path / "study"
 
     def dead(work, chunk):
-        return died(work, chunk, "died") if chunk.number in (3, 5) else compute(work, chunk)
+        return failed_part(work, chunk, "died") if chunk.number in (3, 5) else compute(work, chunk)
 
     def killed(*_):
         raise KeyboardInterrupt
@@ -231,7 +231,7 @@ def test_a_study_that_is_not_whole_replaces_none(alone, tmp_path, monkeypatch, b
     def compute_none(work, chunk):
         if broken == "died" and chunk.number:
             return compute(work, chunk)
-        return replace(died(work, chunk, "Nothing rests."), died=broken == "died")
+        return replace(failed_part(work, chunk, "Nothing rests."), died=broken == "died")
 
     folder = tmp_path / "study"
     shutil.copytree(alone.folder, folder)

@@ -20,7 +20,7 @@ from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.studies import folder as study_folder
 from wirerope_mj.studies import inputs_file
 from wirerope_mj.studies.engines import local
-from wirerope_mj.studies.engines.compute import Accident, compute, why_not
+from wirerope_mj.studies.engines.compute import Accident, compute, failure_message
 from wirerope_mj.studies.measures import measures
 from wirerope_mj.studies.study import chunk_size, chunks
 
@@ -291,6 +291,6 @@ def test_arguments_of_a_run_are_checked(tmp_path, arguments, message):
     ],
 )
 def test_why_a_variant_has_no_result_is_said_with_what_to_do(error, said, accident):
-    message = why_not(error)
+    message = failure_message(error)
     assert re.search(said, message)
     assert isinstance(message, Accident) is accident

@@ -212,7 +212,7 @@ class PeakRow:
 
 
 def acceleration_rows(comparison: Comparison, axis: int | None = None) -> list[PeakRow]:
-    """Collect peak accelerations [m/s^2], norms or along an axis: of shared components, then of those of a single run."""
+    """Collect peak accelerations [m/s^2], norms or along an axis: of shared components, then of components of a single run."""
     alone = [subject for of_run in comparison.alone.values() for subject in of_run if isinstance(subject, Component)]
     responses = [(run.response, subjects_of(run.response)) for run in comparison.runs]
     return [

@@ -37,7 +37,7 @@ from wirerope_mj.runs.study import (
     write_content,
     write_worst,
 )
-from wirerope_mj.studies.folder import dead
+from wirerope_mj.studies.folder import dead_chunks
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
@@ -275,7 +275,7 @@ def compute_and_print(
         {("study-report", folder, "--pdf"): DOCUMENT}, again="" if all else f"--resume --out {shlex.quote(str(folder))} --all"
     )
     _open([folder / path for path in worst])
-    if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
+    if dead_chunks(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
         raise WireRopeError(f"{folder}: {NOT_COMPUTED}")
 
 

@@ -29,7 +29,7 @@ SLOW = 0.5  # ratio of two successive residuals above which the matrix is comput
 LOCATIONS = 12  # most points that are computed to find a zero along the curve
 
 
-class Tried(Protocol):
+class TrialPoint(Protocol):
     """A point off the curve to which a move leads, and its residuals, (n,)."""
 
     @property
@@ -43,7 +43,7 @@ class OnCurve(Protocol):
     def tangent(self) -> Array: ...
 
 
-T = TypeVar("T", bound=Tried)
+T = TypeVar("T", bound=TrialPoint)
 P = TypeVar("P", bound=OnCurve)
 
 

@@ -1,4 +1,4 @@
-"""Checks of arguments: each returns the value as plain Python, or a ValueError says what must hold of it and what it is."""
+"""Checks of arguments: each returns a plain Python value, or raises a ValueError: what must hold, and what was got."""
 
 import math
 from collections.abc import Collection, Mapping

@@ -154,7 +154,7 @@ def _select_columns(
 
 
 def _step(column: str, scalars: Mapping[str, float]) -> float | None:
-    """Return the interval of a column [s] that scalars say; None if none does, or several differ."""
+    """Return the interval of a column [s] that scalars state; None without one, or if several differ."""
     steps = _own_steps(column, scalars)
     if not steps:  # said elsewhere, as info.fs
         steps = {value for name, value in scalars.items() if _bare(name) in _STEPS and 0.0 < value < math.inf}
@@ -167,13 +167,13 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _own_steps(column: str, scalars: Mapping[str, float]) -> set[float]:
-    """Return the intervals [s] that scalars say of a column or of what holds it."""
+    """Return the intervals [s] that scalars state of a column, or of the struct or group that holds it."""
     positive = {name: value for name, value in scalars.items() if 0.0 < value < math.inf}
     return _nearest(column, positive, _STEPS) | {1.0 / value for value in _nearest(column, positive, _RATES)}
 
 
 def _nearest(column: str, scalars: Mapping[str, float], called: Collection[str]) -> set[float]:
-    """Return the scalars of some names in a column's own place, else in the struct or group around it, and so on."""
+    """Return the scalars of some names in the struct or group of a column, else in the next one around it that has any."""
     place = column
     while True:
         values = {value for name, value in scalars.items() if name.rpartition(".")[0] == place and _bare(name) in called}
@@ -232,7 +232,7 @@ def _hdf5(path: Path) -> Mapping[str, Any]:
 
 
 def _text(value: Any) -> str:
-    """Return the text of an attribute: bytes, an array of one of them, or a text."""
+    """Return the text of an attribute: bytes, a text, or an array of one of these."""
     value = value.ravel()[0] if isinstance(value, np.ndarray) and value.size == 1 else value
     return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
 
@@ -340,7 +340,7 @@ def _columns_of_variables(path: Path, content: Mapping[str, Any], wanted: Collec
 
 
 def _leaves(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield what a struct or an array of structs holds, by names such as test.acc or run(2).acc."""
+    """Yield the leaves of a struct or an array of structs, by names such as test.acc or run(2).acc."""
     if isinstance(content, Mapping):
         for key, value in content.items():
             yield from _leaves(value, f"{name}.{key}" if name else str(key))

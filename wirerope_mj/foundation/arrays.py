@@ -1,4 +1,4 @@
-"""The types that annotations share: arrays, whose shape stands in the docstring, and tables that nothing has checked yet."""
+"""The types that annotations share: arrays, whose shape stands in the docstring, and tables that are not checked yet."""
 
 from typing import Any
 

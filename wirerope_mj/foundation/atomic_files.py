@@ -46,7 +46,7 @@ def atomic_file(path: Path, *, clear: bool = True) -> Iterator[Path]:
 
 
 def json_text(content: object) -> str:
-    """Return plain values as the text of a JSON file; ValueError for a number that is none."""
+    """Return plain values as the text of a JSON file; ValueError for NaN and infinite numbers."""
     return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
@@ -153,7 +153,7 @@ def place_named(path: Path) -> Iterator[None]:
 
 
 def _replace(temporary: Path, folder: Path) -> None:
-    """Rename `temporary` to `folder`; what was there is removed only after the new one stands."""
+    """Rename `temporary` to `folder`; the former folder is removed only after the new folder stands."""
     if not folder.exists():
         os.rename(temporary, folder)
         return

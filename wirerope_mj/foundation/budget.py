@@ -1,4 +1,4 @@
-"""What a computation may take: memory, disk and time are estimated before it begins, and refused above a budget."""
+"""Budgets of computations: memory, disk and time are estimated before the start, and refused above a limit."""
 
 import os
 import shutil
@@ -54,7 +54,7 @@ def require_disk(subject: str, size: float, folder: Path, remedy: str) -> None:
 
 
 def require_time(subject: str, steps: float, remedy: str, *, step: float = STEP) -> None:
-    """Raise BudgetError if so many steps, of `step` [s] of computing each, take longer than `LONGEST`.
+    """Raise BudgetError if a number of steps, each `step` [s] of computing, takes longer than `LONGEST`.
 
     `what` and `remedy` are those of `require_memory`.
     """

@@ -39,7 +39,7 @@ class StudyWarning(UserWarning):
 
 
 class AccuracyWarning(UserWarning):
-    """A response is less accurate than was asked for, or depends on what nobody knows well, as struck stops."""
+    """A response is less accurate than requested, or depends on data that are hardly known, as of struck stops."""
 
 
 class FontWarning(UserWarning):
@@ -66,7 +66,7 @@ def error_text(error: Exception) -> str:
 
 
 def why_unread(error: OSError) -> str:
-    """Return the system's reason for not reading a file, and the remedy, as the end of a message about it."""
+    """Return the system's reason for not reading a file, and the remedy, to end a message with."""
     if isinstance(error, FileNotFoundError) or error.errno == errno.ENAMETOOLONG:
         return "there is no such file. Check its name and folder."
     if isinstance(error, IsADirectoryError):

@@ -70,7 +70,7 @@ def picked(table: Exported, patterns: Sequence[str]) -> Exported:
 
 
 class Exportable:
-    """Base of results that are tables: written for other programs by the ending of a file, or by what it is."""
+    """Base of results that are tables: written for other programs in the format that a file's ending or a method names."""
 
     @property
     def exported(self) -> Exported:

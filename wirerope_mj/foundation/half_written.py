@@ -1,4 +1,4 @@
-"""Hidden files and folders in which results are written: held while their process lives, removed when it is gone.
+"""Hidden files and folders in which results are written: locked while their process lives, removed after its end.
 
 A file FOLDER/NAME.ENDING is written as FOLDER/.NAME.xxxxxxxx.wirerope.part.ENDING, a folder FOLDER/NAME as
 FOLDER/.NAME.wirerope.part; what a folder replaces is called .NAME.xxxxxxxx.wirerope.old until it has been removed. Whoever
@@ -66,7 +66,7 @@ def _let_go(folder: Path, handle: int | None) -> None:
 
 
 def _clear_unfinished() -> None:
-    """Remove what this process has not finished, as the next one would."""
+    """Remove the unfinished files of this process, as the next process would."""
     unfinished = list(_written)
     for _, handle in unfinished:
         if handle is not None and fcntl is not None:

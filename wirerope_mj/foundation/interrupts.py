@@ -1,4 +1,4 @@
-"""Interrupts, by Ctrl-C or SIGTERM: put off for moments, and followed by the end of a command whatever it waits for."""
+"""Interrupts, by Ctrl-C or SIGTERM: postponed for moments, and followed by the end of a command whatever it waits for."""
 
 import _thread
 import atexit
@@ -31,7 +31,7 @@ def at_end(work: Callable[[], object], *, early: bool = False) -> None:
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Postpone interrupts until the block has ended, which must not take long; threads receive none."""
+    """Postpone interrupts until the end of the block, which must be short; only the main thread receives interrupts."""
     handlers, arrived = {}, list[tuple[int, FrameType | None]]()
     try:
         if current_thread() is main_thread():
@@ -48,7 +48,7 @@ def interrupts_held() -> Iterator[None]:
 
 
 def end_soon_after_interrupts() -> None:
-    """Raise KeyboardInterrupt on an interrupt, and end this process if that has not ended it in time.
+    """Raise KeyboardInterrupt on an interrupt, and end this process if it has not ended by itself in time.
 
     It may be lost in a library, or meet a thread that waits for what never comes, or a computation of many seconds.
     """

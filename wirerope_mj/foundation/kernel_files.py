@@ -60,7 +60,7 @@ def _mode_doubt(state: os.stat_result, name: str) -> str:
 
 
 def _is_own_group(number: int) -> bool:
-    """Tell whether a group is that of its user alone, as many systems make one for everybody."""
+    """Tell whether a group has its user as the only member, as many systems make a group for every user."""
     import grp
     import pwd
 
@@ -124,7 +124,7 @@ def _folder_doubt(folder: Path) -> str:
 
 
 def keep(path: Path, content: bytes) -> None:
-    """Write a file with its checksum if possible; a later process computes again what is not kept."""
+    """Write a file with its checksum if possible; if it is not kept, a later process computes it again."""
     with suppress(OSError, RecordError):
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         if not _folder_doubt(path.parent):
@@ -147,5 +147,5 @@ def read(path: Path, *, own: bool) -> bytes | None:
 
 
 def _opened(path: str, flags: int) -> int:
-    """Open a file, but no link, and without waiting for one that would write into a pipe."""
+    """Open a file, but no link, without waiting for a writer if it is a pipe."""
     return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))

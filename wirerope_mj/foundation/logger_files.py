@@ -17,11 +17,11 @@ from wirerope_mj.foundation.units import TIME_UNITS, find_unit, split_unit
 _REMEDY = "Export it again, or as CSV."
 _HEAD = 200  # lines in which a record says what it is
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
-_LAID = r"[(]\s*(\d+)\s*[xX]?\s*[FfEeGgIi]\s*(\d+)(?:\.\d+)?"  # format of Fortran: numbers in a line, characters of each
+_LAID = r"[(]\s*\d+\s*[xX]?\s*[FfEeGgIi]\s*(?P<width>\d+)(?:\.\d+)?"  # format of Fortran: numbers in a line, characters of each
 
 
 def columns_of_logger(path: Path) -> Header | None:
-    """Read a text of LabVIEW (.lvm), PEER (.AT2), CSMIP or COSMOS (.V2), known by what it says of itself; None of others.
+    """Read a text of LabVIEW (.lvm), PEER (.AT2), CSMIP or COSMOS (.V2), known by its own header; None for other files.
 
     Raises:
         RecordError: it is one of these and holds something else than its header says.
@@ -45,7 +45,7 @@ def columns_of_logger(path: Path) -> Header | None:
 
 
 def columns_as_stated(path: Path, columns: str | None, interval: float | None) -> Header:
-    """Read a text of numbers alone whose columns are stated, such as "time [s], z [g]"; all of them where None are.
+    """Read a text of numbers alone whose `columns` are stated, such as "time [s], z [g]"; all columns if None.
 
     Without a time among them rows are an `interval` [s] apart, or as the first line says, how many samples follow and their
     interval: "4000 0.005". One column may stand in lines of several numbers.
@@ -114,8 +114,9 @@ _REFUSED = {
 }
 _PEER = re.compile(r"TIME (?:SERIES|HISTORY) IN UNITS OF[\s\S]*?^.*\bNPTS\b", re.IGNORECASE | re.MULTILINE)
 _VOLUME = re.compile(
-    rf"^\s*(\d+) (?:points of (\w+) data equally spaced at\s*{_NUMBER}\s*sec, in ([^\s(]+?)\.?\s*"
-    rf"|(\w+) pts, approx\s*{_NUMBER} secs, units=\s*([^\s(,]+)[^\n]*?Format=\s*){_LAID}",
+    rf"^\s*(?P<count>\d+) (?:points of (?P<kind>\w+) data equally spaced at\s*(?P<step>{_NUMBER})\s*sec, in "
+    rf"(?P<unit>[^\s(]+?)\.?\s*|(?P<cosmos_kind>\w+) pts, approx\s*(?P<length>{_NUMBER}) secs, "
+    rf"units=\s*(?P<cosmos_unit>[^\s(,]+)[^\n]*?Format=\s*){_LAID}",
     re.IGNORECASE | re.MULTILINE,
 )
 
@@ -138,22 +139,20 @@ def _peer(path: Path, lines: list[str]) -> Header:
 def _strong_motion(path: Path, lines: list[str]) -> Header:
     """Read the channels of a record of CSMIP or COSMOS, Volume 2: so many values in a line, each so many characters wide."""
     columns: dict[str, tuple[str | None, list[float]]] = {}
-    channels, step, count, first = 0, math.nan, 0, 0
-    number = 0
+    channels, step, size, first, number = 0, math.nan, 0, 0, 0
     while number < len(lines):
         match = _VOLUME.match(lines[number])
         number += 1
         if match is None:
             continue
-        quantity, unit = (match[2] or match[5]).lower(), match[4] or match[7]
+        quantity, unit = (match["kind"] or match["cosmos_kind"]).lower(), match["unit"] or match["cosmos_unit"]
         channels += quantity.startswith("acc")
-        interval = (
-            float(match[3]) if match[3] else _interval_in_header(path, lines[: number - 1], int(match[1]), float(match[6]))
-        )
-        if columns and (interval != step or int(match[1]) != count):
+        count, width, values = int(match["count"]), int(match["width"]), list[float]()
+        stated = match["step"]
+        interval = float(stated) if stated else _interval_in_header(path, lines[: number - 1], count, float(match["length"]))
+        if columns and (interval, count) != (step, size):
             raise RecordError(f"{path}, line {number}: this channel has other instants than the first. Use a file for each.")
-        step, count, first = interval, int(match[1]), first or number
-        width, values = int(match[9]), list[float]()
+        step, size, first = interval, count, first or number
         while len(values) < count and number < len(lines):
             line = lines[number].rstrip("\r\n")
             number += 1
@@ -162,7 +161,7 @@ def _strong_motion(path: Path, lines: list[str]) -> Header:
         columns[known if channels < 2 else f"{known} {channels}"] = unit, values
     if channels > 1:
         columns = {f"{name} 1" if " " not in name else name: values for name, values in columns.items()}
-    return _equally_spaced(path, columns, count, step, first)
+    return _equally_spaced(path, columns, size, step, first)
 
 
 def _interval_in_header(path: Path, above: Sequence[str], count: int, lasts: float) -> float:
@@ -170,7 +169,7 @@ def _interval_in_header(path: Path, above: Sequence[str], count: int, lasts: flo
     starts = [i for i, line in enumerate(above) if re.match(r"\s*\d+\s+Real-header", line, re.IGNORECASE)]
     start = starts[-1] if starts else len(above)
     layout = re.search(_LAID, above[start]) if start < len(above) else None
-    width = int(layout[2]) if layout else 1
+    width = int(layout["width"]) if layout else 1
     values = [line[i : i + width] for line in above[start + 1 : start + 41] for i in range(0, len(line.rstrip()), width)]
     step = float(values[33]) / 1e3 if len(values) > 33 and re.fullmatch(rf"\s*{_NUMBER}\s*", values[33]) else math.nan
     if not abs(step * count - lasts) <= 1.0 + 0.01 * lasts:  # it is printed in whole seconds
@@ -190,7 +189,7 @@ def _value(path: Path, line: int, cell: str) -> float:
 def _equally_spaced(
     path: Path, columns: Mapping[str, tuple[str | None, list[float]]], count: int, step: float, line: int
 ) -> Header:
-    """Return columns with their time before them; RecordError unless each has so many values."""
+    """Return columns behind their time; RecordError unless each has `count` values."""
     for name, (_, values) in columns.items():
         if len(values) != count:
             raise RecordError(

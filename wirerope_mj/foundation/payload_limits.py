@@ -1,4 +1,4 @@
-"""Limits of a payload, acceleration and clearance, and of mounts: load, and force, closing speed and gap of their stops."""
+"""Limits of a payload, acceleration and clearance, and of mounts: load, and the force, closing speed and gap of stops."""
 
 import math
 from collections.abc import Mapping, Sequence

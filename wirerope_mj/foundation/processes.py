@@ -1,4 +1,4 @@
-"""Other processes that this one starts: how many, which modules they find, and those that compile or write files beside it."""
+"""Other processes that this one starts: their number, their modules, and processes that compile or write files."""
 
 import multiprocessing
 import os
@@ -110,7 +110,7 @@ at_end(_end_children, early=True)
 
 
 def _end_after(work: Callable[[], object]) -> NoReturn:
-    """Run `work` in a copy of a process, and end that."""
+    """Run `work` in a copy of this process, and end the copy."""
     code = 1
     try:
         work()

@@ -118,7 +118,7 @@ def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
 
 
 def values_with_unit(text: str, quantity: str, units: Mapping[str, float]) -> tuple[float, ...]:
-    """Parse "30 30 20 mm", numbers and their unit, into values in SI; the unit must be one of a quantity's.
+    """Parse "30 30 20 mm", numbers and their unit, into values in SI; the unit must be one of the quantity.
 
     ValueError: there is no number, the unit is missing or another, or a number is none that a computer holds.
     """

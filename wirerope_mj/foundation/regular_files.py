@@ -1,4 +1,4 @@
-"""Files that are read: regular ones, inside their own folder; text in whatever encoding, and files that are none.
+"""Files that are read: regular ones, inside their own folder; text in any encoding, and kinds of files that are no tables.
 
 A pipe gives its content once, and a device never ends. What is no text is known by how it begins.
 """
@@ -88,7 +88,7 @@ _FOREIGN: tuple[tuple[bytes, str, str], ...] = (
 
 
 def encoding_of(path: Path) -> str:
-    """Find the encoding of a text by its mark, its NUL bytes, or whether it is UTF-8; else it is that of Windows.
+    """Find the encoding of a text by its byte order mark, its NUL bytes, or as valid UTF-8; else that of Windows.
 
     Raises:
         OSError: the file cannot be read.

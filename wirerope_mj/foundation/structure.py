@@ -59,7 +59,7 @@ class Key:
 
 @dataclass(frozen=True, eq=False)
 class Among:
-    """Mark of a field, a mapping, whose keys stand in the table of the file itself, beside those of other fields."""
+    """Mark of a mapping field whose keys stand in the table itself, beside the keys of other fields."""
 
     keys: Collection[str]
 
@@ -367,7 +367,7 @@ def _structured(hint: Any, value: Any, place: Place, key: Any, readers: Readers)
 
 @cache
 def _values_in(hint: Any) -> Any:
-    """Return the type for msgspec: without the classes that stand in it, its lists or its mappings."""
+    """Return the type for msgspec, without the classes in it, in its lists or in its mappings."""
     if tables_in(hint)[0] is float:
         return hint
     options = [
@@ -380,7 +380,7 @@ def _values_in(hint: Any) -> Any:
 
 @cache
 def tables_in(hint: Any) -> tuple[Any, Any]:
-    """Return how tables stand in a type, None if alone, `tuple` or a mapping, and their class; `float` twice if none do."""
+    """Return the container of tables in a type (None, `tuple` or a mapping) and their class; `float` twice without tables."""
     for option, _ in options_of(hint):
         origin, args = get_origin(option), get_args(option)
         if _is_class(option):

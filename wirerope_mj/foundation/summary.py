@@ -22,7 +22,7 @@ MOST_LINES = 12
 
 
 class Summarised:
-    """Base of results that say in a few lines what they hold; a dataclass among them has `repr=False`."""
+    """Base of results that summarise themselves in a few lines; dataclasses need `repr=False`."""
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         """Return a heading, and values with their units by what they are."""
@@ -50,7 +50,7 @@ class Summarised:
 
 
 class Brief(Summarised):
-    """Base of dataclasses that say of each field in a few words what it holds: arrays by their shape, names by their number."""
+    """Base of dataclasses that summarise each field in a few words: arrays by shape, names by number."""
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         values = {item.name: getattr(self, item.name) for item in fields(self) if item.repr}  # type: ignore[arg-type]
@@ -59,7 +59,7 @@ class Brief(Summarised):
 
 
 class AsCall:
-    """Base of dataclasses whose text is the call that makes them; in a long one each value is cut. They have `repr=False`."""
+    """Base of dataclasses whose text is the call that makes them, with long values cut; they need `repr=False`."""
 
     def __repr__(self) -> str:
         values = {item.name: repr(getattr(self, item.name)) for item in fields(self) if item.repr}  # type: ignore[arg-type]
@@ -69,7 +69,7 @@ class AsCall:
 
 
 class ByName(dict[str, Item]):
-    """A dictionary whose text is its names, and not all that stands behind them."""
+    """A dictionary whose text lists its names alone."""
 
     def __repr__(self) -> str:
         return f"{len(self)} by name: {_listed(self)}"

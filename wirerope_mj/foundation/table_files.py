@@ -1,4 +1,4 @@
-"""Tables as other programs write them, whatever the container: a header with units, rows, numbers, and the line that is wrong.
+"""Tables as other programs write them, in any container: header with units, rows, numbers, and the location of faults.
 
 Text with any usual separator, decimal sign and encoding, sheets of workbooks, MATLAB and Parquet files, and the text files of
 some loggers are read by what they hold, not by the ending of their names.
@@ -276,7 +276,7 @@ def numbered_rows(header: Header) -> Iterator[tuple[int, list[str]]]:
 
 
 def rows_in_si(header: Header, units: Mapping[int, Mapping[str, float]]) -> list[tuple[float, ...]]:
-    """Read some columns below a header in SI; `units` are those that each may have."""
+    """Read some columns below a header in SI; `units`: the units that each may have."""
     factors = {column: header.factor(column, known) for column, known in units.items()}
     return [
         tuple(in_si(number_in(place, header.names[column], cells[column]), factor) for column, factor in factors.items())

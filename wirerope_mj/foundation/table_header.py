@@ -115,7 +115,7 @@ class Header:
 
 
 def holds(group: str, name: str) -> bool:
-    """Tell whether a struct or group, "" the file itself, holds a column of a name such as test.acc, itself or in another."""
+    """Tell whether a struct or group, "" the file itself, holds a column of a name such as test.acc, or a nested one does."""
     return not group or name.startswith(f"{group}.")
 
 
@@ -211,7 +211,7 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _match(names: Sequence[str], cells: Sequence[str]) -> bool:
-    """Tell whether names fit the cells below: one above each but for empty ones at the end, and none a number."""
+    """Tell whether names fit the cells below: a name above each cell but empty ones at the end, and no name a number."""
     least = [max((i for i, cell in enumerate(row, 1) if cell), default=0) for row in (names, cells)]
     fit = least[0] <= len(cells) and least[1] <= len(names) and least[0] > (len(cells) > 1)
     return fit and not any(is_number(name) for name in names if name)
@@ -229,7 +229,7 @@ def _spans(above: Sequence[str], below: Sequence[str]) -> bool:
 
 
 def _joined(above: Sequence[str], below: Sequence[str]) -> list[tuple[str, str | None]]:
-    """Join names that span columns with those below them; a unit is that of either."""
+    """Join names that span columns with those below them; a unit may stand in either."""
     headings: list[tuple[str, str | None]] = []
     span: tuple[str, str | None] = ("", None)
     for i, cell in enumerate(below):

@@ -115,7 +115,7 @@ class Table:
         return plain if isinstance(plain, float) else None
 
     def marks(self, *, absent: str = "-", minus: str = "-", bars: int = 0) -> list[list[tuple[str, str]]]:
-        """Write text and tone of every cell, with these signs for absent values and in negative ones.
+        """Write text and tone of every cell, with these signs for absent values and for minus.
 
         Where a column has bars they stand before its numbers, `bars` letters long up to the limit; 0 for none.
         """

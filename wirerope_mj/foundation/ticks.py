@@ -47,7 +47,7 @@ def _inside(ticks: Array, low: float, high: float) -> Array:
 
 
 def _thinned(ticks: Array, whole: Array, room: float) -> Array:
-    """Return the powers of ten, and those of other ticks that keep their distance from them and from each other."""
+    """Return the powers of ten, and the other ticks that keep a distance from these and from each other."""
     kept = list(whole)
     for tick in ticks:
         if all(abs(math.log(tick / neighbour)) >= room for neighbour in kept):

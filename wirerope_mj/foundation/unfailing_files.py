@@ -1,4 +1,4 @@
-"""Files that keep the error of a write: what writes to them goes on, and whoever opened them asks for it afterwards."""
+"""Files that keep the error of a write: their writer continues, and the opener raises the error afterwards."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class UnfailingFile(FileIO):
-    """A file whose writes do not fail: after the first that did, nothing more is written."""
+    """A file whose writes do not fail: after the first failure nothing more is written."""
 
     failure: OSError | None = None
 

@@ -1,4 +1,4 @@
-"""Units of files and of what people read, and what one of each is in SI; the library itself speaks SI.
+"""Units of files and displays, and their factors to SI; the library itself uses SI.
 
 One table of units, and one notation of a column's name with its unit, for records, loops, densities, curves and tables.
 """

@@ -41,7 +41,7 @@ def xlsx_rows(path: Path, sheet: str = "") -> tuple[str, list[tuple[int, list[st
 
 
 def _values(path: Path, sheet: str, *, formulas: bool = False) -> tuple[str, list[Sequence[Any]]]:
-    """Read the name of a sheet and what is in its cells, row by row: the values of formulas, or formulas themselves."""
+    """Read the name of a sheet and its cells, row by row: formulas by value, or as they are written."""
     with _workbook(path, formulas=formulas) as book:
         sheets = book.worksheets
         chosen = next((candidate for candidate in sheets if candidate.title.strip().lower() == sheet), sheets[0])

@@ -36,7 +36,7 @@ _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
 
 
 def write_modes(system: System, name: str, results: Sequence[Modes], folder: Path, *, force: bool = False) -> None:
-    """Write the modes of a system as `folder`, atomically: small-amplitude modes, which are recorded, and larger ones.
+    """Write the modes of a system as `folder`, atomically: at small amplitudes, which are recorded, and larger ones.
 
     `name` is the model's. RecordError if the folder exists and is not one of modes that `force` replaces.
     """

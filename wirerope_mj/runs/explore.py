@@ -1,4 +1,4 @@
-"""A what-if of a scenario: its sliders, and runs with them at other values, of which the last two are kept."""
+"""A what-if of a scenario: its sliders, and runs at their values; the last two runs are kept."""
 
 import math
 import warnings
@@ -104,7 +104,7 @@ def groups_of(system: System) -> dict[str, list[str]]:
 
 
 def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float]:
-    """Return a value for every slider: the given one limited to its range, else the nominal one.
+    """Return a value for every slider: the given value limited to the slider's range, else the nominal value.
 
     ValueError if `values` is no table of finite numbers, or names what is no slider.
     """
@@ -124,7 +124,7 @@ def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float
 
 
 def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System, BaseMotion]:
-    """Return system and motion with the sliders at some values; the given ones where all are nominal.
+    """Return system and motion at the sliders' values; the given system and motion if all values are nominal.
 
     ValueError if a factor takes a parameter out of its law's range; ModelError if the compiled model has no room for the
     change.
@@ -271,7 +271,7 @@ class Exploration:
         return self._answer()
 
     def recording(self, number: int) -> bytes:
-        """Return the recording of the last two runs together, or of the only one.
+        """Return the recording of the last two runs together, or of the only run.
 
         Raises:
             OvertakenError: run `number` is not the last any more.

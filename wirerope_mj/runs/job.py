@@ -1,4 +1,4 @@
-"""A job computed into one folder: a run for each load case, of which only those run whose inputs changed.
+"""A job computed into one folder: a run for each load case, simulated only if the case's inputs changed.
 
 ```text
 job.toml           load cases and their folders, what is reported, the document's data

@@ -69,7 +69,7 @@ class Played(Simulated):
 
 @dataclass(frozen=True, kw_only=True)
 class Case(Played):
-    """A load case of a job: its name and what moves the base, all of which is added."""
+    """A load case of a job: its name and the motions of the base, which are added."""
 
     name: Annotated[str, example("vertical shock")] = ""  #: it names its folder, too
     #: in the words of the option of `wirerope shock`, one or several that are added

@@ -1,4 +1,4 @@
-"""All kernels, called once each by short computations, so that they are compiled before somebody waits for them."""
+"""All kernels, called once each by short computations, so that they are compiled in advance."""
 
 import shutil
 from contextlib import suppress
@@ -71,7 +71,7 @@ def compile_beside_a_command() -> None:
         system = load_system("sdof_shaker")
         group = group_of([equations(system)], np.zeros((1, moving(system).size)), [0])
         drive = np.zeros((1, 1, len(system.assembly.tables.drive)))
-        group.go(np.zeros((5, 0)), drive[:, :0], drive[:, :0], np.zeros((1, 0, 3)), np.zeros(0, dtype=np.int64), NOTHING)
+        group.step(np.zeros((5, 0)), drive[:, :0], drive[:, :0], np.zeros((1, 0, 3)), np.zeros(0, dtype=np.int64), NOTHING)
         use_all_kernels()
 
 

@@ -28,7 +28,7 @@ FOLDER = "measured"
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnMap:
-    """A map of a measurement: what the columns of a test's file are."""
+    """Map of a measurement: the meaning of the columns of a test's file."""
 
     channels: dict[str, str]  #: COLUMN = "PHRASE", such as A1 = "point/rack_top z g"
     start: float | None = None  #: instant of the run at which the first sample was taken [s]
@@ -48,7 +48,7 @@ def _column_map(path: Path) -> ColumnMap:
 
 
 def read_map(items: Sequence[str]) -> Entries:
-    """Read what the columns of a measurement mean, `COLUMN=PHRASE` or a TOML file, for `load_measured`.
+    """Read the meaning of a measurement's columns, `COLUMN=PHRASE` or a TOML file, for `load_measured`.
 
     ValueError if an item is neither, or a column is given twice; RecordError if the file is no `ColumnMap`.
     """

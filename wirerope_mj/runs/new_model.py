@@ -214,7 +214,7 @@ def _installed(layout: Layout, model: Path) -> Layout:
 
 
 def gaps_text(layout: Layout) -> str:
-    """Describe from where the gaps of stops count, and where mounts go solid; "" where there are no stops."""
+    """Describe the origin of the gaps of stops, and where mounts go solid; "" without stops."""
     laws = {stop.name: stop.law for stop in layout.stops if stop.law is not None}
     installed = {name: law.rest for name, law in laws.items() if law.rest is not None}
     parts = []

@@ -1,4 +1,4 @@
-"""A run or a study computed again from its folder alone, and where its numbers differ from those that stand there."""
+"""A run or a study computed again from its folder alone, and the differences from the stored numbers."""
 
 import math
 import tempfile
@@ -53,7 +53,7 @@ class Replay(Summarised):
 
     @property
     def agrees(self) -> bool:
-        """True if the numbers are the same but for what rounding on another processor explains."""
+        """True if the numbers agree within the rounding of another processor."""
         return self.identical or self.largest_difference <= AGREES
 
     @property

@@ -97,7 +97,7 @@ def write_content_of(folder: Path, out: Path, *, channels: Sequence[str] = (), f
 
 
 def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool = False) -> Path:
-    """Write the scene of a run at an instant, "120 ms", or at that of its most critical verdict, as a PNG; return its path.
+    """Write the scene of a run at an instant, "120 ms", or at its most critical verdict, as a PNG; return its path.
 
     RecordError if the folder is no run, or the file is there and must not be replaced; ValueError if the instant is no time
     within the run, or nothing has moved at it.
@@ -191,7 +191,7 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
 
 
 def _require_as_written(folder: Path, files: tuple[Path, ...]) -> None:
-    """Raise RecordError unless files of the run are as they were written: what is shared is shown to others."""
+    """Raise RecordError unless the files of the run are as they were written."""
     for file in files:
         if file.is_symlink():
             raise RecordError(

@@ -69,7 +69,7 @@ def said_motion(
 
 
 def _channels(record: Path, channels: Sequence[str] | None, direction: str | None, played: Entries) -> Entries | None:
-    """Return the channel that moves the base in each direction; None leaves it to the channels' names."""
+    """Return the channel that moves the base in each direction; None if the channels' names decide."""
     if channels is None and direction is None:
         return None
     if channels is not None and direction is None:
@@ -99,7 +99,7 @@ _MOST_CYCLES = 300  # at a line: what static load still leaks away after that mo
 def with_dwells_found(
     phrases: Sequence[tuple[str, str]], system: System, *, folder: Path | None = None
 ) -> list[tuple[str, str]]:
-    """Complete amplitude tables that `dwell` without a frequency by those of the system's response prominences.
+    """Complete amplitude tables that `dwell` without a frequency by the frequencies of the system's response prominences.
 
     Raises:
         ValueError: such a phrase lacks something, or the base moves along several directions at once.

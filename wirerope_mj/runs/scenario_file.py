@@ -1,4 +1,4 @@
-"""The scenario as it stands in a run's folder, how it is judged, system and motion of it, and the check of its response."""
+"""The scenario stored in a run's folder: its system, motion and limits, and the check of its response."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -189,7 +189,7 @@ def run_facts(folder: Path) -> dict[str, str]:
 
 
 def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
-    """Judge the response in a folder as `wirerope run` does; one without a run by the limits in its scene.
+    """Judge the response in a folder as `wirerope run` does, or by its scene's limits if the folder is no run.
 
     RecordError if scenario, motion or model cannot be read, or are not those of the response; names which.
     """

@@ -1,4 +1,4 @@
-"""The equipment that isolators are selected for, and the model of the part that was chosen."""
+"""The equipment that isolators are selected for, and the model with the chosen part."""
 
 import warnings
 from collections.abc import Mapping, Sequence

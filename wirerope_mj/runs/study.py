@@ -132,7 +132,7 @@ def what_can_vary(scenario: Scenario) -> str:
 
 
 def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
-    """Return the scenario's limits that a study can judge, as texts for `--limit`, and those that it cannot.
+    """Return the scenario's limits that a study can judge, as texts for `--limit`, and the limits that it cannot.
 
     A study has the norm of an acceleration in its table, and how far points move each way; it has no acceleration along an
     axis, no clearance of a body's corners or between two points, and no force, whoever limits it.

@@ -66,7 +66,7 @@ def check_whole(new: Path, folder: Path) -> None:
     """Raise SimulationError if the study computed in `new` must not replace the one in `folder`."""
     rows = read_table(new, ["status", "message"])
     reason = ""
-    if dead(new):
+    if dead_chunks(new):
         reason = "processes that computed variants died."
     elif DONE not in rows["status"].to_pylist():
         reason = f"every variant failed; variant 0: {rows['message'][0]}"
@@ -88,9 +88,9 @@ def prepare(study: StudyDefinition, folder: Path, *, keep: str, resume: bool, se
     with worked_on_alone(folder, kind="study"):  # nobody else, before anything is taken away
         if resume or not _begun(folder):
             with tempfile.TemporaryDirectory() as temporary:
-                computed = (folder / TABLE).is_file() and not dead(folder)
+                computed = (folder / TABLE).is_file() and not dead_chunks(folder)
                 check_same(folder, write_inputs(study, Path(temporary), keep, search), computed=computed)
-            if dead(folder):
+            if dead_chunks(folder):
                 for name in (SUMMARY, TABLE):
                     (folder / name).unlink(missing_ok=True)
             return str(read_inputs(folder)["id"])
@@ -132,17 +132,17 @@ def computed_alone(folder: Path, identity: str) -> Iterator[None]:
 
 
 def _begun(folder: Path) -> bool:
-    return bool(done(folder) or (folder / TABLE).is_file())
+    return bool(finished_chunks(folder) or (folder / TABLE).is_file())
 
 
-def done(folder: Path) -> set[int]:
+def finished_chunks(folder: Path) -> set[int]:
     """Return the numbers of the finished chunks; those whose process died are not finished."""
     return {int(path.stem) for path in (folder / PARTS).glob("*.parquet") if path.stem.isdigit()}
 
 
-def dead(folder: Path) -> set[int]:
+def dead_chunks(folder: Path) -> set[int]:
     """Return the numbers of the chunks whose process died and that have not been computed since."""
-    return {int(path.name.split(".")[0]) for path in (folder / PARTS).glob(f"[0-9]*{_DIED}.parquet")} - done(folder)
+    return {int(path.name.split(".")[0]) for path in (folder / PARTS).glob(f"[0-9]*{_DIED}.parquet")} - finished_chunks(folder)
 
 
 def write_part(folder: Path, part: Part) -> None:
@@ -231,7 +231,7 @@ def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
                 writer.write_table(table)
     if not (folder / SUMMARY).is_file():
         write_json(folder / SUMMARY, summary())
-    if not dead(folder):
+    if not dead_chunks(folder):
         shutil.rmtree(folder / PARTS, ignore_errors=True)
     for path in (folder, folder / RESPONSES):  # of a process that was killed while it wrote
         clear_half_written(path)

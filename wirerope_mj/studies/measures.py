@@ -70,7 +70,7 @@ def measures(system: System, peaks: Peaks, rest: State | None, response: Respons
     return results | {"clearance": NAN if unknown and not worst > 1.0 else worst}
 
 
-def late(system: System, peaks: Peaks) -> float:
+def latest_extreme(system: System, peaks: Peaks) -> float:
     """Return the latest instant at which a variant reached a significant extreme [s]."""
     return float(Extremes.of_peaks(system, peaks).late[0])
 

@@ -20,7 +20,7 @@ from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import FAILED, nominal
-from wirerope_mj.studies.folder import dead, done, kept_numbers, kept_response, parts, read_schema, read_table
+from wirerope_mj.studies.folder import dead_chunks, finished_chunks, kept_numbers, kept_response, parts, read_schema, read_table
 from wirerope_mj.studies.inputs_file import RESPONSES, STUDY, todays_table
 from wirerope_mj.studies.results.measure import (
     ALL,
@@ -67,7 +67,7 @@ class StudyResult(Exportable, Summarised):
         """Table with one row for every variant; of an incomplete study, for the finished ones."""
         if self.complete:
             return todays_table(read_table(self.folder), self.inputs)
-        numbers = sorted(done(self.folder))
+        numbers = sorted(finished_chunks(self.folder))
         if not numbers:
             raise RecordError(f"{self.folder}: no variant of this study is done yet.")
         return todays_table(pa.concat_tables(parts(self.folder, numbers)), self.inputs)
@@ -138,7 +138,7 @@ class StudyResult(Exportable, Summarised):
     @property
     def missing(self) -> str:
         """Sentences on what a complete run lacks; empty if nothing."""
-        text = f" {NOT_COMPUTED}" if dead(self.folder) else ""
+        text = f" {NOT_COMPUTED}" if dead_chunks(self.folder) else ""
         if self.inputs.get("keep") == RESPONSES:
             wanted = set(self.table["variant"].to_pylist()) - set(self.failed)
             if gone := len(wanted - kept_numbers(self.folder)):

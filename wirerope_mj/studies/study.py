@@ -13,7 +13,7 @@ from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
 from wirerope_mj.studies.engines.local import run_local
-from wirerope_mj.studies.folder import TABLE, done, finish, study_folder, write_part
+from wirerope_mj.studies.folder import TABLE, finish, finished_chunks, study_folder, write_part
 from wirerope_mj.studies.inputs_file import KEPT, PEAKS, RESPONSES
 from wirerope_mj.studies.measures import needs_samples
 from wirerope_mj.studies.result import StudyResult
@@ -109,7 +109,7 @@ class Study(StudyDefinition):
             if not (place / TABLE).is_file():
                 self.warn_of_given_step()
                 size = chunk_size(self, keep)
-                missing = sorted(set(range(math.ceil(self.size / size))) - done(place))
+                missing = sorted(set(range(math.ceil(self.size / size))) - finished_chunks(place))
                 already = self.size - sum(min(size, self.size - number * size) for number in missing)
                 with share_bar(
                     "study", "variants/s", total=self.size, parts="variants", enabled=progress, begun=already / self.size

@@ -1,4 +1,4 @@
-"""Agreement of a run with a test: every measure of every channel, in one table and one sentence."""
+"""Agreement of a run with a test: all measures of all channels, in a table and a sentence."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

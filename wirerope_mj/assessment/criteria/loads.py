@@ -284,7 +284,7 @@ class AreaForce:
 
 
 def area_forces(response: Response, up: Array | None = None) -> list[AreaForce]:
-    """Find the largest forces of all mounts and of those of each area on the deck, with the stops at the sites of these.
+    """Find the largest forces on the deck of all mounts and of each area's mounts, with the stops at their sites.
 
     Contacts of geoms are not among them.
 
@@ -355,7 +355,7 @@ def bolt_loads(response: Response) -> list[BoltLoad]:
 
 @dataclass(frozen=True, kw_only=True)
 class StopLoad:
-    """Largest force of a stop on what it stands on, over every step: what its anchor bears.
+    """Largest force of a stop on its anchor, over every step.
 
     Of a mount that is a stop it is the resultant of all its axes at one instant.
     """

@@ -164,11 +164,12 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
             note = f"corner at {', '.join(f'{1e3 * x:.4g}' for x in corner)} mm from the centre of mass"
         else:
             motion = read_columns(response, f"bodies/{body.name}/position/x", 13)  # up to its angular velocity
-            arms = (rotation_matrices(motion[:, 3:7]) @ place for place in box)
+            centre, orientation, velocity, angular = np.split(motion, (3, 7, 10), axis=1)
+            arms = (rotation_matrices(orientation) @ place for place in box)
             every = [
                 sampled_sides(
                     moved,
-                    response.velocity_from_base(motion[:, :3] + arm, motion[:, 7:10], np.cross(motion[:, 10:], arm)),
+                    response.velocity_from_base(centre + arm, velocity, np.cross(angular, arm)),
                 )
                 for arm, moved in zip(arms, corner_displacements(response, body, box), strict=True)
             ]
@@ -209,9 +210,9 @@ def body_corners(body: SceneBody) -> Array:
 
 def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
     """Yield the displacement of one corner after the other from its modelled position relative to the base [m], (n_t, 3)."""
-    poses = read_columns(response, f"bodies/{body.name}/position/x", 7)  # positions and orientations
-    axes, modelled = rotation_matrices(poses[:, 3:]), rotation_matrices(body.orientation)
-    centre = response.displacement_from_base(poses[:, :3], body.position)
+    position, orientation = np.split(read_columns(response, f"bodies/{body.name}/position/x", 7), (3,), axis=1)
+    axes, modelled = rotation_matrices(orientation), rotation_matrices(body.orientation)
+    centre = response.displacement_from_base(position, body.position)
     if (base := response.base_rotation) is not None:
         axes = np.swapaxes(base, 1, 2) @ axes
     turns = axes - modelled  # (n_t, 3, 3)

@@ -57,7 +57,7 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
 
 
 def _unjudged(reached: Mapping[str, Array], rated: Mapping[str, float]) -> dict[str, str]:
-    """Say of each rating that is not judged why: it is not stated, or the mount moves `one_way`, farther than in that of it.
+    """State the reason for each rating that is not judged: it is not stated, or the mount moves farther `one_way`.
 
     One that is exceeded is judged.
     """
@@ -105,7 +105,7 @@ def rest_travel_verdicts(
 
 
 def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Judge the largest compression of every mount against that at which its bars meet, height - 2 bar.
+    """Judge the largest compression of every mount against the compression at which its bars meet, height - 2 bar.
 
     The rated compression, less than that, is where the vendor says that a mount bottoms: see `travel_verdicts`. No law knows
     that the bars meet; compressions beyond it cannot happen, and show that a stop is missing in the model. Where a stop stands

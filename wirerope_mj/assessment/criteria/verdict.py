@@ -61,7 +61,7 @@ STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
 
 @dataclass(frozen=True, kw_only=True)
 class Amplification:
-    """Acceleration of the payload and that of the base by the same measure."""
+    """Acceleration of the payload and of the base by the same measure."""
 
     measure: str  #: "peak", or "rms along z"
     value: float  #: of the payload [m/s^2]

@@ -1,3 +1,3 @@
-"""Frequency responses of a system at several levels: branches of periodic motions, sweeps, and what they say together."""
+"""Frequency responses of a system at several levels: branches of periodic motions, sweeps, and their joint summary."""
 
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, ResponseOptions, frequency_response

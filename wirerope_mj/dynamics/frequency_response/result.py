@@ -245,7 +245,7 @@ def frequency_response(
 
 
 def _other_start(system: System, options: ResponseOptions, acceleration: float) -> str:
-    """Say from which frequency near the start of the range a branch can be followed, tried here; or that none was found."""
+    """State a frequency near the start of the range from which a branch can be followed, by trials; or that none is known."""
     start, stop = options.range
     tried = [start + part * (stop - start) for part in OTHER_STARTS]
     for frequency in tried:

@@ -1,4 +1,4 @@
-"""Frequencies of large cycles about the deflection where their mean force carries the weight, not about rest.
+"""Frequencies of large cycles about the deflection at which their mean force carries the weight, not about rest.
 
 A law that is stiffer to one side, or whose hysteretic force held part of the weight at rest, has another mean force in a cycle
 than at rest. Under lasting vibration the mount moves to where the mean force is that of rest again, and is stiffer or softer

@@ -96,7 +96,7 @@ def iterate(
 
 
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
-    """Judge the stability against tipping by the mounts' stiffness `tangent`, and also by that on further `loading`, (n, n)."""
+    """Judge the stability against tipping by the mounts' stiffness, `tangent` and on further `loading`, (n, n) each."""
     model, stiffness = system.model, rest.other + rest.weight + tangent
     values, _ = solve(stiffness, rest.mass, rest.motions)
 

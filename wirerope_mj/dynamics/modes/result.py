@@ -22,7 +22,7 @@ def paired(likeness: Array) -> Integers:
 
 @dataclass(frozen=True, kw_only=True)
 class TippingStability:
-    """Distance of the stiffness from being indefinite, with the tangents of the mounts as they are at rest.
+    """Distance of the stiffness from being indefinite, with the mounts' tangents at rest.
 
     About the virgin position these are those of small cycles. About the relaxed one they are those of the elastic parts alone:
     under lasting vibration the hysteretic forces leak away, and the weight that they carried keeps sinking.
@@ -130,7 +130,7 @@ class Modes(Summarised):
 
     @property
     def outside_tangents(self) -> Integers:
-        """Indices of the modes whose frequency does not lie between those of the tangents on loading and on unloading."""
+        """Indices of the modes whose frequency is outside the frequencies by the tangents on loading and on unloading."""
         slack = 1e-6  # equal tangents of a law differ by the rounding of their difference quotients
         tangents = np.nan_to_num(np.stack([self.loading, self.unloading]))  # NaN, a mode that tips over, is below all
         low, high = (1.0 - slack) * tangents.min(axis=0), (1.0 + slack) * tangents.max(axis=0)

@@ -55,7 +55,7 @@ class Bifurcation:
 
 @dataclass(frozen=True, kw_only=True)
 class SideBranch:
-    """A stretch of a branch over which two motions of nearly equal amplitude exist."""
+    """A segment of a branch over which two motions of nearly equal amplitude exist."""
 
     # start, stop: frequencies [Hz] or accelerations [m/s^2] at its ends, whichever was followed
     start: float
@@ -76,7 +76,7 @@ class Jump:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Branch(Summarised):
-    """Periodic motions of a system along the frequency or the level of its base's sine, in the order they were followed."""
+    """Periodic motions of a system along the frequency or the level of its base's sine, in the order of continuation."""
 
     system: System = field(repr=False)
     parameter: Parameter  #: followed parameter, "frequency" or "acceleration"
@@ -204,7 +204,7 @@ class Backbone:
 
 
 def resonances(branch: Branch) -> tuple[Resonance, ...]:
-    """Find the peaks of a branch that was followed in frequency, in its order; superharmonic ones included.
+    """Find the peaks of a branch that was followed in frequency, in its order; superharmonic peaks included.
 
     Raises:
         ValueError: the branch was followed in acceleration.
@@ -221,9 +221,9 @@ def resonances(branch: Branch) -> tuple[Resonance, ...]:
             valleys.append(float(side[: higher[0] if higher.size else side.size].min()))
         if a[i] > PROMINENT * max(valleys):
             peaks.append((i, *_parabola_vertex(branch, i)))
-    highest = max(peaks, key=lambda peak: peak[2], default=(0, np.nan, np.nan))
+    _, main, _ = max(peaks, key=lambda peak: peak[-1], default=(0, np.nan, np.nan))  # by amplitude
     return tuple(
-        Resonance(index=i, frequency=frequency, amplitude=amplitude, ratio=highest[1] / frequency)
+        Resonance(index=i, frequency=frequency, amplitude=amplitude, ratio=main / frequency)
         for i, frequency, amplitude in peaks
     )
 

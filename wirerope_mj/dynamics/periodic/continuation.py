@@ -57,7 +57,7 @@ class Continuation:
     def __init__(
         self, search: OrbitSearch, *, parameter: Parameter, held: float, periods: int, unit: float, tolerance: float
     ) -> None:
-        """Prepare to follow `parameter`, the other one held at the value `held`; `unit` of ln p is one unit of arclength."""
+        """Prepare to follow `parameter`, the other one held at `held`; `unit` of ln p is one unit of arclength."""
         self.search, self.flow, self.parameter = search, search.flow, parameter
         self.held, self.periods, self.unit, self.tolerance = held, periods, unit, tolerance
 

@@ -34,7 +34,7 @@ RATE = 6  # offset of the deflection's rate in a mount's record, behind deflecti
 
 
 class Flow(ABC):
-    """The map from the unknowns at phase 0 of the base's sine to those some periods later."""
+    """The map from the unknowns at phase 0 of the base's sine to the unknowns some periods later."""
 
     def __init__(self, coordinates: Coordinates, system: System) -> None:
         self.coordinates = coordinates

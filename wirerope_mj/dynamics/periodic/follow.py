@@ -127,4 +127,4 @@ def follow_branch(
         frequency or max(options.start, options.stop), options.periods, min(max(apart, 1.0), options.most_points)
     )
     with search.flow.ready(), share_bar("following", "Hz" if frequency is None else "m/s^2", enabled=progress) as update:
-        return GrowingBranch(search, options, None if out is None else Path(out)).go(guess, update)
+        return GrowingBranch(search, options, None if out is None else Path(out)).follow(guess, update)

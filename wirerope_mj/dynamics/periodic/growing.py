@@ -55,7 +55,7 @@ class GrowingBranch:
         self.complete, self.message, self.beyond_travel, self._earlier_steps = False, "", "", 0
         self._saved, self._jump = time.monotonic(), -1
 
-    def go(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
+    def follow(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
         """Follow the branch from its start, or resume it from its last point."""
         options = self.options
         last = self._resumed() or (None if self.message else self._first(guess))
@@ -88,8 +88,8 @@ class GrowingBranch:
             beyond_travel=self.beyond_travel,
         )  # fmt: skip
 
-    def _leap(self, last: Point) -> Point | None:
-        """Find a periodic motion a little further on in the parameter by Newton's method from the last one; None without one.
+    def _search_beyond(self, last: Point) -> Point | None:
+        """Find a periodic motion a little further on in the parameter, from the last motion by Newton's method; else None.
 
         A stable motion settles first: along slow directions a branch accumulates the residuals of its points. If that fails, it
         settles at the new value, too; so does an unstable one whose branch leads on. A motion that is no less stable is
@@ -137,7 +137,7 @@ class GrowingBranch:
         elif point is None or (turns(last, point) and last.unstable == point.unstable):
             # A step that fails, or a fold at which no multiplier passes 1: for slow motions, such as those of axes that hardly
             # move or of a narrow resonance, the tangent's direction is inaccurate.
-            beyond = self._leap(last)
+            beyond = self._search_beyond(last)
             point, length, leapt = (beyond, FIRST, True) if beyond is not None else (point, length, False)
         if point is None:
             self.message = (
@@ -202,7 +202,7 @@ class GrowingBranch:
         return beyond
 
     def _add_side_branch(self, side: SideBranch) -> bool:
-        """Keep a side branch, unless both of its motions are one within the accuracy; return whether it is kept."""
+        """Keep a side branch, unless its two motions agree within the accuracy; return whether it is kept."""
         apart = side.difference > self.options.accuracy
         self.side_branches += [side] if apart else []
         return apart

@@ -65,7 +65,7 @@ def width_indices(system: System) -> Integers:
 
 
 def widths_of(laws: AnyArray, parameters: Array) -> Integers:
-    """Find the indices of the widths among the parameters, of laws as rows (number, first parameter) and of parallel ones."""
+    """Find the indices of the widths among the parameters, of laws, rows (number, first parameter), and of their parts."""
     widths = []
     for law, first in laws.astype(int).tolist():
         widths += [first] if law == SMOOTHED else []
@@ -77,7 +77,7 @@ def widths_of(laws: AnyArray, parameters: Array) -> Integers:
 
 @dataclass(frozen=True, kw_only=True)
 class Slopes:
-    """Factors of the scaled equation of all unknowns over pairs of steps; a pair has one sign of the rate, that of its path."""
+    """Factors of the scaled equation of all unknowns over pairs of steps; the rate has one sign in a pair, that of its path."""
 
     scale: Array  # phi / alpha at the three instants of every pair, 1 for unscaled unknowns, (n_pairs, 3, n)
     gain: Array  # factor of the rate's change, (n_pairs, 3, n)
@@ -121,7 +121,7 @@ class ScaledStates:
 
     @property
     def serve(self) -> bool:
-        """True if all of the system's states are scaled, or one is steep (n < 1): then the variational equation is preferred.
+        """True if all of the system's states are scaled, or any is steep (n < 1): then the variational equation is preferred.
 
         It takes account of reversals between steps, which the columns of the stepped map do not.
         """

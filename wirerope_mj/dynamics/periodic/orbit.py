@@ -115,7 +115,7 @@ class HarmonicContent:
 def harmonic_content(
     orbit: PeriodicOrbit, *, payload: str, direction: str | tuple[float, float, float] | None = None, highest: int = 20
 ) -> HarmonicContent:
-    """Transform a payload's absolute acceleration along a direction, that of the base unless given, up to a highest order.
+    """Compute the harmonics of a payload's acceleration along a direction, by default the base's, up to a highest order.
 
     Raises:
         ValueError: the payload is not known.

@@ -71,7 +71,7 @@ class HarmonicBranch(Summarised):
         return self.amplitude / self.acceleration
 
     def orbits_at(self, frequency: float) -> tuple[HarmonicOrbit, ...]:
-        """Find the motions at a frequency [Hz], one for each time that the branch passes it, in its order."""
+        """Find the motions at a frequency [Hz], one for each passage of the branch, in its order."""
         f = self.frequency
         rows = np.flatnonzero((f[:-1] - frequency) * (f[1:] - frequency) <= 0.0)
         rows = rows[[i == 0 or f[i] != frequency for i in rows]]  # a point that is hit is the end of the step before
@@ -140,7 +140,7 @@ def follow_harmonic_balance(
 
 
 @dataclass(frozen=True)
-class _Tried:
+class _TrialPoint:
     """A point off the branch, (n + 1,), and the residuals of the balance there, (n,)."""
 
     y: Array
@@ -185,11 +185,11 @@ class _Path:
     def step(self, last: _Point, length: float) -> _Point | None:
         """Take a step of an arclength; None if the corrector does not converge."""
 
-        def at(move: Array) -> _Tried:
+        def at(move: Array) -> _TrialPoint:
             y = last.y + last.scale * move
-            return _Tried(y, self.residual(y))
+            return _TrialPoint(y, self.residual(y))
 
-        def matrix_at(tried: _Tried, _: Array) -> Array:
+        def matrix_at(tried: _TrialPoint, _: Array) -> Array:
             return self.jacobian(tried.y, tried.residuals) * last.scale
 
         correction = corrected(at, matrix_at, last.matrix, length * last.tangent, last.tangent, length, self.tolerance)

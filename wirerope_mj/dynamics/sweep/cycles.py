@@ -46,7 +46,7 @@ class ByMujoco:
         self._memory[:, at.BEFORE : at.BEFORE + 3], self._memory[:, at.LAST : at.LAST + 3] = before, last
         self._clear_extremes()
 
-    def go(self, grid: Grid, ends: Integers, minimum: Array, maximum: Array) -> bool:
+    def step_cycles(self, grid: Grid, ends: Integers, minimum: Array, maximum: Array) -> bool:
         """Step through cycles whose last intervals are `ends`, (n,), and write their extremes, (n, n_channels, 3) each."""
         stepper = self.stepper
         stepper.enter(grid)
@@ -99,7 +99,7 @@ class ByKernel:
         self._rows[tables.tracked] = np.arange(n)
         self._before = self._snapshot()
 
-    def go(self, grid: Grid, ends: Integers, minimum: Array, maximum: Array) -> bool:
+    def step_cycles(self, grid: Grid, ends: Integers, minimum: Array, maximum: Array) -> bool:
         """Step through cycles whose last intervals are `ends`, (n,), and write their extremes, (n, n_channels, 3) each.
 
         Returns whether the kernel did not fail; if it did, `handed_over` continues before the first of these cycles.
@@ -211,10 +211,10 @@ class Cycles:
         """
         grid, ends = cycle_grid(instants, self._timestep)
         minimum, maximum = np.empty((2, ends.size, self._n_channels, 3))
-        if not self._engine.go(grid, ends, minimum, maximum) and isinstance(self._engine, ByKernel):
+        if not self._engine.step_cycles(grid, ends, minimum, maximum) and isinstance(self._engine, ByKernel):
             self.why = self._engine.failure
             self._engine = self._with_callbacks(self._engine.handed_over())
-            self._engine.go(grid, ends, minimum, maximum)
+            self._engine.step_cycles(grid, ends, minimum, maximum)
         frequencies = frequencies_at(self._motion, (instants[:-1] + instants[1:]) / 2.0)
         require_lawful(self._system, frequencies, minimum[:, self._mounts], maximum[:, self._mounts])
         try:

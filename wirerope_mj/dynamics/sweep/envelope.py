@@ -299,7 +299,7 @@ class Collector:
         self._steps, self._largest_step = self._steps + steps, max(self._largest_step, largest_step)
 
     def add(self, frequency: Array, minimum: Array, maximum: Array, *, cycles: int, remaining: float, settled: bool) -> None:
-        """Add extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and the values common to all of them."""
+        """Add extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and values common to all."""
         channels = self._channels
         self._watch.add(frequency, minimum[:, channels.mounts], maximum[:, channels.mounts])
         largest = np.maximum(maximum, -minimum)

@@ -48,7 +48,7 @@ def require_payload(system: System, payload: str) -> None:
 
 
 def response_axis(response_direction: str | Sequence[float] | None, base: Direction) -> str:
-    """Choose "x", "y" or "z" for a response direction along one of them; without one, for the base's."""
+    """Return "x", "y" or "z" for a response direction along that axis, by default the base's."""
     name = "direction" if response_direction is None else "response_direction"
     direction = base if response_direction is None else response_direction
     if isinstance(direction, str):
@@ -204,7 +204,7 @@ def stepped_sine(
     history: History = "relaxed", initial: State | None = None, timestep: float | None = None, accuracy: float = 1e-4,
     out: str | Path | None = None, progress: bool = False,
 ) -> FrequencySweep:  # fmt: skip
-    """Compute the settled amplitudes at one frequency after the other, each from the last one's final state.
+    """Compute the settled amplitudes at one frequency after the other, each from the final state of the frequency before.
 
     A frequency has settled when the amplitudes of all bodies are estimated to lie within `settled` of their limits; the limit
     of a slow approach is extrapolated, so that a slow change is not taken for none. Where that takes more than

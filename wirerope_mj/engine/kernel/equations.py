@@ -92,7 +92,7 @@ def equations_of(system: System) -> Equations:
     for table, rows in parts.items():
         lay[table] = sum(part.size for part in flat)
         flat.append(np.asarray(rows, dtype=np.int64).ravel())
-    n_values = int(sum(control.POINT_VALUES if row[3] else control.KINEMATICS for row in frames))
+    n_values = int(sum(control.POINT_VALUES if row[at.IS_POINT] else control.KINEMATICS for row in frames))
     n_values += control.MOUNT_VALUES * len(mounts) + tables.user.n_states
     n_values += int(tables.layout[control.N_PAIRS])  # no pair of geoms touches here, and their forces stay zero
     counts = {
@@ -103,7 +103,7 @@ def equations_of(system: System) -> Equations:
         at.N_MODES: len(subjects.modes), at.N_FORCES: len(forces),
     }  # fmt: skip
     lay[list(counts)] = list(counts.values())
-    _sections(lay, largest=max((row[2] for row in trees), default=0))
+    _sections(lay, largest=max((row[at.TREE_DOFS] for row in trees), default=0))
     rest = np.zeros((len(kinds) + 1, at.KIN_SIZE))
     for number, kind in enumerate([*kinds, at.STRAIGHT]):
         if kind == at.STRAIGHT:
@@ -197,13 +197,13 @@ def _trees(bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer)
     for tree in range(model.ntree):
         links, of_tree = np.flatnonzero(trees == tree), np.flatnonzero(model.dof_treeid == tree)
         plain = not (model.dof_armature[of_tree].any() or model.dof_damping[of_tree].any())
-        if all(dofs[dof][4] >= 0 for dof in of_tree):
+        if all(dofs[dof][at.DOF_DRIVEN] >= 0 for dof in of_tree):
             kind = at.DRIVEN_TREE
         elif kinds[links[0]] == at.MODAL:
             kind = at.MODAL_TREE
         elif len(links) == 1 and kinds[links[0]] == at.FREE and plain:
             kind = at.FREE_TREE
-        elif len(links) == 1 and kinds[links[0]] == at.STRAIGHT and not any(dofs[dof][4] >= 0 for dof in of_tree):
+        elif len(links) == 1 and kinds[links[0]] == at.STRAIGHT and not any(dofs[dof][at.DOF_DRIVEN] >= 0 for dof in of_tree):
             kind = at.SLIDING_TREE
         else:
             kind = at.ANY_TREE
@@ -237,8 +237,8 @@ def _mounts(
         coupling, aligned = (int(row[control.COUPLING]), int(row[control.PARTNER])), np.array_equal(axes, np.eye(3))
         bends = (places.get(int(row[c]), 0) for c in (0, 1))
         rows.append([int(row[6]), points, frame, *coupling, int(turning.any()), int(aligned), *bends])
-        if runs and runs[-1][:2] == [payload, base]:
-            runs[-1][2] += 1
+        if runs and runs[-1][: at.RUN_MOUNTS] == [payload, base]:
+            runs[-1][at.RUN_MOUNTS] += 1
         else:
             runs.append([payload, base, 1])
     return rows, runs

@@ -218,7 +218,7 @@ class Group:
         lay = self.equations.lay
         return self.memory[lay[first] : lay[behind]]
 
-    def go(self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array) -> None:
+    def step(self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array) -> None:
         """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`."""
         e = self.equations
         advance(
@@ -229,7 +229,7 @@ class Group:
     def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array) -> None:
         """Observe the last instant; its values go to `out`, (n_kept, 1, n_values), or `NOTHING`."""
         instant = np.array([[time], [time], [0.0], [float(out.size > 0)], [control.SMOOTH]])
-        self.go(instant, positions, rates, table, np.ones(1, dtype=np.int64), out)
+        self.step(instant, positions, rates, table, np.ones(1, dtype=np.int64), out)
 
 
 def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]) -> Group:

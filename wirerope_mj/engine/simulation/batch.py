@@ -18,7 +18,7 @@ from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
-from wirerope_mj.engine.simulation.engines import Engine, refused, run_in_lanes, unsupported_run
+from wirerope_mj.engine.simulation.engines import Engine, refusal_message, run_in_lanes, unsupported_run
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.recorder import Recorder
 from wirerope_mj.engine.simulation.run import (
@@ -218,7 +218,7 @@ def _together(
         results, why = results | done, why | gave_up
     rest = [variant for variant in variants if variant.number not in results]
     if engine == "kernel":
-        return results | {v.number: BatchFailure(error=SimulationError(refused(why[v.number]))) for v in rest}
+        return results | {v.number: BatchFailure(error=SimulationError(refusal_message(why[v.number]))) for v in rest}
     return results | (_by_mujoco(rest, grid, threads, responses, why) if rest else {})
 
 

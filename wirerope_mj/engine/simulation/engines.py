@@ -213,11 +213,11 @@ def compute(
                 return done
             why = done
         if engine == "kernel":
-            raise SimulationError(refused(why))
+            raise SimulationError(refusal_message(why))
     return replace(run(system, motion, grid, start, callback=callback, sink=sink, progress=progress), why=why)
 
 
-def refused(why: str) -> str:
+def refusal_message(why: str) -> str:
     """Word the message for a run that only the kernel was to compute and cannot, from the reason."""
     return f'the kernel cannot compute this run: {why}. Ask for `engine` "auto", or "mujoco".'
 

@@ -123,7 +123,7 @@ def _advance(
     """Step a group through segments, given the grid's rows for each motion, (5, n), and the base's motion at their ends."""
     (lanes, numbers), (positions, rates, accelerations) = group, moved
     out = np.empty((lanes.size, samples, lanes.equations.n_values)) if sink is not None else NOTHING
-    lanes.go(grids[int(lanes.which[0])], positions, rates, accelerations, ends, out)
+    lanes.step(grids[int(lanes.which[0])], positions, rates, accelerations, ends, out)
     if sink is not None:
         for number, rows in zip(numbers, out, strict=True):
             sink(number, done, rows)

@@ -135,7 +135,7 @@ def _check_independent(model: mujoco.MjModel, dofs: Integers, matrix: Array) -> 
     )
 
 
-def refused(reason: str, text: str) -> str:
+def refusal_message(reason: str, text: str) -> str:
     """Word the message for an MJCF text that MuJoCo refused, with the remedy that belongs to its `reason`."""
     reason = " ".join(reason.split())
     if "XML parse error" in reason:

@@ -14,7 +14,7 @@ import numpy as np
 
 from wirerope_mj.engine.control.install import check_callbacks
 from wirerope_mj.engine.system.assembly import Assembly, assemble
-from wirerope_mj.engine.system.checks import check_joints, check_numbers, check_written, refused
+from wirerope_mj.engine.system.checks import check_joints, check_numbers, check_written, refusal_message
 from wirerope_mj.engine.system.declared import (
     base_body,
     check_names,
@@ -193,7 +193,7 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
         check_names(spec)
         plain = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
-        raise ModelError(refused(str(error), text)) from None
+        raise ModelError(refusal_message(str(error), text)) from None
     check_visible(plain)
     check_numbers(plain)
     check_joints(plain)
@@ -208,7 +208,7 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     try:
         assembly = assemble(spec, declared, base)
     except (ValueError, mujoco.FatalError) as error:  # a name that is added to every model, taken by the model's own
-        raise ModelError(refused(str(error), text)) from None
+        raise ModelError(refusal_message(str(error), text)) from None
     model = assembly.model
     roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
     data = mujoco.MjData(model)

@@ -224,7 +224,7 @@ class Coordinates:
         """Return standard normals u, (n, d), at standard deviations s of the fit, (n, d)."""
         return self._middle + s @ self.root.T
 
-    def bent(self, normals: Array) -> Array:
+    def from_normals(self, normals: Array) -> Array:
         """Return the coordinates of standard normals u, (n, d); they equal s where the priors are linear."""
         return np.asarray((self._logarithms(normals) - self._origin) @ self._inverse.T)
 
@@ -251,7 +251,7 @@ def sample(problem: Problem, fitted: Fit, *, draws: int = 1000, seed: int = 1) -
     error = np.inf
     for number in range(JOINED):
         good = np.isfinite(residuals).all(axis=1)
-        terms = _terms(coordinates.bent(normals[good]))
+        terms = _terms(coordinates.from_normals(normals[good]))
         coefficients = np.linalg.lstsq(terms, residuals[good], rcond=None)[0]
         gram = coefficients @ coefficients.T
         chain, acceptance = _sampled(coordinates, gram, draws, seed + number)
@@ -278,7 +278,7 @@ def _terms(s: Array) -> Array:
 
 def _log_likelihood(coordinates: Coordinates, gram: Array, normals: Array) -> Array:
     """Return the emulator's log likelihood at u, (n,)."""
-    terms = _terms(coordinates.bent(normals))
+    terms = _terms(coordinates.from_normals(normals))
     return np.asarray(-0.5 * np.einsum("ni,ij,nj->n", terms, gram, terms))
 
 

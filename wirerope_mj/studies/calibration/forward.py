@@ -82,7 +82,7 @@ class SystemForward:
                 for i, place in enumerate(which.ravel().tolist()):
                     raw = done[place]
                     if raw is not None:
-                        out[i] = runs.seen(number, raw[number], *(float(chain[kind][i, k]) for kind in UNITS))
+                        out[i] = runs.recorded(number, raw[number], *(float(chain[kind][i, k]) for kind in UNITS))
                 parts.append(out)
                 k += 1
         return np.concatenate(parts, axis=1)
@@ -97,7 +97,7 @@ class SystemForward:
         (raw,) = runs([self._row(values)])
         assert raw is not None
         gain, delay, offset = (float(chain[kind][0, number]) for kind in UNITS)
-        return np.array([runs.seen(number - first, raw[number - first], gain, delay + added, offset) for added in delays])
+        return np.array([runs.recorded(number - first, raw[number - first], gain, delay + added, offset) for added in delays])
 
     def measures(self, work: Work, values: Array) -> Array:
         """Return the measures of a study at values of the unknowns (n, d), NaN of those that fail, (n, n_measures).

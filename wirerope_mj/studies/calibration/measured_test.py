@@ -172,7 +172,7 @@ class TransientRuns:
             for response in done
         ]
 
-    def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+    def recorded(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
         """Return the series that measuring chains with gain [-], delay [s] and offset [SI] record of a history."""
         samples = gain * self.channels[number].of_response(self._time, raw, delay) + offset
         return self._spectra[number].of_samples(samples) if self._spectra else samples

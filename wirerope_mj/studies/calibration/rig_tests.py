@@ -91,7 +91,7 @@ class FrequencyRuns:
                     found[i, k] = amplitude / self.test.acceleration
         return [[row] if np.isfinite(row).all() else None for row in found]
 
-    def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+    def recorded(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
         return np.log(gain * raw)
 
 
@@ -186,5 +186,5 @@ class LoopRuns:
         self._maker.forget()
         return found
 
-    def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+    def recorded(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
         return gain * raw

@@ -17,7 +17,7 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.ended import Lengths, growth_text
 from wirerope_mj.studies.engines.together import NONE, Together, go_alone, together, together_again
-from wirerope_mj.studies.measures import NAN, late, measure_names, measures, needs_samples
+from wirerope_mj.studies.measures import NAN, latest_extreme, measure_names, measures, needs_samples
 from wirerope_mj.studies.vary.variants import Maker, Work
 
 UNLOADED = "unloaded"  # The start of a variant that does not begin at rest
@@ -48,7 +48,7 @@ class Part:
 
 
 # `engine(work, chunks, *, workers, address)` yields the parts of chunks, as they are ready, in any order. `chunks` may be
-# long and is read as workers become free. Of a chunk that cannot be computed it yields `died(work, chunk, message)`.
+# long and is read as workers become free. Of a chunk that cannot be computed it yields `failed_part(work, chunk, message)`.
 Engine = Callable[..., Generator[Part, None, None]]
 
 
@@ -82,7 +82,7 @@ def _side_by_side(go: Callable[[], Together]) -> Together:
         return NONE
 
 
-def died(work: Work, chunk: Chunk, message: str) -> Part:
+def failed_part(work: Work, chunk: Chunk, message: str) -> Part:
     """Return the part of a chunk whose process died each time."""
     return Part(number=chunk.number, table=_table(work, chunk, dict.fromkeys(range(len(chunk.rows)), message)), died=True)
 
@@ -121,7 +121,7 @@ def _outcomes(work: Work, rows: Sequence[Entries], responses: dict[int, bytes] |
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
             return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
-        return [why_not(error)]
+        return [failure_message(error)]
     for index, system, result in zip(indices, systems, results, strict=True):
         outcomes[index] = _outcome(work, system, result)
         if responses is not None and isinstance(result, BatchResult) and result.response is not None:
@@ -136,12 +136,12 @@ def nominal(work: Work) -> Mapping[str, float] | str:
     try:
         (result,) = go_alone(work, [work.system], [work.motions[0]], threads=1, responses=needs_samples(work.system))
     except _RESULTS as error:
-        return why_not(error)
+        return failure_message(error)
     outcome = _outcome(work, work.system, result)
     return outcome if isinstance(outcome, str) else outcome.values
 
 
-def why_not(error: Exception) -> str:
+def failure_message(error: Exception) -> str:
     """Return the message of an error, as an Accident unless the variant's own numbers lead to it."""
     if isinstance(error, WireRopeError):
         return str(error)
@@ -162,7 +162,7 @@ def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> 
         return result.message
     rest = None if work.initial == UNLOADED else result.initial_state
     values = measures(system, result.peaks, rest, result.response if needs_samples(system) else None)
-    return Measured(values, late(system, result.peaks))
+    return Measured(values, latest_extreme(system, result.peaks))
 
 
 def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together) -> tuple[dict[str, Array], Array]:
@@ -179,7 +179,7 @@ def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together)
     return values, ends
 
 
-def _grown(
+def _growing(
     work: Work, begin: float, rows: Sequence[Entries], values: Mapping[str, Array], which: Sequence[int], done: Together
 ) -> list[list[str]]:
     """Return the kinds of measures of variants that grow after `begin` [s], by computing the variants up to `begin` again."""
@@ -215,7 +215,7 @@ def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Toge
         if not messages[index] and ends[index] > (begin := lengths.quiet_from(row)):
             begins.setdefault(begin, []).append(index)
     for begin, which in begins.items():
-        for index, kinds in zip(which, _grown(work, begin, [chunk.rows[i] for i in which], values, which, done), strict=True):
+        for index, kinds in zip(which, _growing(work, begin, [chunk.rows[i] for i in which], values, which, done), strict=True):
             messages[index] = growth_text(growth_note(work.duration), kinds) if kinds else ""
     inputs = ["variant", *(column.name for column in work.columns)]
     columns = {name: [row[name] for row in chunk.rows] for name in inputs} | values

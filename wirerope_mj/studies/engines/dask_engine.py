@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from wirerope_mj.foundation.errors import ClusterWarning, SimulationError
 from wirerope_mj.foundation.processes import environment_of_children, processors
-from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
+from wirerope_mj.studies.engines.compute import Chunk, Part, compute, failed_part
 from wirerope_mj.studies.inputs_file import versions
 from wirerope_mj.studies.vary.variants import Work
 
@@ -116,7 +116,7 @@ class _Cluster:
     def alone(self, chunk: Chunk) -> Part:
         """Compute a chunk while nothing else runs; its part states it if workers die again."""
         part = self._part(self._submit(self._shared(), chunk))
-        return died(self._work, chunk, _DEATH) if part is None else part
+        return failed_part(self._work, chunk, _DEATH) if part is None else part
 
     def _shared(self) -> "Future":
         """Task instead of scattered data: what only a dead worker held is then computed again."""

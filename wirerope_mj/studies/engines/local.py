@@ -14,7 +14,7 @@ from typing import Any, Generic, TypeVar
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.interrupts import at_end
 from wirerope_mj.foundation.processes import environment_of_children, processors
-from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
+from wirerope_mj.studies.engines.compute import Chunk, Part, compute, failed_part
 from wirerope_mj.studies.vary.variants import Work
 
 TRIES = 2  # Tries of a chunk whose process dies: the first death may have been an accident
@@ -46,7 +46,7 @@ def run_local(
     """Compute chunks in this process and others, and yield their parts as they are ready; `address` is ignored."""
 
     def lost(chunk: Chunk, reason: str) -> Part:
-        return died(
+        return failed_part(
             work,
             chunk,
             f"the process that computed this chunk of variants {reason}, {TRIES} times in a row. It may have run out of "

@@ -170,8 +170,9 @@ def _start_states(work: Work, variants: Variants) -> tuple[Array, Array | None, 
     forces, valid = None, np.ones(n, dtype=bool)
     if work.initial in HISTORIES:
         rests = equilibrium_solver(system).solve(variants.numbers, HISTORIES[work.initial])
-        states, forces, valid = rests.states, rests.mounts[:, :, 1], rests.found & rests.held
-        valid &= _lawful(system, rests.mounts[:, :, 0], rests.mounts[:, :, 0])
+        states, valid = rests.states, rests.found & rests.held
+        deflections, forces = np.moveaxis(rests.mounts, 2, 0)
+        valid &= _lawful(system, deflections, deflections)
     else:
         states = np.tile(unloaded.values[where], (n, 1))
     moves: dict[int, Array] = {}
