@@ -21,7 +21,7 @@ from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.banner import log_tile
 from wirerope_mj.views.recording.panels import emptiest_corner, log_panel
 from wirerope_mj.views.recording.scene import carrier_of
-from wirerope_mj.views.recording.views import with_ticks
+from wirerope_mj.views.recording.views import seen_window, with_ticks
 
 RED = int.from_bytes(bytes((*DARK.exceeded, 255)))  # as the viewer keeps it
 
@@ -56,6 +56,18 @@ def test_an_axis_of_time_begins_where_the_event_does_and_carries_three_numbers(w
     assert end >= window[1]
     steps = [*(10.0**power for power in range(-9, 2)), 60.0, 600.0, 3600.0]
     assert numbers_along(start, end, 1040.0, 72.0, steps) >= 3
+
+
+@pytest.mark.parametrize("width", [520.0, 1040.0])
+def test_a_window_is_seen_a_little_longer_or_without_its_quiet_end(width):
+    steps = [*(10.0**power for power in range(-9, 2)), 60.0, 600.0]
+    for end in (0.15, 0.195, 0.31, 0.9, 1.25, 7.0, 98.0):
+        start, last = seen_window((0.02, end), width)
+        assert 0.0 <= start <= 0.02
+        assert 0.6 <= (last - start) / (end - 0.02) <= 1.8
+        if width > 1000.0:
+            assert (last - start) / (end - 0.02) <= 1.3  # with room for the last number
+        assert numbers_along(start, last, width, 69.0, steps) >= 3
 
 
 def test_an_axis_that_carries_three_numbers_stays_as_it_is():

@@ -7,6 +7,7 @@ import rerun.blueprint as rrb
 
 from wirerope_mj.assessment.criteria.verdict import by_use
 from wirerope_mj.content.histories import TOTAL
+from wirerope_mj.content.scene_outline import mount_positions
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.banner import banner_view
 from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
@@ -30,7 +31,7 @@ from wirerope_mj.views.recording.views import (
 )
 
 _SCENES = (870.0, 720.0)  # Width and height of the pane of the scenes on a full-HD screen [points]
-_TABS = (1040.0, 715.0)  # The same of the tabs beside them, without their titles
+_TABS = (1040.0, 700.0)  # The same of the tabs beside them, without their titles
 _LOW, _BESIDE_PLAN = 3.1, 1.85  # Width over height of the pane of the close-up alone, and beside the plan
 
 
@@ -52,7 +53,7 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     texts = [_text(text.path, text.name) for text in drawn.texts if text.place == BELOW]
     texts = [*([_text((CURSOR,), "At the time cursor")] if drawn.alone else []), *texts]
     below = rrb.Horizontal(rrb.Tabs(*texts, active_tab=0), event_view(entity("events")), column_shares=[5, 6])
-    return layout(rrb.Vertical(banner, top, below, row_shares=[8, 75, 17]), drawn.shared.window, listed=drawn.listed)
+    return layout(rrb.Vertical(banner, top, below, row_shares=[9.5, 74.0, 16.5]), drawn.shared.window, listed=drawn.listed)
 
 
 def loop_widths(drawn: Drawn) -> dict[str, float]:
@@ -93,7 +94,8 @@ def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
     scenes = [rrb.Grid(*whole, grid_columns=columns, name="Side by side"), rrb.Vertical(ghosts, name="Ghosts")]
     mount = drawn.shared.governing
     if mount is not None:
-        near = [_close_up(run, mount, aspect=aspect) for run in drawn.having(mount)]
+        having = drawn.having(mount)
+        near = [_close_up(run, mount, aspect=aspect, like=having[0]) for run in having]
         scenes.insert(0, rrb.Grid(*near, grid_columns=columns, name="Worst mount"))
     return scenes
 
@@ -108,13 +110,16 @@ def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()
     return scene_view(run.root + _origin(run), contents, name, camera)
 
 
-def _close_up(run: DrawnRun, mount: str, *, aspect: float) -> rrb.Spatial3DView:
+def _close_up(run: DrawnRun, mount: str, *, aspect: float, like: DrawnRun | None = None) -> rrb.Spatial3DView:
+    """View a mount closely, as that of the run `like` is if it stands at the same place."""
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
     worst = by_use(run.selection.verdicts).get(mount)
     used = f", {worst.criterion} {in_unit(worst.utilisation or 0.0, '%'):.0f} %" if worst else ""
     name = ": ".join(filter(None, (run.name, f"Mount {mount}{used}")))
-    return _scene(run, name, close_up_of(run.response, mount, aspect=aspect), hidden)
+    here, there = (mount_positions(shown.response.scene)[mount] for shown in (run, like or run))
+    seen = like if like is not None and np.allclose(here, there, atol=1e-3) else run
+    return _scene(run, name, close_up_of(seen.response, mount, aspect=aspect), hidden)
 
 
 def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:

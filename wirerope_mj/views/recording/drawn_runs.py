@@ -168,9 +168,10 @@ def shared_selection(runs: Sequence[DrawnRun], mounts: tuple[str, ...], most: in
         names = [mounts[row] for row in order if acting[row, number]]
         ranked[axis] = tuple(sorted(names, key=lambda name: name != worst)[:most])
     starts, ends = zip(*(run.selection.window for run in runs), strict=True)
+    critical = max(runs, key=lambda run: max((entry.largest for entry in run.selection.used), default=0.0))
     return replace(
         runs[0].selection, window=(min(starts), max(ends)), utilisations=utilisations, mounts=mounts, ranked=ranked,
-        used=tuple(used.values()),
+        used=tuple(used.values()), verdicts=critical.selection.verdicts,
     )  # fmt: skip
 
 

@@ -70,6 +70,9 @@ def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *,
 
 _DECADES = tuple(10.0**power for power in range(-12, 13))
 _TIMES = (*(step for step in _DECADES if step <= 10.0), 60.0, 600.0, 3600.0, 36000.0)  # steps of the viewer's time axes [s]
+_BEFORE = 0.2  # fraction of an event that may be seen before it
+_LATER, _EARLIER = 1.25, 0.6  # length over that of the event, from which it is cut, and down to which
+_ROOM = 1.04  # for the last number of an event that is cut
 _LAST = 36.0  # room for half the last number along an axis of time [points]
 _APART = 22.0, 72.0  # Least distance of numbers that the viewer writes along upright axes, and along those of time [points]
 
@@ -93,11 +96,26 @@ def with_ticks(low: float, high: float, length: float, *, time: bool = False, fr
     return found
 
 
+def seen_window(window: tuple[float, float], width: float) -> tuple[float, float]:
+    """Find the interval that a plot of a width [points] shows of `window` [s]: three numbers stand along it.
+
+    It begins a little earlier and ends later, or, where that would be much, earlier: then a quiet end is out of sight.
+    """
+    span = window[1] - window[0]
+    before = (step * float(np.floor(window[0] / step)) for step in _TIMES)
+    starts = [window[0], *(start for start in before if start >= 0.0 and window[0] - start <= _BEFORE * span)]
+    found = (with_ticks(start, window[1], width, time=True) for start in starts)
+    start, end = min(found, key=lambda seen: seen[1] - seen[0])
+    shorter = max((width / _APART[1] * step for step in _TIMES if width / _APART[1] * step < span), default=0.0)
+    if end - start > _LATER * span and shorter > _EARLIER * span:
+        return start, start + _ROOM * shorter
+    return start, end + (_LAST / width * (end - start) if end > window[1] else 0.0)
+
+
 def time_axis(window: tuple[float, float], width: float) -> rrb.TimeAxis:
-    """Show at least `window` [s] of a plot of a width [points]."""
-    boundary, (start, end) = rrb.TimeRangeBoundary, with_ticks(*window, width, time=True)
-    window = start, end + (_LAST / width * (end - start) if end > window[1] else 0.0)
-    start, end = (boundary.absolute(seconds=instant) for instant in window)
+    """Show a window [s] along a plot of a width [points]."""
+    boundary = rrb.TimeRangeBoundary
+    start, end = (boundary.absolute(seconds=instant) for instant in seen_window(window, width))
     return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
 
 
