@@ -91,7 +91,7 @@ class _Stage:
         line = _text(self.left, self.line, text, height, colour=colour, bold=True)
         yield (self.left, self.line - _TEXT, self.width, 1.4 * _TEXT), line
         for box, drawing in zip(self._boxes, self._scenes(self.run.view(instant)), strict=True):
-            yield box, inset(drawing, box)
+            yield box, inset(drawing, box).replace("<svg ", '<svg overflow="visible" ', 1)  # resvg clips slowly
         for (panel, box, ranges), value in zip(self._panels, self.run.values(instant), strict=True):
             left, top, width, height = box
             x = left + width * (instant - ranges[0]) / (ranges[1] - ranges[0])

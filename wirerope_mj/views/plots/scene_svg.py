@@ -79,26 +79,29 @@ def stage_svgs(drawn: DrawnScene, width: float, height: float) -> tuple[list[Pla
     scale = float(max(beside, below))
     moves = [body.moves and not body.on_base for body, *_ in drawn.shapes]
     fixed, free = (replace(drawn, shapes=tuple(compress(drawn.shapes, kept))) for kept in (map(not_, moves), moves))
-    frames, placed, left, top = [], list[Placed](), 0.0, 0.0
+    local = [(points - body.position) @ rotation_matrices(body.orientation) for body, _, points in free.shapes]
+    frames, places, left, top = [], list[Placed](), 0.0, 0.0
     for side, size in zip(drawn.views, sizes, strict=True):
         room = scale * float(size[0]) + across
         place, shown = _frame(drawn, side, room, scale * float(size[1]))
         frames.append((side, place, shown, room))
         still = [*_axes(side, shown, place, room), *_shapes(outlines(fixed, side), place)]
         still += _shapes(outlines(free, side), place, pale=True)
-        placed.append((left, top, _drawing(drawn, side, shown, room, still)))
+        places.append((left, top, _drawing(drawn, side, shown, room, still)))
         left, top = (left + room, top) if beside > below else (left, top + shown[1] + up)
 
     def moving(view: SceneView) -> list[str]:
         assert view.moved is not None
-        after = drawn_scene(view.moved)
-        after = replace(after, shapes=tuple(compress(after.shapes, moves)))
+        now = {body.name: (body, rotation_matrices(body.orientation).T) for body in view.moved.bodies}
+        shapes = [(*now[body.name], geom, points) for (body, geom, _), points in zip(free.shapes, local, strict=True)]
+        placed = tuple((body, geom, points @ turn + body.position) for body, turn, geom, points in shapes)
+        after = replace(drawn, scene=view.moved, shapes=placed)
         return [
             _drawing(drawn, side, shown, room, _moved(view, after, side, place, shown[0]))
             for side, place, shown, room in frames
         ]
 
-    return placed, moving
+    return places, moving
 
 
 def _moved(view: SceneView, after: DrawnScene, side: View, place: Place, width: float) -> Iterator[str]:
