@@ -16,12 +16,14 @@ from house import sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
+from wirerope_mj.assessment.criteria.verdict import Criterion, against_limit, most_used
 from wirerope_mj.content.blocks import Chart, Curve, Panel, SceneView, short
+from wirerope_mj.content.credibility import reliance
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.numbers import ABSENT, MINUS, fixed, number
 from wirerope_mj.content.run import accelerations_chart, run_content
 from wirerope_mj.content.run_spectra import run_spectra
-from wirerope_mj.content.scene_outline import crowded_label
+from wirerope_mj.content.scene_outline import crowded_label, worst_instant
 from wirerope_mj.content.selection import worst_names
 from wirerope_mj.content.verdicts import unjudged
 from wirerope_mj.engine.response import Peak
@@ -552,3 +554,20 @@ def test_pictures_show_samples_column_by_column(finished, monkeypatch):
     content = run_content(with_parts(run, selection=finished.selection))
     assert [section.blocks for section in content.sections if section.id in ("payload", "mounts-in-motion")]
     assert max(widths) <= 3
+
+
+def test_a_line_says_where_a_verdict_is_nearer_to_its_limit_than_the_peaks_are_known(finished):
+    error = finished.response.numerics.error_estimate
+    assert 0.0 < error < 0.01
+    worst = most_used(finished.verdicts)
+    for beyond, said in ((0.5 * error, True), (-0.5 * error, True), (0.2, False), (-0.2, False)):
+        row = replace(worst, value=(1.0 + beyond) * worst.limit)
+        assert ("differ from the limit by less" in reliance(with_parts(finished, verdicts=(row,))).text) == said, beyond
+
+
+def test_the_worst_instant_names_what_is_more_critical_and_has_none(finished):
+    worst = most_used(finished.verdicts)
+    at_rest = replace(worst, criterion=Criterion("static load", sense="virgin"), value=9.0 * worst.value, time=None)
+    caption = worst_instant(with_parts(finished, verdicts=(at_rest, *finished.verdicts))).caption
+    assert f"what is more critical, {against_limit(at_rest)}, has no instant" in caption
+    assert "more critical" not in worst_instant(finished).caption

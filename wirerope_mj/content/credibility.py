@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.decks import deck_bends
 from wirerope_mj.content.judged_run import JudgedRun
@@ -15,6 +16,7 @@ from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Mark, Table, left
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings, records_in
 from wirerope_mj.mounts.isolator import Isolator
@@ -54,7 +56,11 @@ def reliance(run: JudgedRun) -> Statement:
     parts = _run_parts(run)
     deck = "bends in the model" if deck_bends(run) else 'rigid (--deck "10 Hz 800 kg 4 %" lets it bend)'
     weakest = min(parts, key=lambda part: part.grade)
-    band = _band_text(parts) or "How far peaks are known has no number"
+    band = _band_text(parts) or "The uncertainty of the peaks has no number"
+    worst = most_used(run.verdicts)
+    sizes = [part.size for part in parts if math.isfinite(part.size)]
+    if worst is not None and sizes and abs(1.0 - 1.0 / (used := worst.utilisation or 1.0)) < math.hypot(*sizes):
+        band += f". The {in_unit(used, '%'):.0f} % used by {worst.subject} differ from the limit by less than that"
     return Statement("reliance", f"Deck: {deck}. {band}. Weakest: {weakest.name} ({GRADES[weakest.grade]}).", tone="quiet")
 
 
@@ -62,7 +68,7 @@ def _band_text(parts: Sequence[_Part]) -> str:
     """Write the effect of the parts that have a number on peaks, and name the others; "" if none has one."""
     known = [part.size for part in parts if math.isfinite(part.size)]
     unknown = [part.name for part in parts if not math.isfinite(part.size)]
-    text = f"What has a number moves peaks by ±{with_unit(math.hypot(*known), '%', digits=2)} (90 %)"
+    text = f"Uncertainty of the peaks: ±{with_unit(math.hypot(*known), '%', digits=2)} (90 %), by what has a number"
     return f"{text}; {listed(unknown)}: no number, so that the true band is wider" if known else ""
 
 

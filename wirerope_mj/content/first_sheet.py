@@ -83,8 +83,9 @@ def first_charts(run: JudgedRun) -> Chart | None:
     """Draw side by side the most critical acceleration and deflection over time, and the payload's spectra."""
     panels, names = first_histories(run, run.selection.window), worst_names(run.response)[:1]
     if over := panel_over_frequency(run):
-        first = {short(name) for name in names}  # of several bodies the one beside it alone
-        curves = [curve for curve in over.curves if curve.name.partition(", ")[0] in first or curve.kind not in PAYLOADS]
+        first = {short(name) for name in names}  # of several bodies the one beside it alone, under the same name
+        named = [replace(curve, name=curve.name.partition(", ")[0]) for curve in over.curves]
+        curves = [curve for curve in named if curve.name in first or curve.kind not in PAYLOADS]
         panels.append(replace(over, curves=curves, title=over.ylabel.replace("peak acceleration ", ""), ylabel=""))
     return Chart(
         id="first-charts", rows=[panels], height=150.0,
@@ -102,9 +103,14 @@ def _with_peak(panel: Panel) -> Panel:
         return panel
     values = np.concatenate([curve.y for curve in panel.curves] + [[level] for _, level in panel.limits if level * y > 0.0])
     low, high = float(values.min()), float(values.max())
-    above = y + math.copysign(0.06 * (high - low), y)  # away from the curve, as far as the panel reaches
+    aside = math.copysign(0.06 * (high - low), y)  # away from the curve, as far as the panel reaches
+    near = [level for _, level in panel.limits if 0.0 < (level - y) / aside < 2.5]  # beyond a limit that the text would cross
+    place, ylim = min(max(y + aside, low), high), panel.ylim
+    if near:
+        place = near[0] + 1.2 * aside
+        ylim = min(low, place) - abs(aside), max(high, place) + abs(aside)
     text = f"{number(y)} {panel.unit} at {instant_text(x)}"
-    return replace(panel, dots=[(x, y)], notes=[(x, min(max(above, low), high), text, x > 0.5 * (first + last))])
+    return replace(panel, dots=[(x, y)], notes=[(x, place, text, x > 0.5 * (first + last))], ylim=ylim)
 
 
 def panel_over_frequency(run: JudgedRun) -> Panel | None:

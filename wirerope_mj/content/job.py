@@ -190,7 +190,7 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
         text += f"; {amplified_text(every)}, in {case}"
     unjudged_count = len({(row.criterion, row.subject) for row in every if row.verdict == NOT_JUDGED and not row.contact})
     text += (
-        f"; {several(unjudged_count, 'value')} {'is' if unjudged_count == 1 else 'are'} not judged" if unjudged_count else ""
+        f"; {several(unjudged_count, 'value')} {'has' if unjudged_count == 1 else 'have'} no limit" if unjudged_count else ""
     )
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0], "cases": float(len(verdicts))}
     if worst is not None:

@@ -271,6 +271,8 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
         return None
     unlimited = f"{worst.subject} {worst.criterion} {with_unit(worst.value, worst.unit)} at {instant_text(worst.time)}"
     title = f"The worst instant: {unlimited if worst.limit is None else against_limit(worst)}"
+    if (first := ordered(run.verdicts)[0]) is not worst and first.limit is not None:
+        title += f"; what is more critical, {against_limit(first)}, has no instant"
     view = scene_at(run.response, worst.time, title=title)
     if view is None or view.moved is None:
         return None

@@ -100,7 +100,8 @@ def open_statement(verdicts: Iterable[Verdict]) -> Statement | None:
     """Count the values that are not judged by what they are of; None if all are judged."""
     rows = dict.fromkeys((row.criterion, row.subject) for row in verdicts if row.verdict == NOT_JUDGED and not row.contact)
     counts = Counter(str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)) for row, _ in rows)
-    text = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
+    subjects = {str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)): subject for row, subject in rows}
+    text = ", ".join(f"{name} ({subjects[name] if count == 1 else count})" for name, count in counts.most_common())
     return Statement("open", f"Not judged: {text}.", tone="unjudged") if rows else None
 
 

@@ -138,8 +138,8 @@ def against_limit(row: Verdict) -> str:
     """Write a value against its limit: "rack 10.2 g, limit 10 g (102 %) at 27.9 ms"; a ratio as its percentage."""
     what = row.subject if row.criterion == ACCELERATION else f"{row.subject} {criterion_text(row.criterion)}"
     used = f"{100.0 * (row.utilisation or 0.0):.0f} %"
-    rest = " at rest" if row.criterion.kind == STATIC_LOAD else ""
-    at = rest if row.time is None else f" at {instant_text(row.time)}"
+    no_instant = {STATIC_LOAD: " at rest", RMS: " over the run", SIGMA: " over the run"}
+    at = no_instant.get(row.criterion.kind, "") if row.time is None else f" at {instant_text(row.time)}"
     if not row.unit:
         return f"{what} {used}{at}"
     value, limit, unit = value_and_limit(row)

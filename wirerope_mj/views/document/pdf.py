@@ -9,7 +9,6 @@ from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.views.colours import LIGHT
-from wirerope_mj.views.document.docx import BARS
 from wirerope_mj.views.pictures import joined_svg
 from wirerope_mj.views.typesetting import typeset
 
@@ -50,7 +49,11 @@ def _entry(block: Block) -> Entries:
     if isinstance(block, Table):
         columns = [{"heading": column.line(), "align": column.align} for column in block.columns]
         rows = [
-            [{"text": text, "tone": tone} for text, tone in row] for row in block.marks(absent=ABSENT, minus=MINUS, bars=BARS)
+            [
+                {"text": text, "tone": tone, "bar": block.value(number, place) if column.bar else None}
+                for place, (column, (text, tone)) in enumerate(zip(block.columns, row, strict=True))
+            ]
+            for number, row in enumerate(block.marks(absent=ABSENT, minus=MINUS))
         ]
         return {"kind": "table", "id": block.id, "title": block.title, "columns": columns, "rows": rows, "note": block.note}
     bare, alt, part = (block, block.alt, 0.8) if isinstance(block, Chart) else (replace(block, caption=""), block.caption, 0.75)
