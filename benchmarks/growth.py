@@ -25,7 +25,7 @@ from floor import ISOLATOR, floor_mjcf
 import wirerope_mj as wr
 from wirerope_mj.engine.kernel.equations import equations
 from wirerope_mj.engine.kernel.variants import NOTHING, group_of
-from wirerope_mj.engine.simulation.in_lanes import moving
+from wirerope_mj.engine.simulation.in_lanes import moving_indices
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import WIDTH, rows
 
@@ -111,7 +111,7 @@ class Counting(np.ndarray):
 def stepping(mounts: int, steps: int, kind: type[np.ndarray] = np.ndarray) -> Callable[[], None]:
     """Return a function that steps WIDTH equal floors, swinging freely; their arrays are of `kind`."""
     system = system_of(mounts)
-    start = np.zeros((1, moving(system).size))
+    start = np.zeros((1, moving_indices(system).size))
     start[0, system.model.nq + np.arange(3, 6)] = 0.1  # three velocities of the floor
     start[0, : system.model.nq] = system.model.qpos0
     group = group_of([equations(system)], start, [0])

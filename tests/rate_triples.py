@@ -16,7 +16,7 @@ from wirerope_mj.assessment.durability import mount_cycles
 from wirerope_mj.assessment.durability.mission import DAMAGE_ERROR, NEGLIGIBLE
 from wirerope_mj.engine.simulation.run import aliasing
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions.spectra.srs import held
+from wirerope_mj.motions.spectra.srs import resolved_frequency
 
 FINE, WHOLE = 10_000.0, 1.2  # rate [Hz] and duration [s] of the run that others are compared with
 SYSTEMS = ("shock_table", "sdof_shaker", "cabinet", "floating_floor")
@@ -114,7 +114,9 @@ def _lines(time, acceleration, fine_time, fine_acceleration, where, found):
     own = wr.shock_response_spectrum(time[:even], acceleration[:even], lines)
     until = int(np.searchsorted(fine_time, time[even - 1] + 1e-9))
     true = wr.shock_response_spectrum(fine_time[:until], fine_acceleration[:until], lines).maximax
-    stated = (lines <= held(time[:even], acceleration[:even], own))[:, np.newaxis] & (true > 1e-6 * true.max(initial=1e-12))
+    stated = (lines <= resolved_frequency(time[:even], acceleration[:even], own))[:, np.newaxis] & (
+        true > 1e-6 * true.max(initial=1e-12)
+    )
     errors = np.abs(own.maximax[stated] / true[stated] - 1.0)
     found.lines += errors.size
     found.worst = max(found.worst, float(errors.max(initial=0.0)))

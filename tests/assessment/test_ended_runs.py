@@ -17,7 +17,7 @@ from wirerope_mj.assessment.criteria.summary import mount_peaks
 from wirerope_mj.cli import main
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-from wirerope_mj.motions.spectra.srs import held
+from wirerope_mj.motions.spectra.srs import resolved_frequency
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 
@@ -154,7 +154,7 @@ def test_samples_hold_a_spectrum_up_to_where_every_other_one_gives_the_same(tmp_
         time = np.arange(0.0, 1.0, 1.0 / rate)
         pulse = np.where(time < 0.011, 100.0 * np.sin(np.pi * time / 0.011), 0.0)
         spectra[rate] = wr.shock_response_spectrum(time, pulse, np.geomspace(2.0, rate / 10.0, 60))
-        spectra[rate, "held"] = held(time, pulse, spectra[rate])
+        spectra[rate, "held"] = resolved_frequency(time, pulse, spectra[rate])
     exact = spectra[20_000.0]
     assert spectra[1000.0, "held"] > 20.0 >= 20.0 * (spectra[200.0, "held"] <= 10.0)
     for rate in (1000.0, 200.0):

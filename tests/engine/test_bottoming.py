@@ -12,7 +12,7 @@ from wirerope_mj.cli import main
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.mounts.isolator import Geometry, Limits, Provenance, Travel, bottom_stop
-from wirerope_mj.studies.catalogue import in_place, shifted
+from wirerope_mj.studies.catalogue import mount_shifts, replacements
 from wirerope_mj.studies.vary.variants import Maker
 
 G, MASS, K, C = wr.STANDARD_GRAVITY, 80.0, 2.0e4, 60.0
@@ -139,12 +139,12 @@ def test_a_part_goes_solid_where_bars_meet_or_its_vendor_says_and_else_nowhere()
 @pytest.mark.quick
 def test_where_a_part_takes_its_place_a_mount_goes_solid_where_the_part_does(made):
     system, part = made(), wr.load_isolator("enidine_wr16_400")
-    placed = in_place(system, part)
+    placed = replacements(system, part)
     assert placed["m1"] is part
     assert placed["bottom_m1"].axial == bottom_stop(part).axial
-    unknown = in_place(system, wr.Isolator(name="a", axial=wr.KelvinVoigt(k=K, c=C)))
+    unknown = replacements(system, wr.Isolator(name="a", axial=wr.KelvinVoigt(k=K, c=C)))
     assert unknown["bottom_m1"].axial.gap_below == 1.0
-    shifts = shifted(system, placed)  # the payload's bar stays, the foundation follows the height: 60 to 89 mm
+    shifts = mount_shifts(system, placed)  # the payload's bar stays, the foundation follows the height: 60 to 89 mm
     assert shifts["m1"] == shifts["bottom_m1"] == pytest.approx([0.0, 0.0, -0.0145], abs=1e-12)
     bottoms = {name: one for name, one in placed.items() if name.startswith("bottom_")}
     assert varied(system, isolators=bottoms, positions=shifts).bottoms == {f"m{n}": f"bottom_m{n}" for n in range(1, 5)}

@@ -8,7 +8,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.engine.from_tables.layout import MassProperties, combined
+from wirerope_mj.engine.from_tables.layout import MassProperties, combine
 from wirerope_mj.engine.from_tables.mass_text import read_mass_text
 from wirerope_mj.engine.from_tables.read import read_masses
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
@@ -146,10 +146,10 @@ def test_several_parts_are_added_up_where_they_stand(here):
     assert [name for name, _ in found] == ["Rahmen \u00fc", "pump 2", "b"]
     for (_, one), part in zip(found, parts, strict=True):
         same(one, part)
-    same(combined([one for _, one in found]), combined(parts))
+    same(combine([one for _, one in found]), combine(parts))
     with pytest.raises(RecordError, match="in several coordinate systems, -- default --, cs2"):
         read(printed(parts[0]) + printed(parts[1], "b", system="CS2"))
-    Path("all.txt").write_text(text + printed(combined(parts), "cabinet"), encoding="utf-8")
+    Path("all.txt").write_text(text + printed(combine(parts), "cabinet"), encoding="utf-8")
     with pytest.warns(RecordWarning, match="weighs what all others weigh together"):
         read_masses(Path("all.txt"))
 

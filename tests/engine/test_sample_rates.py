@@ -13,7 +13,7 @@ from wirerope_mj.assessment.durability.mission import Mission, Stage, deflection
 from wirerope_mj.cli import main
 from wirerope_mj.content.run_spectra import spectra_of
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-from wirerope_mj.motions.spectra.srs import held
+from wirerope_mj.motions.spectra.srs import resolved_frequency
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 
@@ -225,7 +225,7 @@ def test_samples_that_leave_the_edges_of_a_pulse_open_hold_no_line():
         np.testing.assert_allclose(other, coarse[0], rtol=0.01)
     assert abs(coarse[0][0] / fine.maximax[0] - 1.0) > 0.02
     for missed in (pulse[::40], 0.0 * pulse[::40]):  # and a pulse that falls between two samples
-        assert held(time[::40], missed, wr.shock_response_spectrum(time[::40], missed, lines)) == 0.0
+        assert resolved_frequency(time[::40], missed, wr.shock_response_spectrum(time[::40], missed, lines)) == 0.0
 
 
 @pytest.mark.filterwarnings("ignore:the base moves at up to")

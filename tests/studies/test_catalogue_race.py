@@ -19,7 +19,7 @@ from wirerope_mj.motions.registry import motion_from_words
 from wirerope_mj.mounts.isolator import bottom_in_place, bottom_stop
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.selection import equipment, write_selected
-from wirerope_mj.studies.catalogue import CRITERIA, TriedPart, catalogue, in_place, select_parts, try_parts
+from wirerope_mj.studies.catalogue import CRITERIA, TriedPart, catalogue, replacements, select_parts, try_parts
 from wirerope_mj.studies.measures import measures
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
@@ -200,10 +200,10 @@ def test_equilibria_found_side_by_side_have_the_bits_of_those_found_alone():
     systems, _ = request()
     (base,) = systems.values()
     devices = [load_isolator(name) for name in ("WR16-300", "WR16-600", "CB1500-30")]
-    together = [varied(base, isolators=in_place(base, one)) for one in devices]
+    together = [varied(base, isolators=replacements(base, one)) for one in devices]
     settle_together(together, "virgin")
     for one, device in zip(together, devices, strict=True):
-        own = varied(base, isolators=in_place(base, device))
+        own = varied(base, isolators=replacements(base, device))
         np.testing.assert_array_equal(wr.equilibrium(one).state.values, wr.equilibrium(own).state.values)
 
 

@@ -80,7 +80,7 @@ def export(
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.motions.registry import motion_from_dict
     from wirerope_mj.motions.spectra import shock_response_spectrum
-    from wirerope_mj.motions.spectra.srs import exported_spectra, held
+    from wirerope_mj.motions.spectra.srs import exported_spectra, resolved_frequency
     from wirerope_mj.runs.analyses import is_frequency_response, stored_response
     from wirerope_mj.runs.report import RENDERERS, write_content_of, write_still
     from wirerope_mj.studies.inputs_file import STUDY
@@ -113,7 +113,8 @@ def export(
                 time, acceleration = fine_base(motion_from_dict(told, folder=folder), response) or (time, acceleration)
         spectra = shock_response_spectrum(time, acceleration, q=q)
         table = exported_spectra(spectra)
-        print(f"{(time.size - 1) / time[-1]:.5g} samples a second hold it {held_text(held(time, acceleration, spectra))}.")
+        held = held_text(resolved_frequency(time, acceleration, spectra))
+        print(f"{(time.size - 1) / time[-1]:.5g} samples a second hold it {held}.")
     written = write_export(table, out, force=force)
     print(plain(f"written: {written} ({len(table.names)} columns, {written.stat().st_size / 1e6:.2f} MB)"))
     return 0

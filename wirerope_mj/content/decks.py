@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.loads import StopLoad, area_forces, bolt_loads, standing, stop_loads
+from wirerope_mj.assessment.criteria.loads import StopLoad, area_forces, bolt_loads, mounts_on_base, stop_loads
 from wirerope_mj.assessment.criteria.verdict import payload_bodies
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
@@ -196,7 +196,7 @@ def deck_blocks(run: JudgedRun) -> Iterator[Block | None]:
                 (whole.across, "horizontally", whole.across_time),
             )
         )  # fmt: skip
-        count = mounts_and_stops(standing(run.response.scene))
+        count = mounts_and_stops(mounts_on_base(run.response.scene))
         yield Statement(
             "deck",
             f"Load of {count} together, weight included: {with_unit(whole.at_rest, 'kN', digits=3)} at the beginning; "

@@ -15,7 +15,7 @@ from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.motions import BaseMotion, RandomVibration
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum, power_spectral_density
 from wirerope_mj.motions.spectra.ramp import octave_grid
-from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held, shock_response_spectrum
+from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, resolved_frequency, shock_response_spectrum
 
 BASE = "base"  # Name of the base among the spectra
 Q = 10.0  # quality factor of the oscillators, the usual convention
@@ -35,7 +35,7 @@ _STILL = 1e-12  # [m]: displacement up to which the base is at rest along an axi
 class RunSpectra:
     """Spectra of a run by axis and name: shock response spectra, or the reason for their absence, and densities.
 
-    Spectra of bodies and points are computed from samples, within 1 % up to the frequency `held` [Hz].
+    Spectra of bodies and points are computed from samples, within 1 % up to the frequency `resolved_frequency` [Hz].
     """
 
     shock: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
@@ -52,7 +52,7 @@ def spectra_of(motion: BaseMotion, response: Response, sample_rate: float) -> Ru
         held_to = 0.0
     elif not isinstance(shock, Absent):
         held_to = min(
-            held(response.time, acceleration_along(response, name, "xyz".index(axis)), spectrum)
+            resolved_frequency(response.time, acceleration_along(response, name, "xyz".index(axis)), spectrum)
             for axis, lines in shock.items()
             for name, spectrum in lines.items()
             if name != BASE or len(lines) == 1

@@ -27,7 +27,7 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     fitting = [
         ticks for choice in chosen if (ticks := _inside(choice, low, high)).size > 1 and np.diff(np.log(ticks)).min() >= room
     ]
-    fitting += [thinned for ticks in equal if not fitting and (thinned := _thinned(ticks, whole, room)).size > 1]
+    fitting += [thinned for ticks in equal if not fitting and (thinned := _thin_out(ticks, whole, room)).size > 1]
     if fitting:
         return max(fitting, key=len)
     return next((ticks for ticks in equal[::-1] if ticks.size > 1), linear_ticks(low, high, most=6))
@@ -46,7 +46,7 @@ def _inside(ticks: Array, low: float, high: float) -> Array:
     return ticks[(ticks >= low * (1.0 - 1e-9)) & (ticks <= high * (1.0 + 1e-9))]
 
 
-def _thinned(ticks: Array, whole: Array, room: float) -> Array:
+def _thin_out(ticks: Array, whole: Array, room: float) -> Array:
     """Return the powers of ten, and the other ticks that keep a distance from these and from each other."""
     kept = list(whole)
     for tick in ticks:

@@ -50,7 +50,7 @@ def made_of(*, started: bool = True, **arguments: str) -> Callable[..., Any]:
     return make
 
 
-def lasting(phrase: Phrase, direction: Direction, number: int) -> Entries:
+def vibration_arguments(phrase: Phrase, direction: Direction, number: int) -> Entries:
     """Return the arguments of a vibration from its phrase: length, seed, ramps; the seed differs between directions."""
     seed = phrase.named.get("seed", 1.0)
     if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:

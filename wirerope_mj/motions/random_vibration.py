@@ -17,7 +17,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes, random_phases, usual_ramp
 from wirerope_mj.motions.motion import Said, StartedMotion
-from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, lasting
+from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, vibration_arguments
 from wirerope_mj.motions.piecewise import UniformSpline
 from wirerope_mj.motions.psd_lines import checked_points, psd_points, psd_power, psd_rms
 
@@ -56,7 +56,7 @@ class RandomVibration(AsCall, StartedMotion):
             name="psd", example="transport.csv 30 s z seed 1",
             summary='random vibration of a file with "frequency [Hz], psd [g^2/Hz]".',
             needs={"time": 1}, says_more=True, words=LASTING, begins=file_first(psd_points),
-            make=lambda shape, phrase, direction, n, points: shape(psd=points, **lasting(phrase, direction, n)),
+            make=lambda shape, phrase, direction, n, points: shape(psd=points, **vibration_arguments(phrase, direction, n)),
         ),
     )  # fmt: skip
 

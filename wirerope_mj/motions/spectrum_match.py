@@ -18,7 +18,7 @@ from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, uniform_numbers, usual_ramp
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, lasting
+from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, vibration_arguments
 from wirerope_mj.motions.psd_lines import Points, checked_points, spectrum_points
 from wirerope_mj.motions.scaled import Scaled
 from wirerope_mj.motions.spectra import shock_response_spectrum
@@ -221,7 +221,7 @@ def match_spectrum(
 
 
 def _matched(phrase: Phrase, direction: Direction, number: int, points: Points) -> SpectrumMatch:
-    return match_spectrum(points, damping=phrase.named["damping"], **lasting(phrase, direction, number))
+    return match_spectrum(points, damping=phrase.named["damping"], **vibration_arguments(phrase, direction, number))
 
 
 def interpolated(points: Points, per_octave: float) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ from wirerope_mj.engine.control.native import native_callbacks
 from wirerope_mj.engine.kernel.equations import equations
 from wirerope_mj.engine.kernel.variants import NOTHING, group_of
 from wirerope_mj.engine.simulation import simulate
-from wirerope_mj.engine.simulation.in_lanes import moving
+from wirerope_mj.engine.simulation.in_lanes import moving_indices
 from wirerope_mj.engine.statics.loading import Loading
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.kernel_files import LOADED, cache_folder
@@ -69,7 +69,7 @@ def compile_beside_a_command() -> None:
         _law().trace([0.0, 0.001])
         # what steps, and all that it calls, without a position of rest to begin at
         system = load_system("sdof_shaker")
-        group = group_of([equations(system)], np.zeros((1, moving(system).size)), [0])
+        group = group_of([equations(system)], np.zeros((1, moving_indices(system).size)), [0])
         drive = np.zeros((1, 1, len(system.assembly.tables.drive)))
         group.step(np.zeros((5, 0)), drive[:, :0], drive[:, :0], np.zeros((1, 0, 3)), np.zeros(0, dtype=np.int64), NOTHING)
         use_all_kernels()

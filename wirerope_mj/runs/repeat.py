@@ -13,7 +13,7 @@ from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
 from wirerope_mj.engine.simulation import simulate
-from wirerope_mj.engine.simulation.in_lanes import moving
+from wirerope_mj.engine.simulation.in_lanes import moving_indices
 from wirerope_mj.engine.simulation.simulate import versions
 from wirerope_mj.foundation.arrays import Integers
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
@@ -90,7 +90,7 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
             again = simulate(system, motion, **arguments, out=out if long else None, progress=progress)
             differences += _sample_differences(stored, again)
             differences += _peak_differences(stored, again)
-            parts = np.split(moving(system), [system.model.nq, system.model.nq + system.model.nv])
+            parts = np.split(moving_indices(system), [system.model.nq, system.model.nq + system.model.nv])
             differences += _rest_differences(stored, again, parts)
     except (WireRopeError, ValueError) as error:
         if altered is None or altered.intact:

@@ -261,8 +261,8 @@ def _systems(
         if lacking:
             yield name, None, f"its table states nothing in {' and '.join(lacking)}"
             continue
-        changes = in_place(system, isolator)
-        shifts = shifted(system, changes)
+        changes = replacements(system, isolator)
+        shifts = mount_shifts(system, changes)
         try:
             on = varied(base, isolators=changes, positions=shifts) if base is not None else None
         except ModelError:  # its laws are laid out otherwise than those of the last
@@ -280,14 +280,14 @@ def _systems(
             yield name, None, str(error)
 
 
-def in_place(system: System, isolator: Isolator) -> dict[str, Isolator]:
+def replacements(system: System, isolator: Isolator) -> dict[str, Isolator]:
     """Return the isolators of mounts, and of the stops where a part goes solid, when the part replaces them, by mount."""
     stops = system.bottoms.values()
     placed = {name: bottom_in_place(system.mounts[name].written, isolator) for name in stops}
     return dict.fromkeys(replaceable_mounts(system), isolator) | placed
 
 
-def shifted(system: System, placed: Mapping[str, Isolator]) -> dict[str, list[float]]:
+def mount_shifts(system: System, placed: Mapping[str, Isolator]) -> dict[str, list[float]]:
     """Return the shifts of mid-heights [m] when other isolators replace those of a model, (3,) by mount."""
     shifts = {name: system.mounts[name].shift_for(isolator) for name, isolator in placed.items()}
     return {name: shift for name, shift in shifts.items() if shift is not None}

@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate, simulate_batch
-from wirerope_mj.engine.simulation.grid import joined
+from wirerope_mj.engine.simulation.grid import merge_instants
 from wirerope_mj.engine.simulation.simulate import check_arguments
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import choose_timestep
@@ -173,7 +173,8 @@ class StudyDefinition:
             step = min(choose(motion, start).timestep for motion, start in starts)
         return Work(
             system=self.base, motions=self.motions, columns=self._columns, duration=self.duration, timestep=step,
-            sample_rate=self.sample_rate, initial=self.initial, corners=joined(*(motion.corners for motion in self.motions)),
+            sample_rate=self.sample_rate, initial=self.initial,
+            corners=merge_instants(*(motion.corners for motion in self.motions)),
         )  # fmt: skip
 
     def _extreme_motions(self) -> Iterator[BaseMotion]:

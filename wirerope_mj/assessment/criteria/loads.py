@@ -252,7 +252,7 @@ def foundation_force(response: Response, names: Collection[str] | None = None) -
     """
     bodies = {body.name: body for body in response.scene.bodies}
     total = np.zeros((response.time.size, 3))
-    for mount in standing(response.scene):
+    for mount in mounts_on_base(response.scene):
         if names is None or mount.name in names:
             body = bodies.get(mount.base_body)  # None: the world
             axes = mount.axes if body is None else rotation_matrices(body.orientation) @ mount.axes
@@ -260,7 +260,7 @@ def foundation_force(response: Response, names: Collection[str] | None = None) -
     return total
 
 
-def standing(scene: Scene) -> list[SceneMount]:
+def mounts_on_base(scene: Scene) -> list[SceneMount]:
     """List the mounts that stand on the base or on the world, not on a body that moves by itself."""
     moving = {body.name for body in scene.bodies if body.moves and not body.on_base}
     return [mount for mount in scene.mounts if mount.base_body not in moving]
@@ -291,7 +291,7 @@ def area_forces(response: Response, up: Array | None = None) -> list[AreaForce]:
     `up`: unit vector against gravity, (3,), for "down" and "up"; z by default.
     """
     vertical = np.array([0.0, 0.0, 1.0]) if up is None else up
-    time, on_deck = response.time, [mount.name for mount in standing(response.scene)]
+    time, on_deck = response.time, [mount.name for mount in mounts_on_base(response.scene)]
     areas: dict[str, Collection[str]] = {"": on_deck, **response.scene.areas}
     loads = []
     for name, mounts in areas.items():

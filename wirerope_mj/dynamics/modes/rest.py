@@ -14,7 +14,7 @@ from wirerope_mj.engine.statics import Equilibrium
 from wirerope_mj.engine.statics.linear import STEP, beyond_joints, smooth_slopes
 from wirerope_mj.engine.statics.payloads import Payload, carriers, movers_of, payloads_of
 from wirerope_mj.engine.system import System, mount_rates, shapes_at
-from wirerope_mj.engine.system.equalities import equality_rows, jacobian, left_by
+from wirerope_mj.engine.system.equalities import equality_rows, free_motions, jacobian
 from wirerope_mj.foundation.arrays import Array, Integers
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -82,7 +82,7 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
             isolator=mount.isolator, deflection=equilibrium.mounts[name].deflection, states=(roll, shear, axial),
             jacobian=axes.T @ moves[:, free],
         )  # fmt: skip
-    motions = left_by(jacobian(model, data)[np.ix_(equality_rows(data), free)]) if model.neq else np.eye(free.size)
+    motions = free_motions(jacobian(model, data)[np.ix_(equality_rows(data), free)]) if model.neq else np.eye(free.size)
     damping = np.diag(model.dof_damping)
     gravity = model.opt.gravity.copy()
     model.opt.gravity[:] = 0.0
@@ -199,7 +199,7 @@ def _contacts_at_rest(model: mujoco.MjModel, data: mujoco.MjData, free: Integers
 
 def held_rigidly(rest: AtRest, stiffness: Array) -> Array:
     """Compute the frequencies [Hz] with all contacts and limits at rest taken as rigid, (n,)."""
-    motions = rest.motions @ left_by(rest.pressed.rows @ rest.motions)
+    motions = rest.motions @ free_motions(rest.pressed.rows @ rest.motions)
     parts = (motions.T @ part @ motions for part in (stiffness - rest.pressed.stiffness, rest.mass - rest.pressed.mass))
     return np.asarray(np.sqrt(np.maximum(scipy.linalg.eigvalsh(*parts), 0.0)) / (2.0 * np.pi))
 

@@ -15,8 +15,8 @@ from wirerope_mj.engine.kernel.observe import HISTORY, TIME_1, TIME_2, TURN
 from wirerope_mj.engine.kernel.steps import NO_SAMPLES, advance_cycles
 from wirerope_mj.engine.kernel.variants import group_of
 from wirerope_mj.engine.simulation.engines import equations, failure, unsupported_run
-from wirerope_mj.engine.simulation.grid import Grid, divided
-from wirerope_mj.engine.simulation.in_lanes import final_state, moving
+from wirerope_mj.engine.simulation.grid import Grid, divide_intervals
+from wirerope_mj.engine.simulation.in_lanes import final_state, moving_indices
 from wirerope_mj.engine.simulation.stages import StageTables, drive_of
 from wirerope_mj.engine.simulation.stepper import Stepper, base_before, moving_with_base
 from wirerope_mj.engine.system import System
@@ -92,7 +92,7 @@ class ByKernel:
         self._system, self._motion, self._start = system, motion, start
         self.time = start.time  # end of the last cycles without failure [s]
         self._tables = StageTables(motion, drive_of(system))
-        self._group = group_of([equations(system)], start.values[moving(system)][np.newaxis], [0])
+        self._group = group_of([equations(system)], start.values[moving_indices(system)][np.newaxis], [0])
         self._base = np.zeros(at.CHANNEL_MEMORY)
         n = tables.tracked.size
         self._rows = np.full(tables.channels.size, n)  # row of every channel in the extremes; n: the base's
@@ -246,7 +246,7 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, Integers]:
 
     Each cycle is cut into equal steps of at most `timestep` [s], at least `STEPS_PER_CYCLE`.
     """
-    start, stop, steps, cycle = divided(instants, timestep, least=STEPS_PER_CYCLE)
+    start, stop, steps, cycle = divide_intervals(instants, timestep, least=STEPS_PER_CYCLE)
     never, smooth = np.zeros(cycle.size, dtype=bool), np.full(cycle.size, at.SMOOTH)
     grid = Grid(start=start, stop=stop, steps=steps, sampled=never, event=smooth, corner_after=never)
     return grid, np.flatnonzero(np.diff(cycle, append=-1))

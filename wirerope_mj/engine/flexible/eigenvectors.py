@@ -42,9 +42,9 @@ def read_eigenvectors(path: Path) -> Eigenvectors | None:
     if path.suffix.lower() == BINARY:
         if (tables := read_binary_shapes(path)) is None:
             return None
-        eigenvectors = _unscaled(*tables)
+        eigenvectors = _without_modal_mass(*tables)
     else:
-        eigenvectors = _universal(path) if path.suffix.lower() in UNIVERSAL else _written(path)
+        eigenvectors = _universal(path) if path.suffix.lower() in UNIVERSAL else _nastran_text(path)
     low = np.flatnonzero(eigenvectors.frequencies < RIGID) + 1
     if low.size:
         raise RecordError(
@@ -177,13 +177,13 @@ def _require_whole(path: Path, dataset: Mapping[str, Any]) -> None:
         )
 
 
-def _unscaled(frequencies: Array, shapes: Mapping[int, Array]) -> Eigenvectors:
+def _without_modal_mass(frequencies: Array, shapes: Mapping[int, Array]) -> Eigenvectors:
     """Return eigenvectors whose modal mass, damping and node positions are not stated."""
     zero = np.zeros(len(frequencies))
     return Eigenvectors(frequencies=frequencies, modal_mass=zero, damping=zero, places={}, shapes=shapes)
 
 
-def _written(path: Path) -> Eigenvectors:
+def _nastran_text(path: Path) -> Eigenvectors:
     """Read eigenvectors as Nastran punches or prints them: an eigenvalue, then each grid point with T1, T2, T3."""
     try:
         lines = regular(path).read_text(encoding="utf-8", errors="replace").splitlines()
@@ -234,7 +234,7 @@ def _written(path: Path) -> Eigenvectors:
     squares = np.array(eigenvalues)
     if not np.isfinite(squares).all() or not np.isfinite([*map(list, map(dict.values, shapes))]).all():
         raise RecordError(f"{path}: its modes hold numbers that are not finite. Write them again.")
-    return _unscaled(
+    return _without_modal_mass(
         np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi),
         {node: np.array([shape[node] for shape in shapes]) for node in sorted(nodes)},
     )

@@ -48,7 +48,7 @@ class MassProperties:
     inertia: Array
 
 
-def combined(parts: Sequence[MassProperties]) -> MassProperties:
+def combine(parts: Sequence[MassProperties]) -> MassProperties:
     """Return the mass properties of rigidly joined parts: sums, and the theorem of parallel axes (Huygens-Steiner)."""
     mass = sum(part.mass for part in parts)
     centre = sum((part.mass * part.centre for part in parts), np.zeros(3)) / mass
@@ -168,12 +168,12 @@ class Layout:
     @property
     def payload(self) -> MassProperties:
         """Mass properties of the whole payload, subassemblies at their positions included."""
-        return combined([mass.properties for mass in self.masses])
+        return combine([mass.properties for mass in self.masses])
 
     @property
     def rigid(self) -> MassProperties:
         """Mass properties of the payload without its sprung subassemblies."""
-        return combined([mass.properties for mass in self.masses if mass.sprung is None])
+        return combine([mass.properties for mass in self.masses if mass.sprung is None])
 
 
 def axes_along(axial: Array, bars: Array | None = None) -> Array:

@@ -76,12 +76,12 @@ class Bodies:
         return self.link[body], self.pose[body].then(self.model.site_pos[site], self.model.site_quat[site])
 
 
-def modelled(bodies: Bodies, number: int) -> Pose:
+def modelled_pose(bodies: Bodies, number: int) -> Pose:
     """Return the pose of a link that never turns, as modelled."""
     parent, pose = bodies.on_parent(bodies.links[number])
     if parent == len(bodies.links):
         return pose
-    return modelled(bodies, parent).then(pose.origin, pose.quaternion)
+    return modelled_pose(bodies, parent).then(pose.origin, pose.quaternion)
 
 
 def inertia_of(bodies: Bodies, number: int) -> Array:

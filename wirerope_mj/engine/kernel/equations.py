@@ -9,7 +9,7 @@ import numpy.typing as npt
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.mounts import AXIAL
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.bodies import HERE, Bodies, Writer, inertia_of, modelled, pair_rows
+from wirerope_mj.engine.kernel.bodies import HERE, Bodies, Writer, inertia_of, modelled_pose, pair_rows
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
@@ -107,7 +107,7 @@ def equations_of(system: System) -> Equations:
     rest = np.zeros((len(kinds) + 1, at.KIN_SIZE))
     for number, kind in enumerate([*kinds, at.STRAIGHT]):
         if kind == at.STRAIGHT:
-            pose = HERE if number == len(kinds) else modelled(bodies, number)
+            pose = HERE if number == len(kinds) else modelled_pose(bodies, number)
             rest[number, at.KIN_R : at.KIN_R + 9], rest[number, at.KIN_Q : at.KIN_Q + 4] = pose.axes.ravel(), pose.quaternion
     return Equations(
         lay=np.concatenate(flat), fix=np.array(fix.numbers), num=np.array(num.numbers), rest=rest.ravel(),
@@ -153,7 +153,7 @@ def _links(bodies: Bodies, modal: set[int], fix: Writer, num: Writer) -> tuple[l
             kind = at.TURNING
         origin = pose.origin
         if kind == at.STRAIGHT and parent >= 0:
-            origin = modelled(bodies, parent).axes @ origin
+            origin = modelled_pose(bodies, parent).axes @ origin
         kinds.append(kind)
         first, n_dofs, tree = int(model.body_dofadr[body]), int(model.body_dofnum[body]), int(model.body_treeid[body])
         frame, inertia = fix.put(origin, pose.quaternion), num.put(inertia_of(bodies, number))
@@ -172,7 +172,7 @@ def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: Writer, num: Wr
         kind = (at.ALONG if along else at.FLOATING) if free else at.SLIDE if slide else at.HINGE
         axis = model.jnt_axis[joint]
         if kinds[link] == at.STRAIGHT:
-            axis = modelled(bodies, link).axes @ axis
+            axis = modelled_pose(bodies, link).axes @ axis
         limits = np.zeros(2)  # between which a joint's limits do not act; none has equal ones
         if model.jnt_limited[joint] and not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT:
             limits = model.jnt_range[joint] + model.jnt_margin[joint] * np.array([1.0, -1.0])
@@ -260,7 +260,7 @@ def _shapes(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> tu
 
 def to_equation_axes(bodies: Bodies, kinds: list[int], link: int) -> Array:
     """Return the rotation from a link's axes to those in which the equations state its vectors, (3, 3)."""
-    return modelled(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
+    return modelled_pose(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
 
 
 def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:

@@ -14,7 +14,7 @@ from wirerope_mj.engine.kernel.equations import Bodies, Equations, Integers
 from wirerope_mj.engine.kernel.observe import CLOCK_SIZE
 from wirerope_mj.engine.kernel.steps import advance
 from wirerope_mj.engine.system import Changes, System
-from wirerope_mj.engine.system.tables import rated_travel, turning
+from wirerope_mj.engine.system.tables import rated_travel, rotational_stiffness
 from wirerope_mj.engine.system.varied import change_masses, moving_bodies, tune
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
@@ -102,9 +102,9 @@ class Numbers:
     def of_isolator(self, mount: str, isolator: Isolator) -> tuple[Integers, Array] | None:
         """Return the numbers of a mount's acting isolator and their positions; None if its structure differs."""
         old = self._system.mounts[mount].isolator
-        turns, coupled = turning(isolator), isolator.coupled
+        turns, coupled = rotational_stiffness(isolator), isolator.coupled
         grids = [device.loop and np.shape(device.loop.coefficients) for device in (isolator, old)]
-        if isolator.coupling != old.coupling or grids[0] != grids[1] or any(turns) != any(turning(old)):
+        if isolator.coupling != old.coupling or grids[0] != grids[1] or any(turns) != any(rotational_stiffness(old)):
             return None
         if not all(map(same_structure, isolator.axes.values(), old.axes.values())):
             return None

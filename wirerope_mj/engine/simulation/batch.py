@@ -19,7 +19,7 @@ from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.simulation.engines import Engine, refusal_message, run_in_lanes, unsupported_run
-from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
+from wirerope_mj.engine.simulation.grid import TimeGrid, merge_instants, time_grid
 from wirerope_mj.engine.simulation.recorder import Recorder
 from wirerope_mj.engine.simulation.run import (
     RunResult,
@@ -149,7 +149,7 @@ def simulate_batch(
         own_corners = {motion.corners.tobytes(): motion.corners for motion in {id(each): each for each in motions}.values()}
         grid = time_grid(
             start=first, duration=duration, sample_rate=sample_rate, timestep=timestep,
-            motion=motions[0], corners=joined(checked_corners(corners), *own_corners.values()),
+            motion=motions[0], corners=merge_instants(checked_corners(corners), *own_corners.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
         if judged:

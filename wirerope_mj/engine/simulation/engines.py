@@ -17,7 +17,7 @@ from wirerope_mj.engine.kernel.equations import equations as equations
 from wirerope_mj.engine.kernel.equations import not_held
 from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.simulation.grid import TimeGrid, time_grid
-from wirerope_mj.engine.simulation.in_lanes import Sink, final_state, go_in_lanes, moving
+from wirerope_mj.engine.simulation.in_lanes import Sink, final_state, go_in_lanes, moving_indices
 from wirerope_mj.engine.simulation.run import RunResult, peaks_of, run
 from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.stages import drive_of
@@ -246,7 +246,7 @@ def run_in_lanes(
     sink: Sink | None = None, progress: Callable[[float], None] | None = None,
 ) -> list[RunResult | str]:  # fmt: skip
     """Step variants through a grid by the kernel (`go_in_lanes`); returns each result, or why the kernel gave it up."""
-    states = np.array([start.values[moving(system)] for system, start in zip(systems, starts, strict=True)])
+    states = np.array([start.values[moving_indices(system)] for system, start in zip(systems, starts, strict=True)])
     done = go_in_lanes(
         [equations(system) for system in systems], drive_of(systems[0]), motions, states, grid, threads=threads,
         sink=sink, progress=progress,

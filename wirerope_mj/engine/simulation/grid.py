@@ -73,7 +73,7 @@ class TimeGrid:
             ends += [self.stop] if i_next == samples.size and j_next == corners.size else []
             breaks = _breaks(samples[i:i_next], corners[j:j_next], np.array(ends))
             instants, sampled = (np.concatenate(parts) for parts in zip((instants, sampled), breaks, strict=True))
-            start, stop, steps, interval = divided(instants, self.timestep)
+            start, stop, steps, interval = divide_intervals(instants, self.timestep)
             event = _events(self.motion, np.append(start, stop[-1:]))  # each but the last ends where the next one starts
             is_first = np.diff(interval, prepend=-1) != 0
             yield Grid(
@@ -98,11 +98,11 @@ def time_grid(
     samples = np.arange(first, last + 1) / sample_rate
     return TimeGrid(
         start=start, stop=end, sample_rate=sample_rate, timestep=timestep, motion=motion, sample_times=samples,
-        corners=joined(motion.corners, np.asarray(corners, dtype=np.float64)),
+        corners=merge_instants(motion.corners, np.asarray(corners, dtype=np.float64)),
     )  # fmt: skip
 
 
-def joined(*corners: Array) -> Array:
+def merge_instants(*corners: Array) -> Array:
     """Merge several arrays of instants [s] in order, without repetitions."""
     some = [instants for instants in corners if instants.size]
     return np.unique(np.concatenate(some)) if len(some) > 1 else some[0] if some else np.zeros(0)
@@ -134,7 +134,7 @@ def _events(motion: BaseMotion, times: Array) -> Array:
     return event
 
 
-def divided(instants: Array, timestep: float, *, least: int = 1) -> tuple[Array, Array, Integers, Integers]:
+def divide_intervals(instants: Array, timestep: float, *, least: int = 1) -> tuple[Array, Array, Integers, Integers]:
     """Cut the intervals between instants [s] into equal steps, and long intervals into segments of one stage table each.
 
     Returns start and stop [s], number of steps, and interval of every segment, (n_p,) each.

@@ -46,7 +46,7 @@ def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> Integers:
 
 
 @once_per_system
-def moving(system: System) -> Integers:
+def moving_indices(system: System) -> Integers:
     """Return the indices of qpos, qvel and act among the values of a `State`."""
     kinds = mujoco.mjtState
     parts = (kinds.mjSTATE_QPOS, kinds.mjSTATE_QVEL, kinds.mjSTATE_ACT)
@@ -157,6 +157,6 @@ def final_state(system: System, start: State, values: Array, time: float) -> Sta
     """
     kinds, first = mujoco.mjtState, system.assembly.userdata
     changed = start.values.copy()
-    changed[moving(system)], changed[indices(system.model, kinds.mjSTATE_TIME)] = values, time
+    changed[moving_indices(system)], changed[indices(system.model, kinds.mjSTATE_TIME)] = values, time
     changed[indices(system.model, kinds.mjSTATE_USERDATA)[first : first + system.assembly.tables.user.size]] = 0.0
     return State(values=changed, time=time)

@@ -128,10 +128,10 @@ class Recorder:
             self._block[row : row + len(some), self.plan.first_sensor : self._first_gap] = some
             first, values = first + len(some), values[len(some) :]
             if self._writer is not None and first - self._written == self._block.shape[0]:
-                self._writer.write(self._completed(self._block.shape[0]))
+                self._writer.write(self._complete_rows(self._block.shape[0]))
                 self._written = first
 
-    def _completed(self, rows: int) -> Array:
+    def _complete_rows(self, rows: int) -> Array:
         """Complete the first rows of the block with instants, base and gaps."""
         times = self._times[self._written : self._written + rows]
         self._block[:rows, 0] = times
@@ -153,7 +153,7 @@ class Recorder:
             "initial_state": State(values=start.values.copy(), time=start.time),  # others may start from it, too
             "final_state": final,
         }
-        rest = self._completed(self._times.size - self._written)
+        rest = self._complete_rows(self._times.size - self._written)
         if self._writer is None:
             return response_of(self.plan, MemorySamples(self._names, rest), **parts)
         if rest.size:

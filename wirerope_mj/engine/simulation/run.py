@@ -19,7 +19,7 @@ from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.stages import StageTables, drive_of
 from wirerope_mj.engine.simulation.stepper import Stepper
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.tables import contact_name, payload_first, untouched
+from wirerope_mj.engine.system.tables import contact_name, payload_first, untouched_contact
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import AccuracyWarning, SimulationError
 from wirerope_mj.foundation.state import State
@@ -64,7 +64,7 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
         else:
             geom, other_geom = divmod(int(row[at.GEOMS]), at.MOST_GEOMS)
             pair = payload_first(model, base, (geom - 1, other_geom - 1))
-            contacts[contact_name(model, pair)] = _touched(untouched(model, pair), row)
+            contacts[contact_name(model, pair)] = _touched(untouched_contact(model, pair), row)
     if OTHERS in contacts:
         contacts = {name: contact for name, contact in contacts.items() if contact.touches}
     stop_rows = iter(zip(addresses.stop_rows(user), addresses.closing_rows(user), strict=True))

@@ -75,7 +75,7 @@ class Stepper:
         if grid.event[segment] == at.JUMP:
             rates = self.motion._angles(np.array([start - SAME_TIME, start]), 1)
             jump = velocity_jump(self.motion, float(start))
-            leave_behind(self.system, self.model, self.data, jump, rates[1] - rates[0])
+            keep_momentum(self.system, self.model, self.data, jump, rates[1] - rates[0])
         self._place_base(base.positions, base.rates)
         user[at.EVENT] = grid.event[segment]
         user[at.STAGE_POINTS], user[at.STAGE_START] = accelerations.shape[0], start
@@ -146,8 +146,8 @@ class Stepper:
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):
                     if warning.number:
-                        buckled = self._buckled(deflections, deflections - earlier, states)
-                        falling = buckled or self._falling(deflections)
+                        buckled = self._describe_buckling(deflections, deflections - earlier, states)
+                        falling = buckled or self._describe_falling_force(deflections)
                         name, remedy = mujoco.mjtWarning(kind).name, "see MuJoCo's documentation of this warning"
                         if name in _GROWING:
                             remedy = _GREW_BUCKLED if buckled else _GREW_FALLING if falling else _GREW
@@ -161,7 +161,7 @@ class Stepper:
                         )
         raise SimulationError("MuJoCo reported a warning in the last forward pass; use a smaller `timestep`.")
 
-    def _buckled(self, deflections: Array, moved: Array, states: Array) -> str:
+    def _describe_buckling(self, deflections: Array, moved: Array, states: Array) -> str:
         """Describe the first mount that loses equilibrium with its bracket within two steps, "" if none does."""
         firsts = self.system.assembly.tables.rows(at.AXES, at.AXIS_COLUMNS, 3 * len(deflections))[:, 2].astype(int)
         for number, (name, mount) in enumerate(self.system.mounts.items()):
@@ -183,7 +183,7 @@ class Stepper:
                     return f" Mount {name!r} stood at {x}, on a bracket of {soft}."
         return ""
 
-    def _falling(self, deflections: Array) -> str:
+    def _describe_falling_force(self, deflections: Array) -> str:
         """Describe the first mount at a deflection where its force decreases, "" if there is none."""
         for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
             for (axis, law), x in zip(mount.isolator.axes.items(), map(float, row), strict=True):
@@ -217,7 +217,7 @@ def acceleration_before(motion: BaseMotion, time: float) -> Array:
     return motion.acceleration(np.array([max(time - SAME_TIME, 0.0)]))[0]
 
 
-def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jump: Array, turn: Array) -> None:
+def keep_momentum(system: System, model: mujoco.MjModel, data: mujoco.MjData, jump: Array, turn: Array) -> None:
     """Keep the momentum of what rides on the base through joints while the base's velocity jumps by `jump` [m/s], (3,).
 
     The rates of roll, pitch and yaw jump by `turn` [rad/s], (3,).

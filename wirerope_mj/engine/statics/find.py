@@ -114,11 +114,11 @@ def settle_together(systems: Sequence[System], history: History) -> None:
     for group, rests in zip(groups, solved, strict=True):
         for number, system in enumerate(group):
             with system.assembly.scratch.data(system.model) as data:
-                if confirmed := _confirmed(system, history, data, rests, number):
+                if confirmed := _confirm(system, history, data, rests, number):
                     _known.setdefault(system, {})[history] = confirmed
 
 
-def _confirmed(system: System, history: History, data: mujoco.MjData, rests: Equilibria, number: int) -> Equilibrium | None:
+def _confirm(system: System, history: History, data: mujoco.MjData, rests: Equilibria, number: int) -> Equilibrium | None:
     """Return the equilibrium of variant `number` if MuJoCo's accelerations vanish there, else None."""
     if not rests.found[number]:
         return None

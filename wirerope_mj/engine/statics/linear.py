@@ -8,8 +8,8 @@ import numpy as np
 import scipy
 
 from wirerope_mj.engine.system import System, mount_rates, once_per_system
-from wirerope_mj.engine.system.equalities import equality_name, equality_rows, jacobian, left_by
-from wirerope_mj.engine.system.tables import turning
+from wirerope_mj.engine.system.equalities import equality_name, equality_rows, free_motions, jacobian
+from wirerope_mj.engine.system.tables import rotational_stiffness
 from wirerope_mj.foundation.arrays import Array, Integers
 
 # Step [m, rad, m/s or rad/s] of central differences: their error and that of rounding are both near 1e-9 of the stiffness.
@@ -63,7 +63,7 @@ def linear_system(system: System, *, closed: bool) -> Linear:
         soft = np.array([data.efc_D[numbers], b, impedance * k])
         equalities = data.efc_id[numbers].copy()
     return Linear(
-        mass=mass[np.ix_(free, free)], stiffness=stiffness, damping=damping, motions=left_by(rows), equalities=equalities,
+        mass=mass[np.ix_(free, free)], stiffness=stiffness, damping=damping, motions=free_motions(rows), equalities=equalities,
         rows=rows, soft=soft,
     )  # fmt: skip
 
@@ -86,7 +86,7 @@ def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[
                 numbers.append((law.initial_stiffness, law.damping_coefficient))
         if mount.isolator.rotation is not None:
             rows.append(mount.axes.T @ turns)
-            numbers += [(stiffness, 0.0) for stiffness in turning(mount.isolator)]
+            numbers += [(stiffness, 0.0) for stiffness in rotational_stiffness(mount.isolator)]
     to_deflections = np.concatenate(rows)
     along, resisting = (to_deflections.T * row @ to_deflections for row in np.array(numbers).reshape(-1, 2).T)
     return along, resisting
@@ -124,13 +124,13 @@ def soft_equalities(system: System) -> tuple[str, ...]:
         return ()
     linear = linear_system(system, closed=False)
     weight, _, stiffness = linear.soft
-    rigid, shapes = _swinging(linear.motions, linear.stiffness, linear.mass)
+    rigid, shapes = _natural_modes(linear.motions, linear.stiffness, linear.mass)
     sentences = []
     for number in dict.fromkeys(linear.equalities.tolist()):
         of_it = linear.equalities == number
-        motions, rows = left_by(linear.rows[~of_it]), linear.rows[of_it]  # this one soft, and rigid what else there is
+        motions, rows = free_motions(linear.rows[~of_it]), linear.rows[of_it]  # this one soft, and rigid what else there is
         added, stiff = ((rows.T * w) @ rows for w in (weight[of_it], (weight * stiffness)[of_it]))
-        soft, soft_shapes = _swinging(motions, linear.stiffness + stiff, linear.mass + added)
+        soft, soft_shapes = _natural_modes(motions, linear.stiffness + stiff, linear.mass + added)
         if not rigid.size or not soft.size:
             continue
         moved = soft[np.argmax((shapes.T @ linear.mass @ soft_shapes) ** 2, axis=1)]  # each in the shape most like it
@@ -144,7 +144,7 @@ def soft_equalities(system: System) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _swinging(motions: Array, stiffness: Array, mass: Array) -> tuple[Array, Array]:
+def _natural_modes(motions: Array, stiffness: Array, mass: Array) -> tuple[Array, Array]:
     """Compute the natural frequencies [Hz] within the subspace `motions`, ascending, and the mode shapes as columns."""
     if not motions.shape[1]:
         return np.zeros(0), motions

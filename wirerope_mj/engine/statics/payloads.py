@@ -14,7 +14,7 @@ import scipy
 
 from wirerope_mj.engine.statics.linear import dry_friction, soft_equalities
 from wirerope_mj.engine.system import System, mount_rates, once_per_system
-from wirerope_mj.engine.system.equalities import equality_rows, jacobian, left_by
+from wirerope_mj.engine.system.equalities import equality_rows, free_motions, jacobian
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, UNITS, significant
 
@@ -168,7 +168,7 @@ def _axes_without_law(system: System) -> list[str]:
     mujoco.mj_fwdPosition(model, data)
     free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
     rows = jacobian(model, data)[equality_rows(data)] if model.neq else np.zeros((0, model.nv))
-    possible = np.eye(model.nv)[:, free] @ left_by(rows[:, free])  # motions that joints and equality constraints leave
+    possible = np.eye(model.nv)[:, free] @ free_motions(rows[:, free])  # motions that joints and equality constraints leave
     motions = [rates @ possible for rates, _ in mount_rates(system, data)]
     lacking: dict[tuple[str, str], list[str]] = {}
     for mount, rates in zip(system.mounts.values(), motions, strict=True):

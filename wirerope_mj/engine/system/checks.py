@@ -62,10 +62,10 @@ def check_numbers(model: mujoco.MjModel) -> None:
     """Raise ModelError if a number of the compiled model is not finite; names the element and its attribute."""
     for name in ("gravity", "wind", "magnetic", "timestep", "density", "viscosity"):
         if not (np.abs(getattr(model.opt, name)) < LARGEST).all():
-            raise ModelError(f"<option>: `{name}` is {_written(getattr(model.opt, name))}; {_REMEDY}")
+            raise ModelError(f"<option>: `{name}` is {_format(getattr(model.opt, name))}; {_REMEDY}")
     if not np.linalg.norm(model.opt.gravity) <= HEAVIEST:
         raise ModelError(
-            f"<option>: `gravity` is {_written(model.opt.gravity)} m/s^2, beyond {HEAVIEST:g}; take 0 0 -9.80665, or that of a "
+            f"<option>: `gravity` is {_format(model.opt.gravity)} m/s^2, beyond {HEAVIEST:g}; take 0 0 -9.80665, or that of a "
             "centrifuge."
         )
     for name in _float_arrays():
@@ -77,7 +77,7 @@ def check_numbers(model: mujoco.MjModel) -> None:
             numbered = f"number {row}"
             if len(values) == getattr(model, f"n{kind}", -1) and hasattr(model, element):  # one row for each element
                 numbered = repr(getattr(model, element)(row).name)
-            raise ModelError(f"{element} {numbered}: its `{attribute}` is {_written(values[row])}; {_REMEDY}")
+            raise ModelError(f"{element} {numbered}: its `{attribute}` is {_format(values[row])}; {_REMEDY}")
 
 
 @cache
@@ -95,7 +95,7 @@ def _float_arrays() -> tuple[str, ...]:
     return tuple(sorted(arrays, key=rank))
 
 
-def _written(values: ArrayLike) -> str:
+def _format(values: ArrayLike) -> str:
     """Format numbers as a model file has them, whatever NumPy's print settings are."""
     return " ".join(f"{value:g}" for value in np.atleast_1d(values))
 

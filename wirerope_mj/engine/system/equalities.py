@@ -41,7 +41,7 @@ def equality_rows(data: mujoco.MjData) -> Integers:
     return np.flatnonzero(data.efc_type[: data.nefc] == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY))
 
 
-def left_by(constraints: Array) -> Array:
+def free_motions(constraints: Array) -> Array:
     """Return a basis of the motions that constraints, (n_rows, n), leave free, (n, n_left); the unit matrix without any."""
     return scipy.linalg.null_space(constraints, rcond=_RANK) if len(constraints) else np.eye(constraints.shape[1])
 

@@ -38,7 +38,7 @@ def write_model(system: System, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     text, files = system.mjcf, _isolator_files(system)
     for name, (data, file) in files.items():
-        text = text if data == file else _repointed(text, name, file)
+        text = text if data == file else _with_file(text, name, file)
     target.write_text(text, encoding="utf-8")
     if system.path is not None:  # what an MJCF file names, and what included or attached files name in turn
         root = system.path.parent.resolve()
@@ -154,7 +154,7 @@ def _with_ending(file: str) -> str:
     return file if file.endswith(".toml") else f"{file}.toml"
 
 
-def _repointed(text: str, name: str, file: str) -> str:
+def _with_file(text: str, name: str, file: str) -> str:
     """Return the MJCF in which the text `name` names `file`."""
     stated = [{part[1]: unescape(part[2][1:-1]) for part in _ATTRIBUTE.finditer(match[0])} for match in _TEXT.finditer(text)]
     matches = [match for match, words in zip(_TEXT.finditer(text), stated, strict=True) if words.get("name") == name]

@@ -81,7 +81,7 @@ def with_gravity(system: System, *, up: Sequence[float] | Array) -> System:
     root = model_root(system)
     for option in root.findall("option") or [ET.SubElement(root, "option")]:
         option.set("gravity", " ".join(repr(value) for value in gravity.tolist()))
-    return _as_written(system, written(root))
+    return _as_written(system, xml_text(root))
 
 
 def with_rotation(system: System) -> System:
@@ -122,7 +122,7 @@ def with_rotation(system: System) -> System:
     for number, (name, axis) in enumerate(zip(reversed(TURNS), axes[::-1], strict=True)):
         hinge = ET.Element("joint", name=name, type="hinge", pos="0 0 0", axis=" ".join(repr(c) for c in axis.tolist()))
         bodies[0].insert(last + 1 + number, hinge)
-    return _as_written(system, written(root))
+    return _as_written(system, xml_text(root))
 
 
 def _as_written(system: System, text: str) -> System:
@@ -142,7 +142,7 @@ def deck_text(system: System, deck: Deck) -> str:
         mujoco.mj_kinematics(system.model, data)
         axes = data.body(system.base).xmat.reshape(3, 3).copy()
     add_panel(root, deck, base=system.base, axes=axes, gravity=system.model.opt.gravity)
-    return written(root)
+    return xml_text(root)
 
 
 def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str:
@@ -167,7 +167,7 @@ def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str
                 raise ModelError(f"site {model.site(site).name!r} on {body!r}: {error}") from None
     root = model_root(system)
     add_part(root, part, name=name, body=body, sites=sites, gravity=model.opt.gravity)
-    return written(root)
+    return xml_text(root)
 
 
 def model_root(system: System) -> ET.Element:
@@ -180,7 +180,7 @@ def model_root(system: System) -> ET.Element:
     return ET.fromstring(system.mjcf, parser=ET.XMLParser(target=ET.TreeBuilder(insert_comments=True)))
 
 
-def written(root: ET.Element) -> str:
+def xml_text(root: ET.Element) -> str:
     """Format a parsed model as indented XML."""
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
@@ -222,4 +222,4 @@ def with_part(system: System, names: Mapping[str, str]) -> str:
         for old in [element for element in custom.findall("numeric") if element.get("name") == key]:
             custom.remove(old)
         ET.SubElement(custom, "numeric", name=key, data=" ".join(f"{value:.12g}" for value in limit.values))
-    return written(root)
+    return xml_text(root)

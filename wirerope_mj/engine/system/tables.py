@@ -55,10 +55,10 @@ def declared_contacts(model: mujoco.MjModel, base: int) -> dict[str, ContactPeak
                 f"the <pair> of geoms {geom_name(model, pair[0])!r} and {geom_name(model, pair[1])!r} stands there twice, and "
                 "their forces would be doubled. Remove one, or give it geoms of its own."
             )
-    return {contact_name(model, pair): untouched(model, pair) for pair in pairs}
+    return {contact_name(model, pair): untouched_contact(model, pair) for pair in pairs}
 
 
-def untouched(model: mujoco.MjModel, pair: tuple[int, int]) -> ContactPeak:
+def untouched_contact(model: mujoco.MjModel, pair: tuple[int, int]) -> ContactPeak:
     """Return the contact record of two geoms that have not touched."""
     bodies = [model.body(model.geom_bodyid[geom]).name if geom >= 0 else "" for geom in pair]
     return ContactPeak(geoms=(geom_name(model, pair[0]), geom_name(model, pair[1])), bodies=(bodies[0], bodies[1]))
@@ -251,7 +251,7 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
             row[at.COUPLING] = n_parameters
             parameters.append(isolator.coupled.mount_parameters())
             n_parameters += parameters[-1].size
-        row[at.TURNING : at.MODELLED], row[at.PARTNER] = turning(isolator), max(isolator.coupled_axes, default=0)
+        row[at.TURNING : at.MODELLED], row[at.PARTNER] = rotational_stiffness(isolator), max(isolator.coupled_axes, default=0)
         row[at.TRAVEL : at.SHAPES] = rated_travel(isolator)
     rewritten.rows(at.AXES, at.AXIS_COLUMNS, len(axes))[:] = axes
     rewritten.layout[at.N_SLIPPING] = sum(kernel in (MASING, PARALLEL) for kernel, *_ in axes)
@@ -268,7 +268,7 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     return replace(rewritten, parameters=par)
 
 
-def turning(isolator: Isolator) -> tuple[float, float, float]:
+def rotational_stiffness(isolator: Isolator) -> tuple[float, float, float]:
     """Return the rotational stiffness of an isolator about roll, shear and axial [N m/rad]."""
     rotation = isolator.rotation
     return (0.0, 0.0, 0.0) if rotation is None else (rotation.roll, rotation.shear, rotation.axial)

@@ -22,7 +22,7 @@ from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH
 from wirerope_mj.motions.records.checks import clipped_text, flat_tops
 from wirerope_mj.motions.records.reading import level_at_rest, offset_of
 from wirerope_mj.motions.records.record import Record, load_record
-from wirerope_mj.motions.records.sampling import even
+from wirerope_mj.motions.records.sampling import evenly_sampled
 from wirerope_mj.motions.records.signals import level_warnings, resolution_warnings
 from wirerope_mj.motions.records.table import read_columns, require_within_range
 from wirerope_mj.motions.records.uff import is_uff, read_uff_columns
@@ -262,7 +262,7 @@ def load_measured(
     reading, units = read_uff_columns(file, names) if is_uff(file) else read_columns(file, names, fill=gaps == "fill")
     if reading.time.size < _FEWEST:
         raise RecordError(f"{file}: a measured response needs at least {_FEWEST} samples, this one has {reading.time.size}.")
-    reading = even(file, reading, gaps=gaps)
+    reading = evenly_sampled(file, reading, gaps=gaps)
     time = (reading.time - reading.time[0]) * clock + start
     if not (np.diff(time) > 0.0).all():
         raise ValueError(f"`start` must leave the samples apart, got {start:.6g} s.")

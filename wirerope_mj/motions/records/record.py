@@ -20,9 +20,9 @@ from wirerope_mj.motions.motion import BaseMotion, Said
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 from wirerope_mj.motions.records.checks import motion_warnings, reading_warnings
 from wirerope_mj.motions.records.reading import axes_of
-from wirerope_mj.motions.records.sampling import BASELINES, even, resampled, without_baseline
+from wirerope_mj.motions.records.sampling import BASELINES, evenly_sampled, resample_record, without_baseline
 from wirerope_mj.motions.records.table import acceleration_channels, read_record_table, table_channels
-from wirerope_mj.motions.records.turning import AXES_OF_SENSORS, Turning, faded, turned, turning_warnings
+from wirerope_mj.motions.records.turning import AXES_OF_SENSORS, Turning, fade_factor, turned, turning_warnings
 from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
@@ -233,11 +233,11 @@ def load_record(
         reading = read_uff(file, directions, unit)
     else:
         reading = read_record_table(file, directions, unit, fill=fill, turns=rotation is not None, stated=stated)
-    reading = even(file, reading, gaps=gaps)
+    reading = evenly_sampled(file, reading, gaps=gaps)
     if rotation is None:  # others are judged along the world's axes, below
         reading = reading.warned(*reading_warnings(reading, corrected=baseline != "none"))
     if rate is not None:
-        reading = resampled(reading, rate)
+        reading = resample_record(reading, rate)
     time, samples = reading.time, reading.samples
     time -= time[0]
     step, digit = float(time[-1]) / (time.size - 1), float(np.spacing(abs(start)))
@@ -260,7 +260,7 @@ def load_record(
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
     if fade is not None:
-        samples *= faded(time, fade)[:, np.newaxis]
+        samples *= fade_factor(time, fade)[:, np.newaxis]
     messages = (*reading.warnings, *motion_warnings(reading, time, samples, baseline))
     if turning is not None:
         turning = Turning(turning.time, scale * turning.angles, scale * turning.rates)

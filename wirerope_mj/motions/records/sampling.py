@@ -41,7 +41,7 @@ _QUIET = 2.0
 _MOST_ADDED = 20_000_000
 
 
-def continued(a: Array, count: int) -> Array:
+def extend(a: Array, count: int) -> Array:
     """Extend a signal (n,) by `count` predicted samples at both ends, (n + 2 count,).
 
     A pulse is mirrored, so that a filter takes nothing from its area even where it begins with the first sample. A vibration
@@ -50,12 +50,12 @@ def continued(a: Array, count: int) -> Array:
     rest = offset_of(a)
     if is_pulse(a, rest):
         return np.pad(a, count, mode="reflect")
-    before = _predicted(a[:_WINDOW][::-1] - rest, count)[::-1]
-    after = _predicted(a[-_WINDOW:] - rest, count)
+    before = _predict(a[:_WINDOW][::-1] - rest, count)[::-1]
+    after = _predict(a[-_WINDOW:] - rest, count)
     return np.concatenate([before + rest, a, after + rest])
 
 
-def _predicted(a: Array, count: int) -> Array:
+def _predict(a: Array, count: int) -> Array:
     """Return `count` samples that continue a signal, by linear prediction: Burg's method, whose filter is always stable."""
     from scipy.signal import lfilter, lfiltic
 
@@ -74,7 +74,7 @@ def _predicted(a: Array, count: int) -> Array:
     return np.asarray(lfilter([1.0], weights, np.zeros(count), zi=state)[0])
 
 
-def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
+def evenly_sampled(path: Path, reading: Reading, *, gaps: str) -> Reading:
     """Return the record of a file at equal intervals, with a warning if its samples had to be changed for it.
 
     RecordError says where there is a gap, unless `gaps` is "fill": with straight lines, or a time stamp far from all others.
@@ -112,7 +112,7 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
     )
 
 
-def resampled(reading: Reading, rate: float) -> Reading:
+def resample_record(reading: Reading, rate: float) -> Reading:
     """Return an evenly sampled record at another rate [Hz], through a zero-phase anti-alias filter.
 
     The filter (a Kaiser window, applied in polyphase form) passes what lies below 0.8 of the lower of the two Nyquist
@@ -141,7 +141,7 @@ def resampled(reading: Reading, rate: float) -> Reading:
 
 
 def filtered(samples: Array, up: int, down: int) -> Array:
-    """Return samples (n, k) at up / down of their rate, through the filter of `resampled`; the first keeps its instant."""
+    """Return samples (n, k) at up / down of their rate by the filter of `resample_record`; the first keeps its instant."""
     from scipy.signal import firwin, kaiserord, resample_poly
 
     most = max(up, down)
@@ -153,7 +153,7 @@ def filtered(samples: Array, up: int, down: int) -> Array:
     made = np.zeros((count, samples.shape[1]))
     for column, result in zip(samples.T, made.T, strict=True):
         if column.any():
-            result[:] = resample_poly(continued(column, blocks * down), up, down, window=window)[first : first + count]
+            result[:] = resample_poly(extend(column, blocks * down), up, down, window=window)[first : first + count]
     return made
 
 

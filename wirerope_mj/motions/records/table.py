@@ -103,7 +103,7 @@ def _parsed_rows(header: Header) -> Iterator[str]:
         yield "\t".join(with_point(header, header.at(number), cell) for cell in cells)
 
 
-def most_rows(path: Path) -> int:
+def row_bound(path: Path) -> int:
     """Return an upper bound of the number of lines of a file, whatever its lines end with."""
     rows = 1
     with path.open("rb") as file:
@@ -140,13 +140,13 @@ def raise_for_bad_line(header: Header, columns: Sequence[int], clock: Clock | No
 
 
 def table_channels(path: Path, stated: Stated | None = None) -> tuple[str, ...]:
-    header, time, _ = _opened(path, stated=stated)
+    header, time, _ = _open_table(path, stated=stated)
     return tuple(name for column, name in enumerate(header.names) if column != time and column not in header.unnamed)
 
 
 def acceleration_channels(path: Path, stated: Stated | None = None) -> tuple[str, ...]:
     """Return the names of the columns whose unit is one of an acceleration; all but the time if no column has one."""
-    header, time, _ = _opened(path, stated=stated)
+    header, time, _ = _open_table(path, stated=stated)
     found = [name for name, unit in zip(header.names, header.units, strict=True) if find_unit(unit or "", ACCELERATION_UNITS)]
     return tuple(found) or table_channels(path, stated)
 
@@ -162,7 +162,7 @@ def read_record_table(
     of the `channels`, else of the columns with such a unit that are named after an axis. A text without a header is as
     `stated`, see `read_header`.
     """
-    header, time, clock = _opened(path, channels or (), stated)
+    header, time, clock = _open_table(path, channels or (), stated)
     messages: list[str] = []
     if channels is None:
         turning = turn_columns(header, time)
@@ -210,7 +210,7 @@ def require_within_range(location: str, samples: Array, limit: float) -> None:
 
 def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Reading, tuple[str | None, ...]]:
     """Read columns of a table as they are, (n, n_columns), and the unit of each in its header, None without a unit."""
-    header, time, clock = _opened(path, names, kind="test record")
+    header, time, clock = _open_table(path, names, kind="test record")
     columns = [find_column(header, name, without=time) for name in names]
     instants, samples, messages = _read_scaled(header, [time, *columns], clock, np.eye(len(columns)), fill=fill)
     units = tuple(header.units[column] for column in columns)
@@ -252,12 +252,12 @@ def _read_scaled(
             raise_for_bad_line(header, columns, missing=fill)
     else:
         # memory that is not written to costs nothing: a long record stands in memory once
-        most = most_rows(path) if content is None else len(content)
+        most = row_bound(path) if content is None else len(content)
         blocks = read_blocks(header, columns, clock, missing=fill)
     time, samples, size = np.empty(most), np.empty((most, matrix.shape[1])), 0
     messages: list[str] = []
     if fill:
-        blocks, messages = _filled(header, columns, list(blocks))
+        blocks, messages = _fill_gaps(header, columns, list(blocks))
     for block in blocks:
         rows = slice(size, size + len(block))
         np.multiply(block[:, 0], time_factor, out=time[rows])
@@ -271,7 +271,7 @@ def _read_scaled(
     return time, samples, messages
 
 
-def _opened(
+def _open_table(
     path: Path, names: Iterable[str] = (), stated: Stated | None = None, kind: str = "record"
 ) -> tuple[Header, int, Clock | None]:
     """Open a table: return its header, the index of the time column of some channels, and the parser of clock times, if any.
@@ -331,7 +331,7 @@ def _seconds_since(header: Header, first: str) -> Clock:
     return seconds
 
 
-def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> tuple[list[Array], list[str]]:
+def _fill_gaps(header: Header, columns: Sequence[int], blocks: list[Array]) -> tuple[list[Array], list[str]]:
     """Return the blocks of numbers with straight lines where samples are missing, joined if there are any, and warnings."""
     if all(np.all(np.isfinite(block)) for block in blocks):
         return blocks, []

@@ -89,7 +89,7 @@ def turned(
     size = time.size
     time, measured = without_baseline(time, measured, baseline, highpass)
     if fade is not None:
-        measured *= faded(time, fade)[:, np.newaxis]
+        measured *= fade_factor(time, fade)[:, np.newaxis]
     if kind == RATE:
         _come_to_rest(path, measured)
         rates, gains = measured, np.diff(PiecewiseLinear(time, measured).derivative(time, 1), axis=0)
@@ -164,7 +164,7 @@ def turning_warnings(turning: Turning) -> Iterator[str]:
             )
 
 
-def faded(time: Array, length: float) -> Array:
+def fade_factor(time: Array, length: float) -> Array:
     """Return a factor that rises smoothly from 0 to 1 in a length [s] from the first time and falls so to the last, (n,)."""
     if not 0.0 < 2.0 * length <= time[-1] - time[0]:
         raise ValueError(f"`fade` must be > 0 and at most half the record's {time[-1] - time[0]:.6g} s, got {length!r}.")

@@ -217,7 +217,7 @@ _LINE_ERROR = 0.01  # largest relative error of a line that the samples resolve
 _COARSER = (2, 3)  # spectra of every second and every third sample are compared
 
 
-def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> float:
+def resolved_frequency(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> float:
     """Return the frequency [Hz] up to which the sampling resolves its spectrum within 1 %; 0 where it resolves no line.
 
     Errors of samples, of straight lines between them and of what is faster than they can tell, fall with the square of the rate

@@ -34,7 +34,7 @@ def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int
     fits = []
     for point in product(*axes.values()):
         shape = dict(zip(axes, point, strict=True))
-        values, cost = _completed(unknowns, thin, shape)
+        values, cost = _complete(unknowns, thin, shape)
         if np.isfinite(cost):
             fits.append((cost, values))
     fits.sort(key=lambda pair: pair[0])
@@ -49,7 +49,7 @@ def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int
     return chosen
 
 
-def _completed(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]) -> tuple[dict[str, float], float]:
+def _complete(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]) -> tuple[dict[str, float], float]:
     """Complete nonlinear values, the shape, by the best linear values; return all values and the mean square residual."""
     linear = [c for c in unknowns.free if c.linear]
     multiplied, fixed = [c for c in unknowns.coordinates if c.linear], unknowns.fixed

@@ -93,7 +93,7 @@ def unknown(law, p, i, x, v, z, j, zdot, k):
     return np.nan
 
 
-def chosen(kernels):
+def dispatcher_of(kernels):
     """Make the function that calls the kernel of the law number in its first argument, from kernels by number."""
     rows, choice = list(kernels.items()), unknown
     while rows:  # six to a function: each function that Numba compiles costs what some lines do
@@ -124,7 +124,7 @@ def _choice(kernels, otherwise):
 
 
 # The laws with one state whose rate is a slope for v > 0 and another for v < 0, times v.
-smoothable = chosen({law.kernel: kernel for law, kernel in REGISTERED if law.smoothable})
+smoothable = dispatcher_of({law.kernel: kernel for law, kernel in REGISTERED if law.smoothable})
 
 
 @njit
@@ -203,7 +203,7 @@ def common(law, p, i, x, v, z, j, zdot, k):
 
 
 # The laws that few mounts have: inlined, they would slow down the others.
-evaluate_rarer = chosen(
+evaluate_rarer = dispatcher_of(
     {law.kernel: kernel for law, kernel in REGISTERED if law.kernel > KELVIN_VOIGT}
     | {SMOOTHED: smoothed, ON_BRACKET: on_bracket, OWN: called}
 )

@@ -108,7 +108,7 @@ def level_cubics(knots: Sequence[float], values: Sequence[float] | Array, scale:
     )
 
 
-def held(x: Array, curve: "scipy.interpolate.PPoly") -> Array:
+def clip_to_curve(x: Array, curve: "scipy.interpolate.PPoly") -> Array:
     """Return deflections clipped to the range of a curve."""
     return np.clip(x, curve.x[0], curve.x[-1])
 
@@ -119,7 +119,7 @@ def packed(curve: "scipy.interpolate.PPoly", fraction: "scipy.interpolate.PPoly"
     rows = np.zeros((knots.size + 1, 8))
     factorials = (1.0, 1.0, 2.0, 6.0)
     for first, poly in ((0, curve), (4, fraction)):
-        at = held(knots, poly)
+        at = clip_to_curve(knots, poly)
         for power in range(4):
             rows[1:, first + power] = poly(at, power) / factorials[power]
     # Outside both are what they are at their ends; M goes straight on.

@@ -14,7 +14,7 @@ from wirerope_mj.foundation.structure import In, bounds
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
-from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed
+from wirerope_mj.mounts.laws.table_kernels import clip_to_curve, cycle_area, level_cubics, monotone, packed
 
 TABULATED = 12
 IN_LENGTH, IN_FORCE = In(LENGTH_UNITS, bare=True), In(FORCE_UNITS, bare=True)  # what its keys in a file may end with
@@ -157,7 +157,7 @@ class Tabulated(AsCall, Law):
             mean = self._mirrored(np.array(self.force), odd=True)
             if self.curve == "virgin" and z_max > 0.0:
                 built_up = np.expm1(-np.abs(x) / self.yield_deflection)
-                mean = mean + z_max * fraction(held(x, fraction)) * np.sign(x) * built_up
+                mean = mean + z_max * fraction(clip_to_curve(x, fraction)) * np.sign(x) * built_up
         curve = monotone(x, mean)
         if not self.symmetric:
             curve.c[-1] -= curve(0.0)
@@ -199,7 +199,7 @@ class Tabulated(AsCall, Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, M'(0) + g(0) z_max / x_y [N/m]."""
         curve, fraction, z_max = self._curves
-        share = float(fraction(held(np.zeros(1), fraction))[0])
+        share = float(fraction(clip_to_curve(np.zeros(1), fraction))[0])
         return float(curve(0.0, 1)) + (share * z_max / self.yield_deflection if z_max > 0.0 else 0.0)
 
     @property

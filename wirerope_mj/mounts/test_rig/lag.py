@@ -68,14 +68,14 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
         else:
             runs[-1].append(index)
     lags = []
-    for reversals in (_located(trace, run) for run in runs if len(run) >= _TURNS):
+    for reversals in (_locate(trace, run) for run in runs if len(run) >= _TURNS):
         samples = reversals.period * (time.size - 1) / float(np.ptp(time))
         widths = [width for width in _WIDTHS if width * samples >= _FEWEST] or [_FEWEST / samples]
         fits: list[tuple[float, int, float, float]] = []
         begin = 0.0
         for width in reversed(widths):  # a narrow window has to begin near the turn that it looks for
             for degrees in reversed(_DEGREES):
-                if (fit := _fitted(reversals, time, force, width * reversals.period, degrees, begin)) is not None:
+                if (fit := _fit_lag(reversals, time, force, width * reversals.period, degrees, begin)) is not None:
                     fits.append((width, sum(degrees), *fit))
                     begin = fit[0]
         best: Lag | None = None  # by the window and the degrees that noise and bend together disturb least
@@ -97,7 +97,7 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
     return Lag(delay=mean, error=error, period=lags[int(np.argmax(weights))].period)
 
 
-def _located(trace: Trace, run: Sequence[int]) -> _Reversals:
+def _locate(trace: Trace, run: Sequence[int]) -> _Reversals:
     """Locate the reversals of a run: minima and maxima of deflection, and the shape that both sides share."""
     period = 2.0 * float(np.median(np.diff(trace.times[run[0] - 1 : run[-1] + 2])))
     width = _SHAPE * period
@@ -134,7 +134,7 @@ def _located(trace: Trace, run: Sequence[int]) -> _Reversals:
     )  # fmt: skip
 
 
-def _fitted(
+def _fit_lag(
     reversals: _Reversals, time: Array, force: Array, width: float, degrees: tuple[int, int], begin: float
 ) -> tuple[float, float] | None:
     """Fit the lag of one window and its standard error, searched from `begin` on; None where no lag fits best."""

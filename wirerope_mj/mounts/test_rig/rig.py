@@ -125,15 +125,15 @@ def measured(
     rng = np.random.default_rng(seed)
     return [
         Loop.from_samples(
-            _acquired(loop.deflection, points_per_cycle, deflection_noise, deflection_resolution, rng),
-            _acquired(loop.force, points_per_cycle, force_noise, force_resolution, rng),
+            _record_channel(loop.deflection, points_per_cycle, deflection_noise, deflection_resolution, rng),
+            _record_channel(loop.force, points_per_cycle, force_noise, force_resolution, rng),
             cycles=loop.cycles,
         )
         for loop in loops
     ]
 
 
-def _acquired(signal: Array, points: int, noise: float, resolution: float, rng: np.random.Generator) -> Array:
+def _record_channel(signal: Array, points: int, noise: float, resolution: float, rng: np.random.Generator) -> Array:
     """Record one channel of a cycle, (points + 1,)."""
     intervals = signal.size - 1
     # Products of integers first: an instant that is the loop's own is then hit exactly.

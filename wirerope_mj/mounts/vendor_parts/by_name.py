@@ -32,7 +32,7 @@ def load_isolator(path: str | Path | VendorPart, *, beside: str | Path | None = 
     if isinstance(file, VendorPart):
         shipped = shipped_file(file)
         if shipped is None:
-            return _fitted(file.name) if file in vendor_parts() else _fit(file)
+            return _fitted_isolator(file.name) if file in vendor_parts() else _fit(file)
         file = catalogue_folder() / f"{shipped}.toml"
     return _read(Path(file))
 
@@ -99,7 +99,7 @@ def shipped_file(part: VendorPart) -> str | None:
 
 
 @cache
-def _fitted(name: str) -> Isolator:
+def _fitted_isolator(name: str) -> Isolator:
     """Read the stored fit of a vendor's part, or fit it; cached, since a fit takes half a second."""
     fit = catalogue_folder() / "vendors" / "fitted" / f"{name}.toml"
     return _read(fit) if isfile(fit) else _fit(next(part for part in vendor_parts() if part.name == name))

@@ -11,8 +11,8 @@ from wirerope_mj.engine.control.install import state_of
 from wirerope_mj.engine.kernel.equations import Equations, equations
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.engine.simulation.engines import unsupported_system
-from wirerope_mj.engine.simulation.grid import joined, time_grid
-from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving
+from wirerope_mj.engine.simulation.grid import merge_instants, time_grid
+from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving_indices
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.simulate import MOST_STEPS, checked_corners
 from wirerope_mj.engine.simulation.stability import stable_step, variant_rates
@@ -147,7 +147,7 @@ def _step(work: Work, ready: _Ready, sink: Sink | None = None, threads: int = 1)
     system, motions = work.system, ready.motions
     grid = time_grid(
         start=0.0, duration=work.duration, sample_rate=work.sample_rate, timestep=work.timestep, motion=motions[0],
-        corners=joined(checked_corners(work.corners), *{id(motion): motion.corners for motion in motions}.values()),
+        corners=merge_instants(checked_corners(work.corners), *{id(motion): motion.corners for motion in motions}.values()),
     )  # fmt: skip
     shared = equations(system)
     done = go_in_lanes(
@@ -166,7 +166,7 @@ def _step(work: Work, ready: _Ready, sink: Sink | None = None, threads: int = 1)
 def _start_states(work: Work, variants: Variants) -> tuple[Array, Array | None, Booleans]:
     """Return qpos, qvel and act at the start, the mounts' forces if that is an equilibrium, and whether it was found, (n,)."""
     system, n = work.system, len(variants.indices)
-    unloaded, where = _unloaded(system), moving(system)
+    unloaded, where = _unloaded(system), moving_indices(system)
     forces, valid = None, np.ones(n, dtype=bool)
     if work.initial in HISTORIES:
         rests = equilibrium_solver(system).solve(variants.numbers, HISTORIES[work.initial])

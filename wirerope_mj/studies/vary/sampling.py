@@ -83,11 +83,11 @@ def values_at(quantity: Quantity, points: Array) -> list[AnyArray]:
     for isolator in quantity.isolators:
         size = len(isolator.spread.parameters) if isolator.spread else 0
         normals = scipy.special.ndtri(np.clip(points[:, len(values) : len(values) + size], SMALLEST, LARGEST))
-        values += list(sampled(isolator, normals).T)
+        values += list(sample_parameters(isolator, normals).T)
     return values
 
 
-def sampled(isolator: Isolator, normals: Array) -> Array:
+def sample_parameters(isolator: Isolator, normals: Array) -> Array:
     """Draw specimens' parameters from an isolator's spread, (n, n_parameters), by as many standard normals."""
     mean, root = _joint(isolator)
     # Sums in one order, so that a value has the same bits however many variants there are, and those of its twin.
@@ -282,7 +282,7 @@ def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> I
             raise ValueError(f"`specimens` must be given: the [spread] of {isolator.name!r} does not say how many there were.")
     specimens = integer("specimens", specimens, least=2)
     normals = np.random.default_rng(seed).standard_normal((specimens, len(isolator.spread.parameters)))
-    values = sampled(isolator, normals)
+    values = sample_parameters(isolator, normals)
     laws: dict[str, dict[str, float]] = {}
     for name, value in zip(isolator.spread.parameters, values.mean(axis=0), strict=True):
         axis, _, key = name.partition(".")
