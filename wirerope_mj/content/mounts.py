@@ -19,7 +19,7 @@ from wirerope_mj.content.events import events_of
 from wirerope_mj.content.histories import Line, contact_panels, history_panel, used_panel
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed
-from wirerope_mj.content.selection import MOST, Selection, kind_of
+from wirerope_mj.content.selection import MOST_CURVES, Selection, kind_of
 from wirerope_mj.content.verdicts import TONE, used_mark
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
@@ -77,9 +77,9 @@ def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
     rows, selection = mount_peaks(run.response), run.selection
     if not rows:
         return
-    names = [used.subject for used in selection.used if used.subject in selection.mounts][:MOST]
+    names = [used.subject for used in selection.used if used.subject in selection.mounts][:MOST_CURVES]
     order = "that use most of their limits" if names else "in the order of the model"
-    names = names or [row.name for row in rows[:MOST]]
+    names = names or [row.name for row in rows[:MOST_CURVES]]
     if selection.used:
         yield Chart(
             id="used", rows=[[replace(used_panel(run.response, selection), title="", xlabel="time [s]")]], height=190.0,
@@ -100,7 +100,7 @@ def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def _histories_chart(quantity: str, response: Response, names: Sequence[str], selection: Selection, order: str) -> Chart:
-    lines = [Line(response=response, subject=name, name=name, kind=kind_of(selection, name)) for name in names[:MOST]]
+    lines = [Line(response=response, subject=name, name=name, kind=kind_of(selection, name)) for name in names[:MOST_CURVES]]
     return replace(
         stacked([history_panel(quantity, axis, lines, selection.window) for axis in AXES]),
         id=f"{quantity}s",

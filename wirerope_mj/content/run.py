@@ -35,7 +35,7 @@ from wirerope_mj.content.mounts import contact_blocks, contact_history_blocks, m
 from wirerope_mj.content.numbers import listed, number, paragraphs, several, with_unit
 from wirerope_mj.content.random_vibration import random_blocks
 from wirerope_mj.content.required_spectra import required_spectrum_blocks
-from wirerope_mj.content.selection import MOST, kind_of, worst_names
+from wirerope_mj.content.selection import MOST_CURVES, kind_of, worst_names
 from wirerope_mj.content.spectrum_charts import spectra_blocks, sweep_chart
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import (
@@ -265,7 +265,7 @@ def _payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
 def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
     base = base_acceleration(run.response, run.motion)
     lines = []
-    for name in names[:MOST]:
+    for name in names[:MOST_CURVES]:
         part = subject_called(run.response, name)
         lines.append(Line(response=run.response, subject=part, name=name, kind=kind_of(run.selection, name)))
     lines.append(Line(response=run.response, subject=THE_BASE, name="base", kind=BASE, history=base))

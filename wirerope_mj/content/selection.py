@@ -19,7 +19,7 @@ from wirerope_mj.mounts.isolator.travel import SIDES
 MOST_LOOPS = 6  # loops of the governing axis with a view of their own: two rows of three can be read
 MOST_OTHER_LOOPS = 3  # loops of each other axis; each costs some 40 kilobytes of the file
 NAMED = 3  # lines of a graph with colours and names; the others are grey
-MOST = 3  # curves of bodies or mounts in one panel of a page: more cannot be distinguished
+MOST_CURVES = 3  # curves of bodies or mounts in one panel of a page: more cannot be distinguished
 QUANTITIES = ("deflection", "force")  # Of mounts, as `MountResponse` calls them
 COLOURS = 6  # runs, cases or levels of a chart that can be distinguished
 _SETTLED = 0.1  # fraction of the largest swing within which deflections stay when the event is over
@@ -181,4 +181,4 @@ def worst_names(response: Response) -> list[str]:
         if row.kind != "base" and not alike:
             names.append(row.name)
             peaks.append(size)
-    return names[:MOST]
+    return names[:MOST_CURVES]

@@ -95,11 +95,11 @@ def _verdict(summary: StudySummary) -> Statement:
     """State in how many variants a limit is exceeded, and which variants and limits are not judged."""
     if not summary.beyond or not (summary.stated or any(measured.beyond for measured in summary.statistics)):
         return Statement("headline", "Not judged: no limit is stated", tone="unjudged")
-    most, ratio = any_exceeded([summary]), summary.ratio_beyond
-    rest = uncounted = not_counted(most)
-    if not most.judged:
+    over, ratio = any_exceeded([summary]), summary.ratio_beyond
+    rest = uncounted = not_counted(over)
+    if not over.judged:
         return Statement("headline", f"Not judged{rest}", tone="unjudged")
-    values: dict[str, float | None] = {"beyond": float(most.count), "of": float(most.n), "ratio": ratio}
+    values: dict[str, float | None] = {"beyond": float(over.count), "of": float(over.n), "ratio": ratio}
     limits, table, motions = limits_of(summary.stated), summary.result.independent, summary.result.study.motions
     if critical := most_critical(table, limits):
         name, values["used"] = critical
@@ -111,14 +111,14 @@ def _verdict(summary: StudySummary) -> Statement:
         accelerations = (values_of(table, name) for name in known_measures(table, ("acceleration", ALL)))
         text = amplified(max(float(np.nanmax(peaks, initial=0.0)) for peaks in accelerations), motions[0])
         rest += f"; {text}" if text else ""
-    if most.count:
+    if over.count:
         of_all = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
-        text, tone = f"A limit is exceeded in {most.count} of {most.n} variants{of_all}{rest}", "exceeded"
-    elif most.failed:
-        kept = f"{most.judged} {'is' if most.judged == 1 else 'are'} within the limits{not_counted(replace(most, failed=0))}"
-        text, tone = f"{most.failed} of {most.n + most.failed} variants could not be simulated, {kept}", "unjudged"
+        text, tone = f"A limit is exceeded in {over.count} of {over.n} variants{of_all}{rest}", "exceeded"
+    elif over.failed:
+        kept = f"{over.judged} {'is' if over.judged == 1 else 'are'} within the limits{not_counted(replace(over, failed=0))}"
+        text, tone = f"{over.failed} of {over.n + over.failed} variants could not be simulated, {kept}", "unjudged"
     else:
-        text = f"Within the limits{scope} in all {most.judged} variants{rest}"
+        text = f"Within the limits{scope} in all {over.judged} variants{rest}"
         tone = "unjudged" if uncounted or missing else "within"
     return Statement("headline", text, tone=tone, values=values)
 
@@ -320,19 +320,19 @@ def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary
 def _job_headline(cases: Mapping[str, StudySummary]) -> Statement:
     """State in how many variants a limit of any load case is exceeded, and what is not judged."""
     studies = list(cases.values())
-    most, sampled, (limits, missing) = any_exceeded(studies), studies[0].result.is_sampled, payload_scope(studies)
-    rest = not_counted(most)
-    if not most.judged:
+    over, sampled, (limits, missing) = any_exceeded(studies), studies[0].result.is_sampled, payload_scope(studies)
+    rest = not_counted(over)
+    if not over.judged:
         return Statement("headline", f"Not judged{rest}", tone="unjudged")
-    values, estimate = {"beyond": float(most.count), "of": float(most.n)}, ""
+    values, estimate = {"beyond": float(over.count), "of": float(over.n)}, ""
     if sampled:
-        values |= {"probability": most.ratio, "low": most.low, "high": most.high, "confidence": CONFIDENCE}
-        estimate = f" ({percent(most.ratio)}; {percent(most.low)} to {percent(most.high)} at {percent(CONFIDENCE)} confidence)"
-    if most.count:
+        values |= {"probability": over.ratio, "low": over.low, "high": over.high, "confidence": CONFIDENCE}
+        estimate = f" ({percent(over.ratio)}; {percent(over.low)} to {percent(over.high)} at {percent(CONFIDENCE)} confidence)"
+    if over.count:
         worst_case = max(cases, key=lambda name: any_exceeded([cases[name]]).count)
-        text = f"A limit of a load case is exceeded in {most.count} of {most.n} variants{estimate}, most often in {worst_case}"
+        text = f"A limit of a load case is exceeded in {over.count} of {over.n} variants{estimate}, most often in {worst_case}"
         return Statement("headline", f"{text}{rest}{missing}", tone="exceeded", values=values)
-    text = f"Within the limits{limits} in {several(len(cases), 'load case')} and all {most.judged} variants"
+    text = f"Within the limits{limits} in {several(len(cases), 'load case')} and all {over.judged} variants"
     tone = "unjudged" if rest or missing else "within"
     return Statement("headline", f"{text}{estimate}{rest}{missing}", tone=tone, values=values)
 

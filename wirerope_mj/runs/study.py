@@ -185,14 +185,14 @@ def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution],
     return content
 
 
-MOST = 6  # Variants in one comparison: more cannot be distinguished
+MOST_OPENED = 6  # Variants in one comparison: more cannot be distinguished
 _ROWS = 12  # of a table in the viewer
 
 
 def checked_count(count: int) -> int:
     """Return the number of worst variants to be written; ValueError if it is out of range."""
-    if not 0 <= count <= MOST:
-        raise ValueError(f"`--open-worst` must be from 0 to {MOST}, got {count}: each becomes a run of its own.")
+    if not 0 <= count <= MOST_OPENED:
+        raise ValueError(f"`--open-worst` must be from 0 to {MOST_OPENED}, got {count}: each becomes a run of its own.")
     return count
 
 

@@ -292,11 +292,11 @@ def _judge_step(system: System, sweep: FrequencySweep, direction: Direction) -> 
     """Warn of a given step that is too long for friction at the frequency at which it yields most."""
     travel = np.stack([mount.maximum - mount.minimum for mount in sweep.mounts.values()], axis=1)
     decays = sweep.timestep * math.pi * sweep.frequency * (yield_rates(system) * travel).max(axis=(1, 2))
-    most = int(np.argmax(decays))
-    frequency = float(sweep.frequency[most])
-    sine = Sine(frequency=frequency, acceleration=float(sweep.base_amplitude[most]), direction=direction)
+    cycle = int(np.argmax(decays))
+    frequency = float(sweep.frequency[cycle])
+    sine = Sine(frequency=frequency, acceleration=float(sweep.base_amplitude[cycle]), direction=direction)
     error = error_of_given(
-        system, sine, at_start(system, sine, sweep.initial_state), decay=float(decays[most]), timestep=sweep.timestep,
+        system, sine, at_start(system, sine, sweep.initial_state), decay=float(decays[cycle]), timestep=sweep.timestep,
         duration=PILOT, sample_rate=SAMPLES_PER_CYCLE * frequency,
     )  # fmt: skip
     warn_of_given_step(sweep.timestep, error, stacklevel=4)

@@ -74,8 +74,8 @@ def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
     """
     travel = np.array([mount.deflection.maximum - mount.deflection.minimum for mount in peaks.mounts.values()])
     moving = [name for name in system.payloads if name in peaks.bodies]  # one may be fixed, to drive the base
-    most = max((peaks.bodies[name].acceleration.value for name in moving), default=0.0)
-    return step * float((_own_yield_rates(system) * np.sqrt(most * travel.reshape(-1, 3))).max(initial=0.0))
+    acceleration = max((peaks.bodies[name].acceleration.value for name in moving), default=0.0)
+    return step * float((_own_yield_rates(system) * np.sqrt(acceleration * travel.reshape(-1, 3))).max(initial=0.0))
 
 
 _own_yield_rates = once_per_system(yield_rates)

@@ -59,7 +59,7 @@ class EquilibriumSolver:
         scale = max(gravity, 1.0)
         self._settings = np.array([
             loading.TOLERANCE * scale, ACCEPTED * scale, loading.DIFFERENCE, loading.LONGEST, loading.SLOW, loading.ITERATIONS,
-            loading.HALVINGS, loading.most_positions(self._free.size),
+            loading.HALVINGS, loading.position_limit(self._free.size),
         ])  # fmt: skip
         assert self._settings.size == SETTINGS
         # Without gravity all steps are one.

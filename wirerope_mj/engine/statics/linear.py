@@ -134,11 +134,11 @@ def soft_equalities(system: System) -> tuple[str, ...]:
         if not rigid.size or not soft.size:
             continue
         moved = soft[np.argmax((shapes.T @ linear.mass @ soft_shapes) ** 2, axis=1)]  # each in the shape most like it
-        most = int(np.argmax(np.abs(np.log(moved / rigid))))
-        if abs(moved[most] / rigid[most] - 1.0) > GIVES_WAY:
+        mode = int(np.argmax(np.abs(np.log(moved / rigid))))
+        if abs(moved[mode] / rigid[mode] - 1.0) > GIVES_WAY:
             sentences.append(
                 f"{equality_name(system.model, number)} is rigid in modes and statics, and gives way in a simulation: the "
-                f'natural frequency of {rigid[most]:.4g} Hz is {moved[most]:.4g} Hz there. Write solimp="0.9999 0.9999" into '
+                f'natural frequency of {rigid[mode]:.4g} Hz is {moved[mode]:.4g} Hz there. Write solimp="0.9999 0.9999" into '
                 "it, or make one body of what it joins."
             )
     return tuple(sentences)

@@ -28,7 +28,7 @@ TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders 
 ACCEPTED = 1e-8
 # positions that are tried before a search is given up, and more for each coordinate: twenty times what the shipped models take,
 # seconds of computing; a Jacobian takes two of each coordinate, and every load step may need some
-MOST, OF_A_COORDINATE = 3_000, 300
+MOST_POSITIONS, POSITIONS_PER_COORDINATE = 3_000, 300
 # step of a fall over the shortest time in which anything swings, and number of steps: the slowest sink by then, too
 FALL, FALLING = 0.5, 2000
 FARTHEST = 10.0  # deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
@@ -46,9 +46,9 @@ INDIFFERENT = 1e-10
 WITHOUT_SENSORS = 1
 
 
-def most_positions(coordinates: int) -> int:
+def position_limit(coordinates: int) -> int:
     """Return the number of positions after which a search over so many coordinates is given up."""
-    return MOST + OF_A_COORDINATE * coordinates
+    return MOST_POSITIONS + POSITIONS_PER_COORDINATE * coordinates
 
 
 def largest(values: Array) -> float:
@@ -114,7 +114,7 @@ class Loading:
         self.model = system.model.__copy__() if self.gravity.any() else system.model
         self.free = np.delete(np.arange(self.model.nv), system.assembly.driven_dofs)
         self.path = SlowPath(system) if history == "virgin" else None
-        self.tried, self.most = 0, most_positions(self.free.size)
+        self.tried, self.position_limit = 0, position_limit(self.free.size)
         self.inverse: Array | None = None  # of the Jacobian, which serves the next root too
 
     def solve(self) -> Equilibrium:
@@ -135,7 +135,7 @@ class Loading:
                     self.inverse = None
                     trial, residual = self._root(self._fall(qpos), TOLERANCE * scale)
                     carried = residual <= ACCEPTED * scale
-                if self.tried > self.most and not (carried and trial_load == 1.0):
+                if self.tried > self.position_limit and not (carried and trial_load == 1.0):
                     raise ConvergenceError(
                         f"the search for the equilibrium was ended after {self.tried} trial positions, with {100 * load:.3g} % "
                         f"of the weight in equilibrium and body {self._fastest(trial)!r} accelerating by {residual:.3g} m/s^2: "

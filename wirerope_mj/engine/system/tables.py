@@ -18,7 +18,7 @@ from wirerope_mj.mounts.laws.plane_kernels import WITH_ANOTHER
 from wirerope_mj.mounts.laws.registry import MASING, PARALLEL, STOP
 from wirerope_mj.mounts.laws.stop_kernels import LOSS
 
-MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
+MOST_CONTACTS = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
 # inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
 DRIVE_ARMATURE = 1e10
 # the same of a base that rotates [kg, kg m^2]: the inertia of what turns with it, say 1e4 kg m^2, couples its slides and
@@ -28,16 +28,16 @@ TURNS = ("base/roll", "base/pitch", "base/yaw")  # names of the hinges by which 
 
 
 def contact_capacity(model: mujoco.MjModel) -> int:
-    """Return the size of the memory of contacts: the declared pairs, and up to `MOST` others."""
+    """Return the size of the memory of contacts: the declared pairs, and up to `MOST_CONTACTS` others."""
     if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT:
         return 0
     if model.nflex:
-        return int(model.npair) + MOST
+        return int(model.npair) + MOST_CONTACTS
     # pairs of geoms that MuJoCo may let touch by their contact types, those declared as `pair` besides
     meet = (model.geom_contype[:, np.newaxis] & model.geom_conaffinity) != 0
     bodies = model.body_weldid[model.geom_bodyid]
     meet = (meet | meet.T) & (bodies[:, np.newaxis] != bodies)
-    return int(model.npair) + min(int(np.count_nonzero(np.triu(meet, 1))), MOST)
+    return int(model.npair) + min(int(np.count_nonzero(np.triu(meet, 1))), MOST_CONTACTS)
 
 
 def declared_pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:

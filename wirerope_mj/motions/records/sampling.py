@@ -144,9 +144,9 @@ def filtered(samples: Array, up: int, down: int) -> Array:
     """Return samples (n, k) at up / down of their rate by the filter of `resample_record`; the first keeps its instant."""
     from scipy.signal import firwin, kaiserord, resample_poly
 
-    most = max(up, down)
-    taps, beta = kaiserord(_STOP_DB, (1.0 - _PASS) / most)
-    window = firwin(taps | 1, (1.0 + _PASS) / 2.0 / most, window=("kaiser", beta))
+    factor = max(up, down)
+    taps, beta = kaiserord(_STOP_DB, (1.0 - _PASS) / factor)
+    window = firwin(taps | 1, (1.0 + _PASS) / 2.0 / factor, window=("kaiser", beta))
     # As far as the filter reaches beyond the ends, in whole samples of both rates; of those the results are left out.
     blocks = -(-(taps // 2 + 1) // (up * down))
     first, count = blocks * up, -(-len(samples) * up // down)

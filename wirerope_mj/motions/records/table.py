@@ -245,16 +245,16 @@ def _read_scaled(
     time_factor = header.factor(columns[0], TIME_UNITS) if clock is None else 1.0
     blocks: Iterable[Array]
     if isinstance(content, np.ndarray):
-        most, blocks = len(content), [content[:, columns]]
+        capacity, blocks = len(content), [content[:, columns]]
         usable = np.abs(blocks[0]) <= LARGEST
         usable[:, 1:] |= np.isnan(blocks[0][:, 1:]) & fill
         if not usable.all():
             raise_for_bad_line(header, columns, missing=fill)
     else:
         # memory that is not written to costs nothing: a long record stands in memory once
-        most = row_bound(path) if content is None else len(content)
+        capacity = row_bound(path) if content is None else len(content)
         blocks = read_blocks(header, columns, clock, missing=fill)
-    time, samples, size = np.empty(most), np.empty((most, matrix.shape[1])), 0
+    time, samples, size = np.empty(capacity), np.empty((capacity, matrix.shape[1])), 0
     messages: list[str] = []
     if fill:
         blocks, messages = _fill_gaps(header, columns, list(blocks))

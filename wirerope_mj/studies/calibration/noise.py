@@ -19,8 +19,8 @@ from wirerope_mj.motions.spectra.srs import shock_response_spectrum
 
 # Noise and discrepancy from which the first fit starts, over the rms and the local size of a series
 WHITE, DISCREPANT = 0.05, 0.1
-LEAST = 1e-4  # least noise over a series' rms: less is rounding and the error of the simulation
-MOST = 2.0  # largest discrepancy over the local size: a model that far off explains nothing
+LEAST_SIZE = 1e-4  # least noise over a series' rms: less is rounding and the error of the simulation
+LARGEST_SIZE = 2.0  # largest discrepancy over the local size: a model that far off explains nothing
 POWERS = (0.0, 1.5)  # of the local size, with which a discrepancy may grow
 
 
@@ -143,7 +143,7 @@ def estimate_noise(
 def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, from_others: Information) -> Noise:
     """Return the most likely noise of one series, given the information of the others."""
     low, high = series.lengths
-    ends = np.log([(LEAST * series.rms, 10.0 * series.rms), (LEAST, MOST), (low, high)])
+    ends = np.log([(LEAST_SIZE * series.rms, 10.0 * series.rms), (LEAST_SIZE, LARGEST_SIZE), (low, high)])
     bounds = np.vstack([ends, POWERS])
 
     def noise_of(x: Array) -> Noise:
