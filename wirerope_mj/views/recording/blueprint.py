@@ -180,7 +180,7 @@ def _overview(drawn: Drawn) -> rrb.Container:
 
 
 _LANES, _LANE = 52.0, 37.0  # Heights of title and axis of the lanes, and of a lane [points]
-_SPECTRA = 0.46  # of the height above the lanes, for the panel over frequency
+_SPECTRA = 0.42  # of the height above the lanes, for the panel over frequency
 
 
 def _view(drawn: Drawn, key: tuple[str, ...], size: tuple[float, float]) -> rrb.View:

@@ -199,14 +199,14 @@ def _log_lane(
 
 
 ROOT = "frequencies"
-WIDTH = 370.0  # Width of the frame, so that it fills its pane
+WIDTH = 430.0  # Width of the frame, so that it fills its pane
 _MOST_TICKS = 9  # numbers of a logarithmic axis upwards; of more only powers of ten
 _LIFT = 4.5  # as `frame.LARGE`, for a wide view
 _DASH = 5  # intervals of a curve in a dash, and in the gap behind it
 _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
 # Where the first text stands, how far the next is below it, in the view's units.
-_LEGEND, _LINE = (WIDTH + 62.0, 8.0), 10.5
-_LEGEND_WIDTH = 126.0  # width of the legend
+_LEGEND, _LINE = (WIDTH + 76.0, 8.0), 11.5
+_LEGEND_WIDTH = 150.0  # width of the legend
 
 
 def log_over_frequency(rec: Stream, run: RunResult, panel: Panel) -> None:
