@@ -30,7 +30,7 @@ Shock = Pulse | VelocityStep
 
 @dataclass(frozen=True, kw_only=True)
 class Worksheet:
-    """Requirements on the mounts of a payload; all stand alike, below a central centre of mass.
+    """Requirements on the mounts of a payload, which share the weight equally below a central centre of mass.
 
     A pulse counts by its velocity change V alone. That is right within a few per cent while (natural frequency x length of the
     pulse) < 0.25; above it the worksheet is on the safe side: no pulse of one sign moves a linear undamped mass more than a

@@ -135,7 +135,7 @@ def _axis_panels(
 
 
 def _rotation_blocks(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Iterator[Block]:
-    """Yield the base's roll, pitch and yaw, with their extremes and those of its angular velocity and acceleration."""
+    """Yield the base's roll, pitch and yaw, its angular velocity and acceleration, with their extremes."""
     angles = motion.angular_displacement(response.time)
     spin, turning = motion.angular_velocity(response.time), motion.angular_acceleration(response.time)
     turned = [axis for axis in range(3) if np.abs(angles[:, axis]).max(initial=0.0) > 0.0]

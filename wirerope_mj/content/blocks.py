@@ -152,7 +152,7 @@ class Revision:
 
 @dataclass(frozen=True, kw_only=True)
 class Document:
-    """Data of a document; what is empty is left open in its title block."""
+    """Data of a document; empty fields are left open in its title block."""
 
     # project, number, revision, date: by which it is filed
     project: Annotated[str, example("F130 refit")] = ""

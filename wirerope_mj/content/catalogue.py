@@ -89,7 +89,7 @@ def fitted_table(compared: Sequence[ComparedValue]) -> Table:
 
 
 def short_fit_content(fit: ShortFit) -> Content:
-    """Say what the isolator of a data sheet of few figures does, with the bands of what the sheet leaves open."""
+    """Describe the isolator of a data sheet of few figures, with the bands of the figures that the sheet leaves open."""
     rows = [(row.axis, row.name, row.unit, row.fitted, low, high) for row, low, high in fit.bands()]
     columns = [
         *left("axis", "value", "unit"),

@@ -64,7 +64,7 @@ def agreement(test: Correlation) -> Statement:
 
 
 def _clock_text(test: Correlation) -> str:
-    """Describe the compared interval and how the clock of a test was aligned with that of the run."""
+    """Describe the compared interval and how the clock of a test was aligned with the run's."""
     channel = test.channels[0]
     first, last = channel.pair.time[[0, -1]].round(4) + 0.0
     compared = f"compared from {first:g} to {last:g} s at {channel.pair.rate:.5g} Hz"

@@ -1,4 +1,4 @@
-"""Cyclic tests of an isolator or a law: measures of its loops, the loops as charts, and which law describes measured ones."""
+"""Cyclic tests of an isolator or a law: measures of its loops, the loops as charts, and the law that fits measured loops."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

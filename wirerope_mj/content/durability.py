@@ -26,7 +26,7 @@ def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows
 
 
 def equivalent_content(vibration: EquivalentVibration) -> Content:
-    """Compose the content of a random vibration whose damage equals that of a history."""
+    """Compose the content of a random vibration of the same damage as a history."""
     (least_at, least), (most_at, most) = vibration.extremes
     rise, fall = vibration.ramps
     played = (

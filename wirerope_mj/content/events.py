@@ -96,7 +96,7 @@ def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
 
 
 def _limit_events(response: Response, verdict: Verdict, *, main: bool) -> Iterator[Event]:
-    """Yield the instants at which a utilisation passes 80 % and, if exceeded, 100 %, and that of its maximum."""
+    """Yield the instants at which a utilisation passes 80 % and, if exceeded, 100 %, and the instant of its maximum."""
     if verdict.time is None:
         return
     course, over = utilisation_over_time(response, verdict), verdict.verdict == EXCEEDED

@@ -218,7 +218,7 @@ def _extreme(peak: Peak, along: str) -> tuple[float, float]:
 
 
 def _peak_changes(curves: Sequence[Curve]) -> str:
-    """Describe the changes of the peaks against that of the first curve; "" without other peaks."""
+    """Describe the changes of the peaks against the first curve's; "" without other peaks."""
     first, *others = [(curve.name, abs(curve.peak[1])) for curve in curves if curve.peak is not None] or [("", 0.0)]
     if not first[1] or not others:
         return ""

@@ -168,7 +168,7 @@ def judged_run(system: System, motion: BaseMotion, response: Response, inputs: E
 
 
 def _with_rms_amplification(verdicts: Sequence[Verdict], random: Sequence[Verdict], response: Response) -> tuple[Verdict, ...]:
-    """Set the amplification of accelerations under random vibration to that of their rms values."""
+    """Set the amplification of accelerations under random vibration to the ratio of rms values."""
     if not random:
         return tuple(verdicts)
     rms, largest = _base_rms(response), dict[str, Amplification]()

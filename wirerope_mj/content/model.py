@@ -61,7 +61,7 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 
 def model_facts(system: System) -> dict[str, str]:
-    """Say what a model holds, as texts by what they are of: isolators of mounts, where these stand, laws, masses.
+    """Describe a model in texts by subject: isolators and positions of mounts, laws, masses.
 
     Two models that differ in a file differ in one of these, or in nothing that moves.
     """

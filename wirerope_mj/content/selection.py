@@ -143,7 +143,7 @@ def travel_limits(mount: SceneMount, axis: str) -> tuple[float, float]:
 
 
 def kind_of(selection: Selection, name: str) -> str:
-    """Find the kind of curves of a mount, body or point; that of its most critical ones if it has none of its own."""
+    """Find the kind of curves of a mount, body or point; without one, the kind of its most critical curves."""
     return selection.kinds.get(name, MOUNTS[0] if name in selection.mounts else PAYLOADS[0])
 
 

@@ -123,7 +123,7 @@ def densities_chart(run: JudgedRun) -> Chart:
 
 
 def rms_along(run: JudgedRun, name: str, axis: str) -> float:
-    """Find the rms acceleration along an axis [m/s^2]: the judged value, or that of the density."""
+    """Find the rms acceleration along an axis [m/s^2]: the judged value, or the density's."""
     if name == THE_BASE:
         return float(run.base_rms["xyz".index(axis)])
     verdicts, criterion = () if isinstance(run.random, Absent) else run.random, Criterion(RMS, axis=axis)

@@ -97,7 +97,7 @@ def bars_table(heading: str, rows: Iterable[tuple[str, str, float | None, str]],
 
 
 def open_statement(verdicts: Iterable[Verdict]) -> Statement | None:
-    """Count the values that are not judged by what they are of; None if all are judged."""
+    """Count the values that are not judged by quantity; None if all are judged."""
     rows = dict.fromkeys((row.criterion, row.subject) for row in verdicts if row.verdict == NOT_JUDGED and not row.contact)
     counts = Counter(str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)) for row, _ in rows)
     subjects = {str(row) if row.kind == TRAVEL else criterion_text(Criterion(row.kind)): subject for row, subject in rows}

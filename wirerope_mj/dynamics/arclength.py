@@ -48,7 +48,7 @@ P = TypeVar("P", bound=OnCurve)
 
 
 def least_solution(matrix: Array, right: Array, neutral: float = NEUTRAL) -> Array:
-    """Solve matrix @ step = right, without a step along neutral directions, those of singular values below `neutral`."""
+    """Solve matrix @ step = right, without a step along neutral directions, whose singular values are below `neutral`."""
     try:
         inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:

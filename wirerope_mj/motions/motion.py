@@ -352,7 +352,7 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @property
     def initial(self) -> str:
-        """Default start state of a simulation: that of the term that falls."""
+        """Default start state of a simulation: the falling term's."""
         return next((term.initial for term in self.terms if term.up is not None), "settled")
 
     @property

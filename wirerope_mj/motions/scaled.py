@@ -36,7 +36,7 @@ class _Transformed(BaseMotion):
 
     @abstractmethod
     def _transformed(self, vectors: Array) -> Array:
-        """Return vectors of the other motion, (n, 3), as those of this one."""
+        """Transform vectors of the other motion, (n, 3), to this motion's."""
 
     def _derivative(self, t: Array, order: int) -> Array:
         return self._transformed(self.motion._derivative(t, order))

@@ -36,7 +36,7 @@ def _make(shape: Callable[..., Any], phrase: Phrase, *_: object) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class ShipMotion(BaseMotion):
-    """Harmonic motion of a ship in waves, and what it makes of a base at some place aboard.
+    """Harmonic motion of a ship in waves, and the motion of a base at some place aboard.
 
     Each of its six parts is w(t) A sin(2 pi (t - start) / T), x forward, y to port, z up: surge, sway and heave move the point
     about which the ship turns, the base turns by roll, pitch and yaw (`BaseMotion`), and its origin swings about that point. A

@@ -343,7 +343,7 @@ def _warnings(
 
 
 def _ambiguity_text(channel: MeasuredChannel, delay: Delay) -> str:
-    """Explain why a channel that fits the model alike at two delays is not compared."""
+    """Explain why a channel is not compared that fits the model equally well at two delays."""
     return (
         f'column "{channel.column}" is not compared: it fits {channel_label(channel)}, or its negative, alike when it is '
         f"moved by {-1e3 * delay.value:+.4g} ms and by {-1e3 * (delay.alike or 0.0):+.4g} ms; a vibration that dies away tells "

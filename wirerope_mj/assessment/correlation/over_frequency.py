@@ -152,7 +152,7 @@ def coherence(pair: Pair) -> float | None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Transmissibility:
-    """Acceleration at a channel over that of the base along the same axis, measured and computed."""
+    """Ratio of a channel's acceleration to the base's along the same axis, measured and computed."""
 
     frequency: Array = field(repr=False)  # [Hz], (n_f,), where the measured base moves
     # measured, model: complex, (n_f,)

@@ -140,7 +140,7 @@ def sprague_geers(measured: Array, computed: Array) -> MagnitudePhase:
 
 
 def russell(measured: Array, computed: Array) -> MagnitudePhase:
-    """Compare two histories, (n,), by a magnitude error that treats factors of 2 and 1/2 alike, and by the angle between them.
+    """Compare two histories, (n,), by a magnitude error with one size for factors of 2 and 1/2, and by the angle between them.
 
     m = (Icc - Imm) / sqrt(Icc Imm), M = sign(m) log10(1 + |m|), P = arccos(Imc / sqrt(Imm Icc)) / pi,
     RC = sqrt(pi / 4 (M^2 + P^2)): Russell, Error measures for comparing transient data, 68th Shock and Vibration Symposium

@@ -201,7 +201,7 @@ def payload_bodies(response: Response) -> list[str]:
 def limits_by_name(
     response: Response, limits: Sequence[PayloadLimit] | None, kind: str, known: Sequence[str], others: Sequence[str] = ()
 ) -> dict[str, PayloadLimit]:
-    """Choose the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
+    """Choose the limits of one kind by name: the given limits, else the model's; `others` are not listed in an error.
 
     ValueError if a limit names neither a known subject nor one of `others`.
     """

@@ -168,7 +168,7 @@ class EquivalentVibration:
 
     @property
     def extremes(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Frequency [Hz] and value of the least and of the largest damage over that of the history."""
+        """Frequency [Hz] and value of the least and the largest ratio of the damage to the history's."""
         return min(self.damage, key=itemgetter(1)), max(self.damage, key=itemgetter(1))
 
 

@@ -252,7 +252,7 @@ class LevelSummary:
 
     @cached_property
     def _transmissibilities(self) -> list[tuple[Array, Array]]:
-        """Frequency [Hz] and transmissibility along the branch, else along each sweep, (n,); none of an unfinished branch."""
+        """Frequency [Hz] and transmissibility along the branch, else along each sweep, (n,); empty for an unfinished branch."""
         if self.level.branch is None or self.curve is None:
             return [(sweep.frequency, sweep.transmissibility) for sweep in self.level.sweeps.values()]
         if not self.level.branch.complete:

@@ -32,7 +32,7 @@ class ModeAnimation:
 
 
 def animated_modes(system: System, modes: Modes) -> ModeAnimation:
-    """Animate the modes of `system` about the position of rest, enlarged; forces are those of small cycles."""
+    """Animate the modes of `system` about the position of rest, enlarged; forces are as in small cycles."""
     rest = linearise(system, modes.equilibrium)
     heights = [m.isolator.geometry.height for m in system.mounts.values() if m.isolator.geometry is not None]
     known = [height for height in heights if height is not None]

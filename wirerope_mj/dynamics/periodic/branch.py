@@ -141,7 +141,7 @@ class Branch(Summarised):
 
     @property
     def jumps(self) -> tuple[Jump, ...]:
-        """Jumps of slow sweeps: folds whose amplitude differs by more than 1 % from that of the motion where they land."""
+        """Jumps of slow sweeps: folds whose amplitude differs by more than 1 % from the motion's where they land."""
         jumps = (self._jump(fold) for fold in self.folds)
         return tuple(jump for jump in jumps if not abs(jump.landing / jump.amplitude - 1.0) < ALIKE)
 

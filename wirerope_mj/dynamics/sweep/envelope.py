@@ -215,7 +215,7 @@ class FrequencySweep(Summarised):
         }  # fmt: skip
 
     def save(self, folder: str | Path) -> None:
-        """Write table and summary into `folder` (made if missing), atomically; existing ones are replaced."""
+        """Write table and summary into `folder` (made if missing), atomically; existing files are replaced."""
         bodies = [envelope.acceleration for envelope in self.envelopes.values()]
         mounts = [extreme for mount in self.mounts.values() for extreme in (mount.minimum, mount.maximum)]
         rows = np.column_stack([*(getattr(self, name) for name in _FIRST), *bodies, *mounts])

@@ -73,7 +73,7 @@ class _Views:
 
 
 def python_callbacks() -> Callbacks:
-    """Return callbacks that run in the Python interpreter, as a fallback for the native ones and to verify them."""
+    """Return callbacks that run in the Python interpreter, as a fallback for the native callbacks and to verify these."""
     last: list[_Views] = []
 
     def views(model: mujoco.MjModel, data: mujoco.MjData) -> _Views:

@@ -18,7 +18,7 @@ _SHAPES = ("OUGV1", "OUG1", "BOPHIG")  # tables of an OP2 file that may hold eig
 
 
 def read_named_matrices(path: Path) -> dict[str, Array]:
-    """Read the matrices of an OP4 file, or those of an OP2 file, by their names in small letters."""
+    """Read the matrices of an OP4 or OP2 file by their names in small letters."""
     kind = path.suffix.lower()
     with _read_by_pyyeti(path, f"{kind[1:].upper()} file, or it is damaged. Write it again (OUTPUT{kind[-1]})") as name:
         from pyyeti.nastran import op2, op4

@@ -29,7 +29,7 @@ _BESIDE = (
 
 
 def columns_of_masses(names: Sequence[str]) -> tuple[str, ...]:
-    """Translate the column names of a CAD program's list to those of a table of masses; all others become `BESIDE`.
+    """Translate the column names of a CAD program's list to names of a table of masses; unknown names become `BESIDE`.
 
     SolidWorks' L are moments about the centre of mass; where they stand, its I, at the origin, are not read.
     """

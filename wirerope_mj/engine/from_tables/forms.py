@@ -69,7 +69,7 @@ _ROWS: dict[str, Sequence[dict[str, object]]] = {
 
 
 def blank_table(kind: str) -> str:
-    """Write a CSV table of a kind in `COLUMNS` with all its columns, what they mean, and rows of examples."""
+    """Write a CSV table of a kind in `COLUMNS` with all its columns, their meanings, and rows of examples."""
     needed, further = COLUMNS[kind]
     columns = {**needed, **further}
     lines = [f"# {_HEAD[kind]} Columns that may be empty may be left out; other units may stand in the brackets."]

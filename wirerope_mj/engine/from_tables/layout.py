@@ -113,7 +113,7 @@ class StopLaw:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A mount or a stop: name, position of its mid-height (3,) [m], axes, the isolator's name and what it is bolted to."""
+    """A mount or a stop: name, position of its mid-height (3,) [m], axes, names of the isolator and of its bracket."""
 
     name: str
     position: Array
@@ -177,7 +177,7 @@ class Layout:
 
 
 def axes_along(axial: Array, bars: Array | None = None) -> Array:
-    """Return the axes of a mount as rows roll, shear, axial, (3, 3), from its axial direction and that of its bars.
+    """Return the axes of a mount as rows roll, shear, axial, (3, 3), from its axial direction and the direction of its bars.
 
     Without `bars` they run along x under an upright mount, and else horizontally, square to the direction.
     """

@@ -78,7 +78,7 @@ _SAME = 1e-6  # within which a mass that is called otherwise is the sum of all o
 
 
 def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") -> Layout:
-    """Read and check the tables of a model, by their names; those of mounts and masses are needed.
+    """Read and check the tables of a model, by their names; tables of mounts and masses are required.
 
     mounts: name, x, y, z, isolator, and a direction or inclination and azimuth; perhaps bracket_axial, bracket_shear,
     bracket_roll, the stiffness of what a mount is bolted to.
@@ -190,7 +190,7 @@ def _stop_places(row: Row, mounts: Sequence[Placed]) -> list[tuple[Row, str, Arr
 
 
 def _stop_law(row: Row) -> StopLaw:
-    """Read the law of a stop that states figures of its own; an acting gap that is not stated is that of column "gap"."""
+    """Read the law of a stop that states figures of its own; an acting gap that is not stated is taken from column "gap"."""
     acts = row.text("acts") if row.has("acts") else "down"
     gap_at = row.text("gap_at") if row.has("gap_at") else "unloaded"
     for column, word, words in (("acts", acts, tuple(ACTS)), ("gap_at", gap_at, ("unloaded", "installed"))):

@@ -1,4 +1,4 @@
-"""Bodies of a model as links: poses, masses of what is welded together, and the clearance of geoms that may touch."""
+"""Bodies of a model as links: poses, masses of welded bodies, and the clearance of geoms that may touch."""
 
 from dataclasses import dataclass
 

@@ -177,7 +177,7 @@ class Numbers:
 
 
 def same_structure(law: Law | None, other: Law | None) -> bool:
-    """Return whether two laws are certainly computed alike but for the values of their parameters."""
+    """Return whether two laws certainly differ only in the values of their parameters."""
     return law is other if law is None else law.same_structure(other)
 
 

@@ -272,7 +272,7 @@ def exported_samples(samples: SampledColumns, about: dict[str, str]) -> Exported
 
 
 def unit_of(name: str) -> str:
-    """Return the unit of a column: of internal states that of the hysteretic force."""
+    """Return the unit of a column; internal states have the unit of the hysteretic force."""
     parts = name.split("/")
     if name == "time":
         return "s"

@@ -183,7 +183,7 @@ KINDS = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Peaks(Brief):
-    """Peaks by name of body, point, mount, and of what may touch."""
+    """Peaks by name of body, point, mount, contact pair and stop."""
 
     bodies: dict[str, BodyPeaks]  # by name
     points: dict[str, PointPeaks]

@@ -48,7 +48,7 @@ class SceneBody:
 
 @dataclass(frozen=True, kw_only=True)
 class SceneMount:
-    """A mount: its sites in the frames of the bodies they belong to, and what is known of the device."""
+    """A mount: its sites in the frames of their bodies, and the device's data."""
 
     name: str
     isolator: str  # name of the device

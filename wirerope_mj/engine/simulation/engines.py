@@ -73,7 +73,7 @@ def unsupported_system(system: System) -> str:
 
 
 def _disagreement(system: System) -> str:
-    """Compare the kernel with MuJoCo on a system and return in what they differ, "" if they agree."""
+    """Compare the kernel with MuJoCo on a system and describe their difference, "" if they agree."""
     rng = np.random.default_rng(2004)
     model = without_constraints(system.model)
     joints = model.dof_jntid

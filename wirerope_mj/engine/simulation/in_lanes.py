@@ -93,7 +93,7 @@ def go_in_lanes(
 
 
 def _side_by_side(accelerations: Array, turns: Array, forces: Array, n_sites: int) -> Array:
-    """Join base accelerations (n, 3), those of roll, pitch, yaw, and forces and moments, (n, n_sites, 6), column by column."""
+    """Join accelerations of the base and of its roll, pitch, yaw, (n, 3) each, and loads, (n, n_sites, 6), column by column."""
     n = len(accelerations)
     loads = forces.reshape(n, -1) if forces.size else np.zeros((n, 6 * n_sites))
     return np.concatenate([accelerations, turns.reshape(n, -1), loads], axis=1)
@@ -133,7 +133,7 @@ def _finish(
     groups: list[tuple[Group, list[int]]], motions: Sequence[BaseMotion], drive: Drive, sites: Sequence[str], stop: float,
     sample: int, sink: Sink | None,
 ) -> None:  # fmt: skip
-    """Observe the last instant with the bases as they are just before it, and pass its values on if it is sampled."""
+    """Observe the last instant with the bases' motion just before it, and pass its values on if it is sampled."""
     before = [base_before(motion, drive, stop) for motion in motions]
     positions, rates = (np.array([moves[part] for moves in before])[:, np.newaxis] for part in (0, 1))
     table = np.array([acceleration_before(motion, stop) for motion in motions])[:, np.newaxis]

@@ -212,7 +212,7 @@ def missing_modes(system: System, motion: BaseMotion) -> tuple[str, ...]:
 
 
 def highest_frequency(motion: BaseMotion) -> float:
-    """Compute the highest frequency of a base motion [Hz]: the stated one of steady vibration, that of the spectrum of shocks.
+    """Compute the highest frequency of a base motion [Hz]: stated of steady vibration, from the spectrum of shocks.
 
     Below that of a shock lies `WITHIN` of the energy of its acceleration. A jump of the velocity alone has none: 0.
     """

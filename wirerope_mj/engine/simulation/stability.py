@@ -162,7 +162,7 @@ class VariantRates:
         return _slowest_of(_eigenvalues_of_matrices(self.inertia(numbers), stiffness, damping))
 
     def _matrices(self, numbers: Array, stiffness: Array, damping: Array, shifts: Array) -> tuple[Array, Array]:
-        """Return stiffness and damping matrices of the free coordinates, (n, n_free, n_free) each, from those of the laws."""
+        """Return stiffness and damping matrices of the free coordinates, (n, n_free, n_free) each, from the laws' values."""
         moves = self._deflections + np.einsum("majk,nmk->nmaj", self._by_shift, shifts)
         moves = moves.reshape(len(numbers), -1, self._free.size)
         joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])

@@ -1,4 +1,4 @@
-"""A system on its way through a time grid: its start, what is prepared for every segment, and what MuJoCo's warnings mean."""
+"""A system on its way through a time grid: start, preparation of every segment, and meaning of MuJoCo's warnings."""
 
 import copy
 import math

@@ -248,7 +248,7 @@ class _Pilots:
 
     @cached_property
     def starts(self) -> list[State]:
-        """States at the starts of the windows: that of the run, carried along by the base."""
+        """States at the starts of the windows: the run's start state, carried along by the base."""
         states = [State(values=self.start.values.copy(), time=begin) for begin, _ in self.windows]
         return [
             state if state.time == self.start.time else moving_with_base(self.system, self.motion, state) for state in states

@@ -97,7 +97,7 @@ def equilibrium_solver(system: System) -> EquilibriumSolver:
 
 
 def settle_together(systems: Sequence[System], history: History) -> None:
-    """Find equilibria of systems of one structure side by side, bit-identical to single ones, and cache them.
+    """Find equilibria of systems of one structure side by side, bit-identical to single solutions, and cache them.
 
     What is not found here is for `equilibrium` to find, or to say why there is none.
     """

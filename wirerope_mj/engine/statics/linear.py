@@ -98,7 +98,7 @@ def beyond_joints(model: mujoco.MjModel) -> bool:
 
 
 def smooth_slopes(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[Array, Array]:
-    """Compute stiffness and damping at rest of all forces but those of mounts and constraints, (n_v, n_v) each."""
+    """Compute stiffness and damping at rest of all forces except of mounts and constraints, (n_v, n_v) each."""
     rest = data.qpos.copy()
 
     def forces(unit: Array, moves: float, rates: float) -> Array:

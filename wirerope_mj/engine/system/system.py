@@ -71,7 +71,7 @@ class Mount(Brief):
 
 @dataclass(frozen=True, kw_only=True)
 class Changes:
-    """Isolators, masses, centres of mass, positions and inclinations of mounts that differ from those of another system."""
+    """Isolators, masses, centres of mass, positions and inclinations of mounts in which a system differs from another."""
 
     isolators: Mapping[str, Isolator] = field(default_factory=dict)  #: isolators by mount
     masses: Mapping[str, Positive] = field(default_factory=dict)  #: factors on mass and moments of inertia, by body

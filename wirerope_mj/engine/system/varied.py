@@ -168,7 +168,7 @@ def change_masses(model: mujoco.MjModel, masses: Mapping[str, float]) -> None:
 
 
 def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
-    """Return the slides and hinges with springs, each with the natural frequency [Hz] of what it carries alone."""
+    """Return the slides and hinges with springs, each with the natural frequency [Hz] of its load alone."""
     joints = {}
     for joint in np.flatnonzero(model.jnt_stiffness > 0.0).tolist():
         if model.jnt_type[joint] < int(mujoco.mjtJoint.mjJNT_SLIDE) or not model.joint(joint).name:
@@ -197,7 +197,7 @@ def tune(model: mujoco.MjModel, tunings: Mapping[str, float], nominal: mujoco.Mj
 
 
 def moving_bodies(model: mujoco.MjModel) -> list[str]:
-    """Return the names of the moving bodies with a mass, without those of modes: those that can vary."""
+    """Return the names of the bodies whose mass can vary: moving bodies with a mass, without bodies of modes."""
     modal = {mode.body for mode in declared_modes(model)}
     moving = [b for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0]
     return [model.body(b).name for b in moving if b not in modal]
@@ -240,7 +240,7 @@ def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, chan
 
 
 def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
-    """Return a shift along the world's axes in those of a body."""
+    """Transform a shift from the world's axes to a body's."""
     return np.asarray(np.array(shift) @ data.xmat[body].reshape(3, 3), dtype=np.float64)
 
 

@@ -54,7 +54,7 @@ class ChannelPhrase:
     absolute: bool
 
     def quantity_of(self, unit: str) -> Quantity | None:
-        """Return the quantity that the phrase states, or else that of the unit; None if the unit does not fit."""
+        """Return the quantity that the phrase states, or else the unit's; None if the unit does not fit."""
         if self.quantity is not None:
             return self.quantity if find_unit(unit, UNITS[self.quantity]) else None
         return quantity_of(unit, mount=self.subject.startswith("mount/"))

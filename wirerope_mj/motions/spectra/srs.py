@@ -163,7 +163,7 @@ def shock_response_spectrum(
 
 
 def _frequencies(frequencies: ArrayLike | None, step: float, samples: int) -> Array:
-    """Return the checked frequencies [Hz], or the default ones for None."""
+    """Return the checked frequencies [Hz], or the default frequencies for None."""
     rate = 1.0 / step
     highest = rate / SAMPLES_PER_PERIOD
     if frequencies is None:

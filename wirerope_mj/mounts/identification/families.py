@@ -99,8 +99,8 @@ def least_exponent(s: Scales) -> float:
     return max(0.1, math.log(2.0) / math.log(s.deflection / (RESOLVED * s.least)))
 
 
-def _slips(s: Scales) -> list[float]:
-    """Deflections of slip [m] at which searches begin."""
+def _slip_starts(s: Scales) -> list[float]:
+    """List the slip deflections [m] from which searches begin."""
     return np.geomspace(0.1 * s.least, s.deflection, 8).tolist()
 
 
@@ -109,7 +109,7 @@ def _hysteresis(s: Scales, *, sigma: bool = True) -> list[Coordinate]:
     # A yield deflection far above the amplitudes is elastic, far below them plain friction.
     rows = [
         Coordinate("z_max", "N", 1e-4 * s.force, 1e3 * s.force, linear=True),
-        Coordinate("x_y", "m", 1e-4 * s.deflection, 1e3 * s.deflection, grid=_slips(s)),
+        Coordinate("x_y", "m", 1e-4 * s.deflection, 1e3 * s.deflection, grid=_slip_starts(s)),
         Coordinate("sigma", "-", 1e-3, 1e3, grid=(0.3, 0.6, 1.0, 1.5)),
         # The two with closed forms: the grid takes a tenth of the time.
         Coordinate("n", "-", least_exponent(s), 20.0, grid=(1.0, 2.0)),
@@ -140,7 +140,7 @@ def _vaiana_rosati(s: Scales) -> list[Coordinate]:
     return [
         *_elastic(s, "kb"),
         Coordinate("f0", "N", 1e-4 * f, 1e3 * f, linear=True),
-        Coordinate("alpha", "1/m", 1e-3 / x, 1e4 / x, grid=[1.0 / slip for slip in _slips(s)]),
+        Coordinate("alpha", "1/m", 1e-3 / x, 1e4 / x, grid=[1.0 / slip for slip in _slip_starts(s)]),
         Coordinate("b1", "N", -1e3 * f, 1e3 * f, scale=f, linear=True, stiffness=True),
         Coordinate(
             "b2", "1/m", -20.0 / x, 20.0 / x, scale=1.0 / x, stiffness=True, grid=[b / x for b in (-8.0, -3.0, 3.0, 8.0)]
@@ -233,7 +233,7 @@ FAMILIES: dict[type[Law], Family] = {
     EnhancedDryFriction: Family(
         coordinates=lambda s: [
             Coordinate("d", "N", 1e-4 * s.force, 1e3 * s.force, linear=True),
-            Coordinate("u_c", "m", 1e-4 * s.deflection, 1e3 * s.deflection, grid=_slips(s)),
+            Coordinate("u_c", "m", 1e-4 * s.deflection, 1e3 * s.deflection, grid=_slip_starts(s)),
             *_elastic(s, "k"),
         ],
         make=lambda values: EnhancedDryFriction(**values),

@@ -114,12 +114,12 @@ def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[
 
 STARTS = 2  # Best points of the grid from which a search begins, beside the best one for each pattern of signs
 DEEPER = 2  # Restarts of a fit from a better one that its profiles have shown
-# Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts.
+# Variances within which the minima of two searches are equal: a tenth of a standard error. The earlier one counts.
 SAME = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class _End:
+class _Search:
     """Minimum of one search, with its stages and its start, "given" or "grid"."""
 
     minimum: Minimum
@@ -138,7 +138,7 @@ def identify(
 
     The law is compared along each loop's own path of deflections: led through what a record holds before it where that is
     known, as `load_cycles` gives it, else in its steady state. The mean of each loop's force is free, as a load cell's zero
-    drifts. Searches begin at `start` and at the best points of a grid, and the best end counts.
+    drifts. Searches begin at `start` and at the best points of a grid, and the best minimum counts.
     From `start` a search goes the thesis' way: stiffness from the mid-lines, then the hysteresis from the areas with the
     stiffness fixed, then everything (Levenberg-Marquardt with bounds in each); and, beside a grid, straight to everything.
 
@@ -206,7 +206,7 @@ def identify(
     if grid:
         points = scale_starts(unknowns, measured, names) if names else grid_starts(unknowns, measured, count=STARTS)
         starts += [("grid", values) for values in points]
-    ends: list[_End] = []
+    results: list[_Search] = []
     failures: list[str] = []
     for origin, values in starts:
         try:
@@ -220,23 +220,23 @@ def identify(
             methods.append("time")
         for route in methods:
             minimum, stages = run_stages(unknowns, measured, full, values, route)
-            ends.append(_End(minimum=minimum, stages=stages, started=origin))
-    if not ends:
+            results.append(_Search(minimum=minimum, stages=stages, started=origin))
+    if not results:
         raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
-    return replace(_result(unknowns, measured, full, ends, noise, profiles, data), scales=names)
+    return replace(_result(unknowns, measured, full, results, noise, profiles, data), scales=names)
 
 
 def _result(
-    unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None, profiles: bool,
+    unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, results: list[_Search], noise: float | None, profiles: bool,
     data: Data,
 ) -> Identification:  # fmt: skip
     """Return the identification at the best minimum, restarted from any better fit that its profiles find."""
-    evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
+    evaluations = sum(stage.evaluations for result in results for stage in result.stages)
     for restarts_left in range(DEEPER, -1, -1):
-        least = min(end.minimum.cost for end in ends)
-        best = next(end for end in ends if end.minimum.cost <= least * (1.0 + SAME / end.minimum.residual.size))
+        least = min(result.minimum.cost for result in results)
+        best = next(result for result in results if result.minimum.cost <= least * (1.0 + SAME / result.minimum.residual.size))
         if profiles:
-            surveyed = survey(unknowns, full, best.minimum, [end.minimum for end in ends if end is not best], noise)
+            surveyed = survey(unknowns, full, best.minimum, [result.minimum for result in results if result is not best], noise)
         else:
             surveyed = Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
         uncertainty = surveyed.uncertainty
@@ -247,7 +247,7 @@ def _result(
             break
         minimum, stages = run_stages(unknowns, loops, full, surveyed.better, "time")
         evaluations += sum(stage.evaluations for stage in stages)
-        ends.append(_End(minimum=minimum, stages=(*best.stages, *stages), started=best.started))
+        results.append(_Search(minimum=minimum, stages=(*best.stages, *stages), started=best.started))
     minimum, law = best.minimum, unknowns.law(best.minimum.numbers)
     differences = [(loop.model_force(law) - loop.force) / (0.5 * float(np.ptp(loop.force))) for loop in loops]
     residuals = np.array([rms(difference - difference.mean()) for difference in differences])

@@ -1,4 +1,4 @@
-"""An identification: the law, its parameters with errors, its range of validity, and its loops beside the measured ones."""
+"""An identification: the law, its parameters with errors, its range of validity, and its loops beside the measured loops."""
 
 import math
 from collections.abc import Sequence
@@ -45,7 +45,7 @@ def largest_rate(loop: MeasuredLoop) -> float | None:
 
 
 def validity_of(law: Law, loops: Sequence[MeasuredLoop]) -> str:
-    """State the range of validity of a law fitted to loops, smallest first: tested cycles, and whether small ones show.
+    """State the range of validity of a law fitted to loops, smallest first: tested cycles, and if small cycles are resolved.
 
     Half of a Bouc-Wen law's slope at z = 0, alpha, is lost at the deflection x_y (1/2)^(1/n). Where that is within 2 % of the
     least amplitude no sample shows the slope, and alpha and n follow from the bend further on alone.

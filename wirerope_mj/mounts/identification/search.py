@@ -247,17 +247,19 @@ def run_stages(
     stages: list[Stage] = []
 
     def stage(name: str, part: Unknowns, residual: Residual, begin: Mapping[str, float]) -> tuple[Minimum, dict[str, float]]:
-        end = run_search(part, residual, begin)
-        ended = part.values(end.numbers)
-        error = rms(full(part.law(end.numbers)))
-        stages.append(Stage(name=name, iterations=end.iterations, evaluations=end.evaluations, error=error, values=ended))
-        return end, ended
+        minimum = run_search(part, residual, begin)
+        fitted = part.values(minimum.numbers)
+        error = rms(full(part.law(minimum.numbers)))
+        stages.append(
+            Stage(name=name, iterations=minimum.iterations, evaluations=minimum.evaluations, error=error, values=fitted)
+        )
+        return minimum, fitted
 
     if method == "frequency":
-        end, ended = stage("frequency", unknowns, harmonic_residual(loops), values)
+        minimum, fitted = stage("frequency", unknowns, harmonic_residual(loops), values)
         # The error, and what the data identify, are still those of the forces.
-        by_force = run_search(unknowns, full, ended, max_evaluations=1)
-        return replace(by_force, converged=end.converged, message=end.message), tuple(stages)
+        by_force = run_search(unknowns, full, fitted, max_evaluations=1)
+        return replace(by_force, converged=minimum.converged, message=minimum.message), tuple(stages)
     if method == "three-stage":
         begin = {**{c.name: values[c.name] for c in unknowns.coordinates}, **unknowns.fixed}
         parts = (("stiffness", True, mid_line_residual(loops)), ("areas", False, area_residual(loops)))
@@ -267,5 +269,5 @@ def run_stages(
             if part.free:
                 _, begin = stage(name, part, residual, begin)
         values = begin
-    end, _ = stage("everything", unknowns, full, values)
-    return end, tuple(stages)
+    minimum, _ = stage("everything", unknowns, full, values)
+    return minimum, tuple(stages)
