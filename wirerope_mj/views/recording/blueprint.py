@@ -44,7 +44,7 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     left: rrb.Container = tabs_with(scenes, "scene", scene or str(scenes[0].name))
     if (run := drawn.alone) is not None and (governing := drawn.shared.governing) is not None:
         with_plan = bool(drawn.shared.used)
-        below_scene: Pane = _close_up(run, governing, aspect=_BESIDE_PLAN if with_plan else _LOW)
+        below_scene: Pane = _close_up(run, governing, aspect=_BESIDE_PLAN if with_plan else _LOW, listed=drawn.listed)
         if with_plan:
             below_scene = rrb.Horizontal(below_scene, _plan_view(run), column_shares=[3, 2])
         left = rrb.Vertical(left, below_scene, row_shares=[3, 2])
@@ -80,7 +80,7 @@ def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
     below = entity(GHOSTS)
     if (run := drawn.alone) is not None:
         camera = whole_scene(run.response, mount=drawn.shared.governing)
-        name = f"Motion drawn {factor:g} times larger"
+        name = "Motion enlarged" if drawn.listed else f"Motion drawn {factor:g} times larger"
         enlarged = [scene_view(below + _origin(run), [f"+ {below}/**"], name, camera)] if factor > 1.0 else []
         return [*enlarged, _scene(run, "True scale", camera)]
     columns = 1 if len(drawn.runs) <= 3 else 2
@@ -110,12 +110,14 @@ def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()
     return scene_view(run.root + _origin(run), contents, name, camera)
 
 
-def _close_up(run: DrawnRun, mount: str, *, aspect: float, like: DrawnRun | None = None) -> rrb.Spatial3DView:
+def _close_up(
+    run: DrawnRun, mount: str, *, aspect: float, like: DrawnRun | None = None, listed: bool = False
+) -> rrb.Spatial3DView:
     """View a mount closely, as that of the run `like` is if it stands at the same place."""
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
     worst = by_use(run.selection.verdicts).get(mount)
-    used = f", {worst.criterion} {in_unit(worst.utilisation or 0.0, '%'):.0f} %" if worst else ""
+    used = f", {worst.criterion} {in_unit(worst.utilisation or 0.0, '%'):.0f} %" if worst and not listed else ""
     name = ": ".join(filter(None, (run.name, f"Mount {mount}{used}")))
     here, there = (mount_positions(shown.response.scene)[mount] for shown in (run, like or run))
     seen = like if like is not None and np.allclose(here, there, atol=1e-3) else run
@@ -147,7 +149,7 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
         views = []
         for plot in (plot for plot in plots if plot.axis == axis):
             ratio = drawn.shared.utilisation(plot.mount, plot.axis)
-            without_ratio = np.isnan(ratio) or not drawn.alone
+            without_ratio = np.isnan(ratio) or not drawn.alone or drawn.listed
             name = f"{plot.mount}: kN over mm{'' if without_ratio else f', {100 * ratio:.0f} % of rated travel'}"
             views.append(loop_view(plot.path, name, width=plot.plot.width, trails=plot.trails))
         tabs.append(rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops"))
@@ -172,7 +174,7 @@ def _overview(drawn: Drawn) -> rrb.Container:
     views: list[rrb.View] = [_view(drawn, key, size) for key in keys]
     shares = [size[1]] * len(keys)
     if drawn.over_frequency is not None:
-        views.append(over_frequency_view(drawn.over_frequency))
+        views.append(over_frequency_view(drawn.over_frequency, listed=drawn.listed))
         shares.append(spectra)
     name, window = "Base, stops, use of limits [%]", time_axis(drawn.shared.window, _TABS[0])
     views.append(rrb.StateTimelineView(origin=entity(), contents=lanes, name=name, time_view=window))
@@ -184,4 +186,4 @@ _SPECTRA = 0.42  # of the height above the lanes, for the panel over frequency
 
 
 def _view(drawn: Drawn, key: tuple[str, ...], size: tuple[float, float]) -> rrb.View:
-    return panel_view(entity("histories", *key), drawn.panels[key], drawn.shared.window, size)
+    return panel_view(entity("histories", *key), drawn.panels[key], drawn.shared.window, size, listed=drawn.listed)

@@ -112,15 +112,16 @@ def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
         if drawn.alone:
             log_bending(below, run.frames, run.response, rows, factor)
             log_marks(below, run.response, run.selection, run.frames, extent)
-        else:
-            # the name beside the scene, as it is seen when the recording opens: the legend of the colours
+        if not drawn.alone or drawn.listed:
+            # beside the scene, as it is seen when the recording opens: the legend of the colours, or what no title says
+            said = run.name or f"motion {factor:g} times larger"
             base_name, camera = run.response.scene.base, whole_scene(run.response)
             back = camera.eye - camera.target
             aside = np.cross(back, [0.0, 0.0, 1.0]) / np.linalg.norm(back)
             above = camera.target + 0.5 * extent * aside + np.array([0.0, 0.0, (0.1 + 0.1 * number) * extent])
             path = child(run.frames[base_name].path if base_name in run.frames else entity("world"), "name")
             look = {"colors": [run.color], "radii": rr.Radius.ui_points(0.0), "show_labels": True}
-            below.log(path, rr.Points3D([above], labels=[run.name], **look), static=True)
+            below.log(path, rr.Points3D([above], labels=[said], **look), static=True)
 
 
 def _moving_bodies(run: DrawnRun) -> list[tuple[SceneBody, Frame]]:

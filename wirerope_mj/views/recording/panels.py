@@ -84,8 +84,13 @@ def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *
         rec.send_columns(below, at(ends), rr.Scalars.columns(scalars=np.full(2, level)))
 
 
-def panel_view(path: str, panel: Panel, window: tuple[float, float], size: tuple[float, float]) -> rrb.TimeSeriesView:
-    """View a panel over `window` [s] in a pane of a size [points], with its legend in the corner where it hides least."""
+def panel_view(
+    path: str, panel: Panel, window: tuple[float, float], size: tuple[float, float], *, listed: bool = False
+) -> rrb.TimeSeriesView:
+    """View a panel over `window` [s] in a pane of a size [points], with its legend in the corner where it hides least.
+
+    With `listed` title and range suit any load case: a file of several that is opened by its name shows all in one layout.
+    """
     levels = np.concatenate([*(curve.y for curve in panel.curves), [level for _, level in panel.limits]])
     levels = np.append(levels[np.isfinite(levels)], 0.0)  # accelerations, deflections and forces are read from zero
     low, high = panel.ylim or (float(levels.min()), float(levels.max()))
@@ -97,8 +102,8 @@ def panel_view(path: str, panel: Panel, window: tuple[float, float], size: tuple
     low, high = low - edge, high + edge
     corner = getattr(rrb.Corner2D, emptiest_corner(panel, window, (low, high), size))
     return rrb.TimeSeriesView(
-        origin=path, name=known_letters(panel.title or panel.ylabel), axis_x=time_axis(window, size[0]),
-        axis_y=rrb.ScalarAxis(range=(low, high)),
+        origin=path, name=known_letters((panel.title or panel.ylabel).partition(":" if listed else "\n")[0]),
+        axis_x=time_axis(window, size[0]), axis_y=None if listed else rrb.ScalarAxis(range=(low, high)),
         background=rrb.archetypes.PlotBackground(color=GROUND), plot_legend=rrb.PlotLegend(visible=True, corner=corner),
     )  # fmt: skip
 
@@ -209,8 +214,8 @@ _LEGEND, _LINE = (WIDTH + 76.0, 8.0), 11.5
 _LEGEND_WIDTH = 150.0  # width of the legend
 
 
-def log_over_frequency(rec: Stream, run: RunResult, panel: Panel) -> None:
-    """Log frame and curves of a panel over frequency; for a sweep also the frequency at the time cursor."""
+def log_over_frequency(rec: Stream, run: RunResult, panel: Panel, *, listed: bool = False) -> None:
+    """Log frame and curves of a panel over frequency, `listed` with its title; for a sweep also the frequency at the cursor."""
     path = entity(ROOT)
     plot = log_frequency_panel(rec, path, panel, width=WIDTH, lift=_LIFT)
     data, hidden = child(path, "data"), rr.Radius.ui_points(0.0)
@@ -221,6 +226,7 @@ def log_over_frequency(rec: Stream, run: RunResult, panel: Panel) -> None:
             rec.log(child(data, curve.name, "peak"), rr.Points2D([spot], **dot), static=True)
     # the peaks' texts in a column, as peaks often coincide
     labels, colors = [peak_text(curve, panel) for curve in panel.curves], [_colour(curve) for curve in panel.curves]
+    labels, colors = [panel.ylabel or panel.title] * listed + labels, [DARK.text] * listed + colors
     places = [[_LEGEND[0], _LEGEND[1] + _LINE * row] for row in range(len(labels))]
     legend = rr.Points2D(places, labels=labels, colors=colors, radii=hidden, show_labels=True)
     rec.log(entity(ROOT, "legend"), legend, static=True)
@@ -289,9 +295,9 @@ def _log_sweep_cursor(rec: Stream, data: str, run: RunResult, sweep: Sweep, plot
     rec.send_columns(child(data, "cursor"), at(time), rr.LineStrips2D.columns(strips=strips))
 
 
-def over_frequency_view(panel: Panel) -> rrb.Spatial2DView:
+def over_frequency_view(panel: Panel, *, listed: bool = False) -> rrb.Spatial2DView:
     bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + _LEGEND_WIDTH], y_range=[-6.0, HEIGHT + 15.0])
-    name = f"{panel.ylabel or panel.title}, over frequency [Hz]"
+    name = "Over frequency [Hz]" if listed else f"{panel.ylabel or panel.title}, over frequency [Hz]"
     return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)
 
 

@@ -110,7 +110,7 @@ def record_run(
         log_cursor(shown, run)
         log_plan(shown, run.response, run.selection)
         if drawn.over_frequency is not None:
-            log_over_frequency(shown, run, drawn.over_frequency)
+            log_over_frequency(shown, run, drawn.over_frequency, listed=drawn.listed)
     return target
 
 
