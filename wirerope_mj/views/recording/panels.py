@@ -226,7 +226,10 @@ def log_over_frequency(rec: Stream, run: RunResult, panel: Panel, *, listed: boo
             rec.log(child(data, curve.name, "peak"), rr.Points2D([spot], **dot), static=True)
     # the peaks' texts in a column, as peaks often coincide
     labels, colors = [peak_text(curve, panel) for curve in panel.curves], [_colour(curve) for curve in panel.curves]
-    labels, colors = [panel.ylabel or panel.title] * listed + labels, [DARK.text] * listed + colors
+    labels, colors = (
+        [(panel.ylabel or panel.title).replace("peak acceleration ", "")] * listed + labels,
+        [DARK.text] * listed + colors,
+    )
     places = [[_LEGEND[0], _LEGEND[1] + _LINE * row] for row in range(len(labels))]
     legend = rr.Points2D(places, labels=labels, colors=colors, radii=hidden, show_labels=True)
     rec.log(entity(ROOT, "legend"), legend, static=True)
