@@ -303,6 +303,6 @@ def test_a_search_over_many_modes_ends_where_it_converged_and_says_when_its_budg
             np.testing.assert_allclose(found.mounts[name].force, mount.force, rtol=1e-6, atol=1e-3)
     with system.assembly.scratch.data(system.model) as data:
         short = Loading(system, "virgin", data)
-        short.most = 1000
+        short.position_limit = 1000
         with pytest.raises(wr.ConvergenceError, match=r"ended after \d+ trial positions, with \d+ % of the weight"):
             short.solve()
