@@ -129,7 +129,7 @@ class JudgedRun(RunResult):
 
     @cached_property
     def achieved(self) -> tuple[AchievedSpectrum, ...]:
-        """What the base's motion achieves, while it is simulated, of the response spectra that it was made for."""
+        """Response spectra of the simulated base motion against the required spectra that it was made for."""
         return achieved_spectra(self.motion, until=float(self.response.time[-1]))
 
     @cached_property

@@ -45,7 +45,7 @@ def columns_of_logger(path: Path) -> Header | None:
 
 
 def columns_as_stated(path: Path, columns: str | None, interval: float | None) -> Header:
-    """Read a text of numbers alone whose `columns` are stated, such as "time [s], z [g]"; all columns if None.
+    """Read a file of numbers without a header whose `columns` are stated, such as "time [s], z [g]"; None reads all columns.
 
     Without a time among them rows are an `interval` [s] apart, or as the first line says, how many samples follow and their
     interval: "4000 0.005". One column may stand in lines of several numbers.
@@ -165,7 +165,7 @@ def _strong_motion(path: Path, lines: list[str]) -> Header:
 
 
 def _interval_in_header(path: Path, above: Sequence[str], count: int, lasts: float) -> float:
-    """Return the interval of a record of COSMOS [s]: number 34 of its real header, in ms, which fits how long it lasts."""
+    """Return the interval of a COSMOS record [s]: number 34 of its real header [ms], if it agrees with the duration."""
     starts = [i for i, line in enumerate(above) if re.match(r"\s*\d+\s+Real-header", line, re.IGNORECASE)]
     start = starts[-1] if starts else len(above)
     layout = re.search(_LAID, above[start]) if start < len(above) else None

@@ -34,8 +34,9 @@ from wirerope_mj.runs.scenario import Scenario, ScenarioFile
 def judged_by(system: System, *, combined_travel: bool, limits: Sequence[PayloadLimit]) -> System:
     """Return the system with a scenario's limits, which replace the model's for the same subjects.
 
-    A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a limit
-    names no body of the payload, no point and no mount, or one thing is limited twice.
+    A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. `combined_travel` False
+    leaves out the check of the travels of a mount together, which the model may leave out, too. ModelError if a limit names no
+    body of the payload, no point and no mount, or one thing is limited twice.
     """
     known = subjects_of(system) if limits else {}
     limits = limits_by_patterns(limits, known) if limits else ()

@@ -66,7 +66,7 @@ def growth_text(note: str, kinds: Sequence[str]) -> str:
 
 
 def ended_early(table: pa.Table, measure: str = "") -> Booleans:
-    """Return the mask of the variants whose runs end before their peaks are over, (n,); none for a measure at rest.
+    """Return the mask of variants whose runs end before their peaks have passed, (n,); all False for a measure at rest.
 
     With `measure`, so are the variants in which a measure of its kind still grows.
     """

@@ -114,6 +114,7 @@ def delay_of(response: Response, measured: Measured, channel: MeasuredChannel, *
     delays = lags / rate + (start - float(response.time[0]))
 
     def delay_at(best: int, alike: int | None = None) -> Delay:
+        """Refine the delay at a peak of the correlation by a parabola; `alike` is another peak that fits about as well."""
         sign = np.sign(correlation[best])
         inside = 0 < best < correlation.size - 1
         return Delay(

@@ -102,10 +102,10 @@ def fatigue_damage_spectrum(
     Args:
         time: uniform instants [s], (n,).
         acceleration: of the base [m/s^2], (n,).
-        exponent: b of the fatigue curve.
+        exponent: b of the fatigue curve N S^b = constant, S the amplitude of a cycle.
         frequencies: of the oscillators [Hz], (n_f,); without them six to an octave, from one over the record's length to a
-            fortieth of the sampling rate. Straight lines and peaks between the samples take some 5 % of the amplitudes at a
-            tenth of it, 1 % at a twentieth, and b times as much of the damage.
+            fortieth of the sampling rate. Missed peaks between the samples lower amplitudes by some 5 % at a tenth of the
+            sampling rate, 1 % at a twentieth, and the damage by b times as much.
         q: amplification at resonance, > 0.5.
 
     Raises:
@@ -168,7 +168,7 @@ class EquivalentVibration:
 
     @property
     def extremes(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Frequency [Hz] and value of the least and the largest ratio of the damage to the history's."""
+        """Smallest and largest ratio of this damage spectrum to that of the history, each with its frequency [Hz]."""
         return min(self.damage, key=itemgetter(1)), max(self.damage, key=itemgetter(1))
 
 

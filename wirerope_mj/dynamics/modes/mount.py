@@ -249,7 +249,7 @@ def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array
 
 
 def plane_stiffness(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
-    """Evaluate stiffness + i * loss of both axes in a closed cycle [N/m], (2, 2), amplitudes with signs [m], (2,).
+    """Evaluate the complex stiffness of two coupled axes in a closed cycle [N/m], (2, 2), for signed amplitudes [m], (2,).
 
     On brackets the mount's own cycle is taken for a straight line, too, with its share of the amplitudes by its stiffness.
     """

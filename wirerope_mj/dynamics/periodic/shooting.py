@@ -136,7 +136,7 @@ class FloquetStability:
 
 
 def wide_monodromy(flow: Flow, at: Shot) -> Array:
-    """Differentiate a motion by wide central differences, (n_x, n_x), scaled: accurate multipliers, see `STEPS_MOVED`."""
+    """Compute the scaled monodromy matrix by wide central differences, (n_x, n_x); for the width see `STEPS_MOVED`."""
     drive = at.track.drive
     width = float(np.clip(STEPS_MOVED * drive.periods / drive.steps, NARROWEST, WIDEST))
     ahead, behind = (flow.ends(at.x + side * width * np.diag(at.scale), drive) for side in (1.0, -1.0))

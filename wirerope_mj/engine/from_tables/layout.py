@@ -300,7 +300,7 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
 
 
 def _mount_groups(mounts: str) -> dict[str, tuple[int, float, int]]:
-    """Parse the mounts at each side of a box: number, angle of those at corners [deg], rows of those behind."""
+    """Parse the mounts by side of a box: how many, inclination of corner mounts [deg], rows of those behind it."""
     groups: dict[str, tuple[int, float, int]] = {}
     for position, text in enumerate(mounts.lower().split("+")):
         match = _GROUP.fullmatch(text.strip())

@@ -288,7 +288,11 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
 
 
 def _without_totals(rows: Sequence[Row]) -> list[Row]:
-    """Leave out rows that add up others, with a warning for each; RecordError if a total adds up to none."""
+    """Leave out rows of totals, with a warning for each.
+
+    A total equals the sum of all masses, of rows directly above it, or of all rows below it, else RecordError; one without a
+    mass is left out unchecked.
+    """
     named = [{*re.findall(r"\w+|\u2211", row.text("name").casefold())} for row in rows]
     is_total = [bool(words & _TOTAL) and words <= _TOTAL | _BESIDE for words in named]
     masses = [row.number("mass") for row, total in zip(rows, is_total, strict=True) if not total]

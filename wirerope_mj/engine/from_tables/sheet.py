@@ -61,10 +61,10 @@ def read_sheet(
     path: Path, *, kind: str, needed: Mapping[str, str], further: Mapping[str, str],
     called: Callable[[Sequence[str]], tuple[str, ...]] = tuple,
 ) -> list[Row]:  # fmt: skip
-    """Read the rows of a table with unique columns; of a workbook, from the sheet that the last word of `kind` names.
+    """Read the rows of a table; of a workbook, from the sheet that the last word of `kind` names.
 
     `needed` and `further` say the kind of quantity of each column that must and may be there: a key of `UNITS`, "number" or
-    "text". `called` makes their names of those in the file; a column that is then called `BESIDE` is not read.
+    "text". `called` translates the names of the columns in the file into ours; those that become `BESIDE` are skipped.
 
     Raises:
         RecordError: says file, row and column that are wrong.

@@ -193,7 +193,7 @@ class StageTables:
 
 
 def distinct_motions(motions: Sequence[BaseMotion]) -> tuple[list[BaseMotion], list[int]]:
-    """Return the distinct motion objects, each to be evaluated once, and the number of each given motion among them."""
+    """Return the distinct motion objects, each to be evaluated once, and the index of each given motion among them."""
     distinct = {id(motion): motion for motion in motions}
     numbers = {key: number for number, key in enumerate(distinct)}
     return list(distinct.values()), [numbers[id(motion)] for motion in motions]

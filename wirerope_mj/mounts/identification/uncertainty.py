@@ -123,10 +123,10 @@ def with_noise_of_each(uncertainty: Uncertainty, unknowns: Unknowns, minimum: Mi
 
     With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is H (sum
     of J_i^T V_i J_i) H (Huber 1967; White 1980; Newey and West 1987). V_i is the loop's mean square times a spectrum of noise
-    that all loops have in common, known by `BANDS`. Of that the fit takes away as much as the parameters move at a harmonic,
-    its leverage there, which is given back. Errors that were widened before stay as much wider.
+    that all loops have in common, known by `BANDS`. The fit absorbs a fraction of the noise at each harmonic, its leverage
+    there, which the spectrum is corrected for. Standard errors that were enlarged before are enlarged by the same ratio.
 
-    `sizes` are the residuals of each loop; what is behind them counts as one loop more, of independent ones.
+    `sizes` are the numbers of residuals of each loop; the remaining residuals form one more group, taken as uncorrelated.
     """
     freedom = minimum.residual.size - len(unknowns.free)
     slopes = np.array([c.slope(number) for c, number in zip(unknowns.free, minimum.numbers, strict=True)])

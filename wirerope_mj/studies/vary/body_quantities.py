@@ -136,7 +136,7 @@ def check_centres(quantities: Sequence[Quantity], system: System) -> None:
 
 
 def _as_other_kind(column: Centre | CentreShift, system: System, noun: str) -> str:
-    """Return a centre's name in the other way of stating it; without its axis if the body's axes are not the world's."""
+    """Rename a centre of mass between body and world axes; without its axis if they are not parallel."""
     start, _, axis = column.name.rpartition("/")
     parallel = all(np.allclose(body_axes(system, body), np.eye(3), atol=1e-9) for body in column.targets)
     return f"{start.rpartition('/')[0]}/{noun}/{axis if parallel else 'AXIS'}"

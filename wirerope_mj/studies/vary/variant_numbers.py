@@ -36,7 +36,7 @@ class Variants:
 
 @once_per_system
 def _writer(system: System) -> Numbers:
-    """Make the writer of the numbers of a system's variants, once per system."""
+    """Prepare the writing of variants' parameter values into a system's equations, once per system."""
     return Numbers(system, equations(system))
 
 

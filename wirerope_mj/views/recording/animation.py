@@ -53,7 +53,7 @@ class Animation:
 
 
 def strips_of(findings: list[LevelSummary]) -> list[Strip]:
-    """Choose motions along the branch of every level, at most `MOST_POINTS` of each."""
+    """Choose periodic motions along the response curve of every level, at most `MOST_POINTS` of each."""
     strips = []
     for number, summary in enumerate(findings):
         branch, curve = summary.level.branch, summary.curve

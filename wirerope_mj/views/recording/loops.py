@@ -78,7 +78,7 @@ def grid_shape(plots: int) -> tuple[int, int]:
 
 
 def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
-    """Compute the loop of every mount along every axis with a force, in the order of rank."""
+    """Compute the loop of every mount along every axis with a force, the most used mount first."""
     mounts = {mount.name: mount for mount in response.scene.mounts}
     loops = []
     for number, axis in enumerate(AXES):
