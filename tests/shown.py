@@ -22,7 +22,7 @@ def printed_by(*arguments):
 def cells_of(page, name):
     """Return the texts of the cells of a table on a page, row by row, those that are folded away too."""
     (table,) = re.findall(rf'<div class="table[^"]*" data-id="{re.escape(name)}">(.*?)</div>\s*(?=<|$)', page, re.S)[:1]
-    rows = [row for row in re.split(r"<tr[^>]*>", table) if "<td" in row]
+    rows = [row for row in re.split(r"<tr[^>]*>", table) if "<td" in row and "<th " not in row]
     return [[html.unescape(re.sub("<[^>]*>", "", c)) for c in re.findall(r"<td[^>]*>(.*?)</td>", r, re.S)] for r in rows]
 
 

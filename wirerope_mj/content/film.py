@@ -142,5 +142,6 @@ def _in_one_scale(columns: Sequence[Sequence[Panel]], window: tuple[float, float
         ends = [np.interp(window, curve.x, curve.y) for curve in panel.curves]
         inside = [np.append(end, curve.y[row]) for end, curve, row in zip(ends, panel.curves, rows, strict=True)]
         least = 0.5 * _LEAST_RANGE * np.abs(inside[0]).max() * np.array([-1.0, 1.0]) + inside[0].mean()
-        shown.setdefault(panel.title, []).extend([*inside, np.array([level for _, level in panel.limits]), least])
+        others = np.array([*(level for _, level in panel.limits), *(y for _, y, *_ in panel.notes)])
+        shown.setdefault(panel.title, []).extend([*inside, others, least])
     return [[replace(panel, ylim=with_room(np.concatenate(shown[panel.title]))) for panel in panels] for panels in columns]
