@@ -560,7 +560,7 @@ def test_a_line_says_where_a_verdict_is_nearer_to_its_limit_than_the_peaks_are_k
     error = finished.response.numerics.error_estimate
     assert 0.0 < error < 0.01
     worst = most_used(finished.verdicts)
-    for beyond, said in ((0.5 * error, True), (-0.5 * error, True), (0.2, False), (-0.2, False)):
+    for beyond, said in ((0.5 * error, True), (-0.5 * error, True), (0.2, False), (-0.2, False), (-1.0, False)):
         row = replace(worst, value=(1.0 + beyond) * worst.limit)
         assert ("differ from the limit by less" in reliance(with_parts(finished, verdicts=(row,))).text) == said, beyond
 

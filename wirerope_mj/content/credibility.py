@@ -59,7 +59,7 @@ def reliance(run: JudgedRun) -> Statement:
     band = _band_text(parts) or "The uncertainty of the peaks has no number"
     worst = most_used(run.verdicts)
     sizes = [part.size for part in parts if math.isfinite(part.size)]
-    if worst is not None and sizes and abs(1.0 - 1.0 / (used := worst.utilisation or 1.0)) < math.hypot(*sizes):
+    if worst is not None and abs((used := worst.utilisation or 0.0) - 1.0) < math.hypot(*sizes) * used:
         band += f". The {in_unit(used, '%'):.0f} % used by {worst.subject} differ from the limit by less than that"
     return Statement("reliance", f"Deck: {deck}. {band}. Weakest: {weakest.name} ({GRADES[weakest.grade]}).", tone="quiet")
 
