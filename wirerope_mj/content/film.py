@@ -38,7 +38,7 @@ class FilmedRun:
     used: Sequence[Used]  # utilisation of limits at each of them
 
     def reached(self, instant: float) -> bool:
-        """Whether the most critical value has been reached at an instant [s]."""
+        """Tell whether the most critical value has been reached at an instant [s]."""
         return self.critical is not None and self.critical.time is not None and instant >= self.critical.time - 1e-9
 
     def view(self, instant: float) -> SceneView:

@@ -104,7 +104,8 @@ def _with_peak(panel: Panel) -> Panel:
     values = np.concatenate([curve.y for curve in panel.curves] + [[level] for _, level in panel.limits if level * y > 0.0])
     low, high = float(values.min()), float(values.max())
     aside = math.copysign(0.06 * (high - low), y)  # away from the curve, as far as the panel reaches
-    near = [level for _, level in panel.limits if 0.0 < (level - y) / aside < 2.5]  # beyond a limit that the text would cross
+    # beyond a limit that the text would cross
+    near = [level for _, level in panel.limits if 0.0 < math.copysign(1.0, y) * (level - y) < 2.5 * abs(aside)]
     place, ylim = min(max(y + aside, low), high), panel.ylim
     if near:
         place = near[0] + 1.2 * aside

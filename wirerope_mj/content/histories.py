@@ -9,7 +9,7 @@ from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.comparison import Comparison, Component, Subject, difference, subjects_of
 from wirerope_mj.content.blocks import BASE, MOUNTS, Curve, Panel, short
 from wirerope_mj.content.numbers import number
-from wirerope_mj.content.selection import NAMED, Selection, kind_of, most_used, or_other, travel_limits
+from wirerope_mj.content.selection import NAMED, Selection, kind_of, or_other, ranked_over_time, travel_limits
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
@@ -123,12 +123,12 @@ def named_lines(response: Response, selection: Selection, subjects: Mapping[str,
 def used_panel(response: Response, selection: Selection) -> Panel:
     """Draw the utilisation of limits by mounts, bodies and points over time."""
     curves = []
-    for rank, used in enumerate(most_used(selection.used)):
+    for rank, used in enumerate(ranked_over_time(selection.used)):
         name, kind = or_other(short(used.subject), kind_of(selection, used.subject), rank, len(selection.used))
         time = used.governing.time
         peak = None if time is None else (time, in_unit(used.largest, "%"))
         curves.append(Curve(response.time, in_unit(used.course, "%"), name=name, kind=kind, peak=peak))
-    worst = most_used(selection.used)[0]
+    worst = ranked_over_time(selection.used)[0]
     return Panel(
         curves, "used of the limit [%]",
         title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}", limits=[("limit", 100.0)],

@@ -198,7 +198,7 @@ class SceneMotion:
 
     @property
     def moves(self) -> bool:
-        """Whether anything moves visibly between the samples."""
+        """Tell whether anything moves visibly between the samples."""
         return any(float(np.ptp(travel, axis=0).max()) > _STILL for travel in self.travels.values())
 
     def at(self, instant: float) -> Scene:

@@ -113,7 +113,7 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
     bodies = {name: peaks.acceleration for name, peaks in response.peaks.bodies.items() if name not in fixed}
     points = {name: peaks.acceleration for name, peaks in response.peaks.points.items()}
     used = tuple(used_limits(response, verdicts))
-    critical, over_time = ([limit.subject for limit in rows[:NAMED]] for rows in (used, most_used(used)))
+    critical, over_time = ([limit.subject for limit in rows[:NAMED]] for rows in (used, ranked_over_time(used)))
     of_mounts = [[name for name in names if name in mounts] for names in (critical, over_time)]
     of_mounts += [list(leading[quantity, axis][:NAMED]) for axis in AXES for quantity in QUANTITIES]
     of_payload = [worst_names(response), [name for name in (*critical, *over_time) if name not in mounts]]
@@ -125,7 +125,7 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
     )  # fmt: skip
 
 
-def most_used(used: Sequence[Used]) -> list[Used]:
+def ranked_over_time(used: Sequence[Used]) -> list[Used]:
     """Order limits by what is used of them over time, the most first, whatever is used at rest."""
     return sorted(used, key=lambda entry: -entry.largest)
 

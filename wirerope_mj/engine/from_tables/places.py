@@ -1,4 +1,4 @@
-"""Where a row of a table says that something stands: its name, position and axes."""
+"""Places of mounts, stops and points that rows of tables state: name, position and axes."""
 
 import math
 

@@ -10,7 +10,7 @@ from wirerope_mj.content.blocks import BASE, OTHERS, Curve, Panel
 from wirerope_mj.content.events import NEAR
 from wirerope_mj.content.histories import peak_text
 from wirerope_mj.content.judged_run import RunResult
-from wirerope_mj.content.selection import Selection, most_used
+from wirerope_mj.content.selection import Selection, ranked_over_time
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
@@ -176,7 +176,7 @@ def log_lanes(rec: Stream, response: Response, selection: Selection) -> None:
 
 def _lane_subjects(selection: Selection) -> list[str]:
     """Choose the subjects of lanes, those of the largest utilisation over time."""
-    return [used.subject for used in most_used(selection.used)[:_MOST_LANES]]
+    return [used.subject for used in ranked_over_time(selection.used)[:_MOST_LANES]]
 
 
 def _pressing(response: Response) -> Booleans | None:

@@ -69,7 +69,7 @@ def show(path_or_folder: str | Path) -> None:
 
 @dataclass(frozen=True)
 class Opening:
-    """Where a recording opens: its application and its id, a timeline, and an instant [s] or a number on it."""
+    """The cursor at which a recording opens: application and id, timeline, and an instant [s] or a number on it."""
 
     recording: str
     timeline: str
