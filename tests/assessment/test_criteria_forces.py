@@ -61,6 +61,7 @@ def test_loads_and_forces_of_stops_are_judged_by_their_peaks():
     assert contact.force > 100.0
 
 
+@pytest.mark.slow
 @pytest.mark.quick
 @pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)], ids=["up", "down"])
 def test_the_load_of_a_foot_is_that_of_the_mount_and_of_the_stop_in_it(direction):
@@ -138,6 +139,7 @@ def test_a_stop_of_two_sides_is_judged_on_both():
     assert (rows["stop gap, above"].value, rows["stop gap, above"].limit) == (deflection.maximum[2], 0.0005)
 
 
+@pytest.mark.slow
 @pytest.mark.quick
 def test_what_rests_on_a_stop_from_the_start_is_said_and_no_strike():
     law = wr.Parallel(laws=(wr.KelvinVoigt(k=4e4, c=40.0), wr.Stop(gap_below=0.0, k=5e5, rounding=1e-4)))

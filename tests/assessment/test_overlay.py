@@ -352,6 +352,7 @@ def saved(tmp_path_factory):
     return place
 
 
+@pytest.mark.slow
 def test_compare_writes_a_folder_as_every_command_does(saved, tmp_path, capsys):
     out = tmp_path / "both"
     command = ["compare", str(saved / "g10"), str(saved / "g12"), "--out", str(out)]

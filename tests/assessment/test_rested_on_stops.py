@@ -96,6 +96,7 @@ def short_circuited(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_it_is_said_first_by_every_command(short_circuited, capsys, monkeypatch):
     monkeypatch.chdir(short_circuited)
     said = "isolation is short-circuited at rest, after long vibration: s1, s2, s3, s4 carry 3"

@@ -142,6 +142,7 @@ def test_a_loop_that_still_changes_is_named(folder, simple, capsys):
     assert re.search(named, (folder / "a-report" / "report.html").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_noise_of_the_load_cell_is_neither_unsteadiness_nor_a_law_that_lacks_something(folder, capsys):
     ramp = 240
     time, x, force = (values[ramp:] for values in rig_record(TRUTH, [0.5e-3, 2e-3, 8e-3], operating_point=-3e-3, noise=0.0))

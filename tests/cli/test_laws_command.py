@@ -25,6 +25,7 @@ def test_the_law_of_the_device_is_named(record, capsys):
     assert "wirerope identify test.csv --law" in out
 
 
+@pytest.mark.slow
 def test_a_law_that_fits_far_better_is_recommended_where_too_few_amplitudes_leave_none_out(tmp_path, monkeypatch, capsys):
     """Three amplitudes: eight parameters cannot be fitted to two of them, and Bouc-Wen's five, which can, miss by half."""
     monkeypatch.chdir(tmp_path)

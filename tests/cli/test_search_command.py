@@ -37,6 +37,7 @@ def test_a_search_becomes_one_folder_with_table_pictures_and_runs_of_its_best(do
     assert run.peaks.bodies["beam"].acceleration.value == row["acceleration"]
 
 
+@pytest.mark.slow
 def test_resuming_prints_the_front_again(done, capsys):
     file = done.parent / "places.py"
     assert main(["study", str(file), "--resume", "--out", str(done), "--all"]) == 0

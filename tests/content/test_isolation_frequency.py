@@ -112,6 +112,7 @@ def test_the_payload_moves_as_far_as_its_centre_does(run):
     assert payload_moves(response).values["displacement_m"] == pytest.approx(np.linalg.norm(moved, axis=1).max(), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_terminal_and_summary_have_transmissibility_dwells_and_how_far_the_payload_moves(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "psd.csv").write_text("frequency [Hz],psd [g^2/Hz]\n5,0.001\n100,0.001\n", encoding="utf-8")

@@ -46,6 +46,7 @@ def test_terminal_summary_page_and_recording_have_required_and_achieved_spectrum
     assert any(path.endswith("required") and path.startswith("/frequencies") for path in recorded)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("beside_rrs")
 def test_a_spectrum_that_ends_level_is_enveloped_with_its_zero_period_acceleration(tmp_path, capsys):
     (tmp_path / "rrs.csv").write_text("frequency [Hz],acceleration [g]\n4,1\n8,1\n20,0.5\n50,0.5\n", encoding="utf-8")
@@ -63,6 +64,7 @@ def test_a_spectrum_that_is_not_enveloped_is_said_so(capsys):
     assert "`required-spectrum` in place of `spectrum`" in text
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("beside_rrs")
 def test_the_document_of_a_job_shows_them_once(tmp_path, capsys):
     cases = (

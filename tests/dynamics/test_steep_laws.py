@@ -60,6 +60,7 @@ def test_both_engines_give_the_same_multipliers(monkeypatch, law):
     assert found[1] == pytest.approx(found[0], abs=2e-3)  # the motions differ by 1e-4 of their ranges at n = 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [bouc_wen(0.1), bouc_wen(0.2), asymmetric(0.3), two_scales()], ids=str)
 def test_a_branch_of_a_steep_law_is_stable_and_has_no_gaps(law):
     """It reported 82 unstable points of 676 and 34 gaps with n = 0.2: sampled derivatives, infinite at z = 0."""

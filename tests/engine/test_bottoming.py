@@ -51,6 +51,7 @@ def pushed(stop, deflection):
     return np.sign(deflection) * k * counted, k * energy
 
 
+@pytest.mark.slow
 @pytest.mark.quick
 @pytest.mark.parametrize("engine", ["kernel", "mujoco"])
 def test_a_mount_that_bottoms_follows_an_own_integration_to_a_millionth(made, engine):

@@ -91,6 +91,7 @@ def test_forces_and_depths_are_those_of_mujoco(cone, dimension, callback):
     assert (contact.geoms, contact.bodies) == (("crate", "plate"), ("box", "deck"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("callback", ["native", "python"])
 def test_a_strike_takes_up_the_energy_that_the_motion_loses(callback):
     world = deck({"d": 'pos="0 0 .1"'}, inside='<geom name="plate" type="box" size="1 1 .05"/>')

@@ -196,6 +196,7 @@ def test_baselines_take_offsets_off_the_channels_of_rotation_too(tmp_path, ended
     assert filtered.turning.time.size == filtered.time.size > table.shape[0]
 
 
+@pytest.mark.slow
 def test_command_plays_six_channels_by_headers_and_by_a_map(tmp_path, ended, capsys):
     file = sensors(tmp_path / "imu.csv", ended, rate=200.0)
     runs = {

@@ -298,6 +298,7 @@ CompileResultCacheImpl.rebuild = lambda self, context, payload: CompileResult._r
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "why"), [(RENAMED, "cannot import name 'JITCodeLibrary'"), (REBUILT, "_rebuild|<lambda>")], ids=["name", "code"]
 )

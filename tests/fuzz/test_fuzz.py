@@ -4,6 +4,7 @@ import pytest
 from campaign import ACCEPTED, FAULTS, MODULES, attempt, target
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(MODULES.keys() - {"hostile"}))  # those stand in tests/runs/test_hostile_folders.py
 def test_mutated_inputs_are_used_or_refused_in_words(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # MuJoCo writes its log there

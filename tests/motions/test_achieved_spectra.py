@@ -30,6 +30,7 @@ def own(motion, axis):
     return time, motion.acceleration(time)[:, axis]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "axis", "points"), [(0, 0, POINTS), (1, 2, LOW)])
 def test_achieved_and_required_spectra_are_those_of_state_space_oscillators(motion, number, axis, points):
     found = achieved_spectra(motion)[number]
@@ -95,6 +96,7 @@ def test_the_peak_reaches_the_zero_period_acceleration_of_a_spectrum_that_ends_l
     assert matched.largest_mismatch <= 0.02
 
 
+@pytest.mark.slow
 def test_axes_that_move_alike_are_coherent():
     """One motion along both axes: every measure is 1."""
     along = match_spectrum(POINTS, duration=16.0, seed=1, direction="x").motion

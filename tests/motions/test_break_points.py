@@ -43,6 +43,7 @@ def test_smooth_specification_gives_its_own_points_back():
     np.testing.assert_allclose([level for _, level in points], [0.01, 0.04, 0.04, 0.007], rtol=0.06)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("most", [2, 3, 5, 8])
 @pytest.mark.parametrize("amplitude", [False, True])
 def test_no_line_of_any_spectrum_is_above_its_curve(most, amplitude):
@@ -94,6 +95,7 @@ def test_density_of_a_record_is_enveloped_and_read_back(vibration, tmp_path, cap
         assert motion_from_phrase("psd", f"deck_psd_{axis}.csv 5 s {axis}", folder=tmp_path).psd == points
 
 
+@pytest.mark.slow
 def test_shock_response_spectrum_of_a_pulse_is_enveloped(tmp_path, capsys):
     time = np.arange(0.0, 0.5, 1.0 / 20_000.0)
     pulse = HalfSine(peak=15.0 * G, duration=0.011, direction="z", start=0.02)

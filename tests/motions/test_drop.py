@@ -149,6 +149,7 @@ def test_a_case_of_a_job_falls_on_its_side_begins_unloaded_and_replays(tmp_path,
     assert main(["replay", str(tmp_path / "job/cases/side")]) == 0
 
 
+@pytest.mark.slow
 def test_a_drop_onto_the_top_is_meant_and_its_loads_are_along_its_gravity(tmp_path, capsys):
     """What is said of a fall: no warning of the gravity that it asks for, no level in studies, its own down, no peak of 1 g."""
     words = ["shock_table_frame", "--drop", "200 mm onto top", "--out", str(tmp_path / "run"), "--accuracy", "1e-3"]

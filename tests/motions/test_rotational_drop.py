@@ -60,6 +60,7 @@ def test_one_edge_stays_and_the_opposite_one_is_raised(raised, stays):
     assert np.allclose(jump, -motion.velocity([motion.end - 1e-9])[0], rtol=0.0, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_box_on_mounts_is_thrown_as_an_integration_of_its_own_has_it():
     motion = drop()
     response = wr.simulate(boxed(), motion, duration=motion.end + 0.3, timestep=2.5e-4, sample_rate=400.0)

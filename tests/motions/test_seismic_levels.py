@@ -57,6 +57,7 @@ def test_numbers_of_another_site_are_refused(tmp_path, monkeypatch, capsys, word
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.quick
 @pytest.mark.parametrize(("name", "first", "second"), [
     ("ac156", ["--sds", "1.2", "--z-h", "1"], ["--sds", "0.4", "--z-h", "0"]),

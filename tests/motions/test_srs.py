@@ -289,6 +289,7 @@ def test_frequencies_too_near_the_sampling_rate_are_warned_of():
         wr.shock_response_spectrum([0.0, 1e-3, 2e-3, 3e-3], [0.0, 1.0, 1.0, 0.0], [50.0, 150.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("q", [3.0, 10.0, math.inf])
 def test_every_sign_and_phase_is_what_a_dense_solution_shows(q):
     rate, n = 2000.0, 81  # 40 ms of something that has no symmetry, and a second of quiet

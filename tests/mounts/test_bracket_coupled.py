@@ -159,6 +159,7 @@ def test_rests_that_are_found_together_are_those_of_one_model(device):
         np.testing.assert_allclose(rests.mounts[row, 0, 0], own, rtol=0, atol=1e-6 * np.abs(own).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["axial/stiffness", "shear/friction"])
 def test_a_study_varies_what_stands_on_brackets_and_what_stands_beside_them(key, tmp_path):
     device, name = on(axial=8e5, roll=5e5), f"mount/m/{key}"

@@ -261,6 +261,7 @@ def test_energy_of_a_thrown_mass_is_the_work_done_on_its_mount(shear):
     np.testing.assert_allclose(z, trace.hysteretic_state, rtol=0, atol=1e-5 * scale)
 
 
+@pytest.mark.slow
 def test_both_callbacks_give_the_same_bits():
     system = mass_on(isolator(shear=SLIDERS), tilt=30.0)
     native, python = (run(system, 5e-4, duration=0.02, callback=kind, engine="mujoco") for kind in ("native", "python"))

@@ -17,12 +17,14 @@ def said(time, deflection, force):
     return checked_record(time, deflection, force).faults
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("law", [LAW, NI])
 def test_a_clean_record_has_no_faults(law, seed):
     assert said(*rig_record(law, SIZES, seed=seed, points=400.0)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frequency", [50.0, 49.93, 60.02])
 def test_hum_is_found_named_and_taken_out(frequency):
     time, deflection, force = rig_record(LAW, SIZES, points=400.0)
@@ -52,6 +54,7 @@ def test_an_offset_is_no_drift(law, rate):
     assert said(even, np.interp(even, time, deflection), np.interp(even, time, force)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [6, -6])
 def test_a_lag_between_the_channels_is_named_with_its_size(samples):
     time, deflection, force = rig_record(LAW, SIZES, points=400.0)

@@ -45,6 +45,7 @@ def three(loops):
     return wr.identify(loops, law=wr.AsymmetricBoucWen, scales=3)
 
 
+@pytest.mark.slow
 def test_three_scales_are_found_within_their_errors(three):
     truth = {
         "z_max_large": 360.0, "z_max_middle": 105.0, "z_max_small": 45.0, "x_y_large": 6e-3, "x_y_large/middle": 6.0 / 1.4,

@@ -100,6 +100,7 @@ def test_the_command_runs_at_a_temperature_and_its_folder_keeps_it(tmp_path, cap
         assert fault in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_job_runs_at_a_temperature_and_keeps_what_has_not_changed(tmp_path, capsys):
     write_model(wr.load_system(sdof_text(), isolators={"a": device()}), tmp_path)
     case = '[[case]]\nname = "shock"\nhalf-sine = "5 g 11 ms z"\nduration = 0.05\ntimestep = 1e-3\n'

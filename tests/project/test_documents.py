@@ -89,6 +89,7 @@ def test_frequency_response_runs_from_python(capsys):
     assert "superharmonic 3" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_motions_run_from_python(capsys):
     names = {}
     exec(compile(blocks("docs/motions.md"), "motions.md", "exec"), names)

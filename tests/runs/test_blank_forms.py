@@ -155,6 +155,7 @@ def test_the_comments_of_the_form_say_what_is_assumed():
     assert f"{np.median(ratios()['height']):.0f}" == "2"  # twice the travel
 
 
+@pytest.mark.slow
 def test_the_bands_hold_the_parts_of_the_vendors_tables():
     """Nine in ten of them by construction; here of the force at the travel, of every sixteenth part from three figures."""
     inside, parts = [], [part for part in vendor_parts()[::16] if part.modes["compression"].static_load]
@@ -166,6 +167,7 @@ def test_the_bands_hold_the_parts_of_the_vendors_tables():
     assert sum(inside) >= len(inside) - 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["shock_stiffness", "shear_stiffness", "damping", "height"])
 def test_what_a_sheet_states_is_not_assumed(key):
     value = {"shock_stiffness": 3500.0, "shear_stiffness": 2000.0, "damping": 0.15, "height": 0.04}[key]

@@ -168,6 +168,7 @@ def test_a_changed_limit_is_judged_as_a_new_run_would_be_without_simulating(agai
         assert new == old
 
 
+@pytest.mark.slow
 def test_a_document_that_stands_in_the_folder_is_written_anew(again, tmp_path):
     again(docx=True)
     document = tmp_path / "job" / "out" / "report.docx"
@@ -214,6 +215,7 @@ def test_cases_come_from_a_sheet(tmp_path):
     assert hum.simulate["initial"] == "unloaded"
 
 
+@pytest.mark.slow
 def test_a_case_that_fails_leaves_the_others_and_the_next_call_goes_on(again, monkeypatch):
     ordinary = job_module.write_run
 
@@ -263,6 +265,7 @@ def test_processes_compute_what_one_does(done, tmp_path):
         assert one.read_bytes() == other.read_bytes()
 
 
+@pytest.mark.slow
 def test_two_jobs_are_compared_case_by_case(done, tmp_path, capsys):
     folder, _ = done
     text = CASES.replace('"20 g 11 ms z"', '"30 g 11 ms z"').replace('"Down, mild"', '"Down"')

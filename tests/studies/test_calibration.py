@@ -315,6 +315,7 @@ def test_a_value_beyond_its_prior_is_said_to_end_there_and_what_is_left_is_of_th
     np.testing.assert_allclose(found.learned, deviations, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_gain_is_told_by_a_law_that_follows_and_not_by_one_that_does_not():
     prior = Prior.of({"frequency": wr.Uniform(2.5, 3.5), "channel/one/gain": wr.Normal(1.0, 0.02)})
     time, forward = forward_of(lambda time, frequency, gain: gain * swinging(time, 1.0, frequency))

@@ -172,6 +172,7 @@ def oscillator(frequency, motion, end):
     return np.abs(force).max(), np.abs(done.y[0]).max() + 9.80665 / pulsation**2
 
 
+@pytest.mark.slow
 def test_what_would_do_keeps_the_limits_and_softer_or_stiffer_does_not():
     systems, cases = equipment(None, CASES, box={"mass": 120.0, "size": SIZE}, mounts=["4"], fragility=80.0, travel=0.03)
     (system,) = systems.values()

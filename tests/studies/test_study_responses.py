@@ -119,6 +119,7 @@ def test_where_forces_are_python_each_variant_is_recorded_alone(monkeypatch):
     assert list(part.responses) == [2]
 
 
+@pytest.mark.slow
 def test_a_study_killed_anywhere_keeps_whole_files_and_ends_with_all_of_them(alone, tmp_path):
     folder, study = tmp_path / "killed", table_study()
     whole = calls(lambda: study.run(tmp_path / "counted", keep="responses", workers=1))["call"]

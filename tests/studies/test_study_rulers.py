@@ -51,6 +51,7 @@ def test_both_accelerations_and_both_travels_are_named(study, tmp_path):
     assert (np.asarray(values_of(result.table, ALL)) >= values_of(result.table, "acceleration")).all()
 
 
+@pytest.mark.slow
 def test_pictures_and_tables_show_the_travel_that_the_headline_says(tmp_path):
     both = PULSE + wr.HalfSine(peak=80.0, duration=0.011, direction="x", start=0.01)
     vary = {"motion/level": wr.Uniform(0.7, 1.3)}

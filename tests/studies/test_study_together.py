@@ -59,6 +59,7 @@ def test_variants_have_the_bits_that_a_batch_of_their_systems_has(name):
     require_equal(table(study, rows), table(study, rows, side_by_side=False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "vary",
     [
@@ -108,6 +109,7 @@ def test_company_does_not_matter():
         require_equal(table(study, [rows[i] for i in some]), every.take(some))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "vary",
     [

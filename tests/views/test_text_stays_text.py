@@ -54,6 +54,7 @@ def model(tmp_path_factory):
     return folder / "cabinet" / "cabinet.xml"
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 def test_runs_studies_and_jobs_export_names_as_text(model, tmp_path, capsys):
     pytest.importorskip("openpyxl")
