@@ -39,7 +39,7 @@ HOUSE = {
     "assessment": (("criteria",), ("correlation", "durability")),
     "studies": (("vary",), ("engines",), ("results",), ("search", "calibration")),
     "content": (),
-    "views": (("plots",), ("recording",), ("report", "document"), ("explore",), ("share",)),
+    "views": (("plots",), ("recording",), ("report", "document"), ("explore",), ("share",), ("board",)),
     "runs": (),
     "cli": (),
 }

@@ -1,0 +1,176 @@
+// The page of the board: a socket to its server, fragments of HTML, buttons, fields and keys with actions.
+
+import { createCanvas } from "./canvas.js";
+
+const [SOON, LATE] = [300, 3000]; // pauses before it connects again, the shortest and the longest [ms]
+const at = (id) => document.getElementById(id);
+const token = new URLSearchParams(location.search).get("token"), title = document.title;
+const client = crypto.getRandomValues(new Uint32Array(2)).join("-");
+const unanswered = new Map(); // actions by id and what they come from; sent again over a new connection
+const sent = new WeakMap(); // fields with the values that the server was told
+const passing = { id: "", next: null }; // the one in flight that a later may replace, the newest that waits
+let socket, pause = SOON, count = 0, greeted = false;
+
+function say(words, tone = "", ...more) {
+  at("said").replaceChildren(words, ...more);
+  at("said").className = tone;
+}
+
+function transmit(action) {
+  const message = { ...action, id: `${client}.${(count += 1)}` };
+  if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+  return message;
+}
+
+function act(action, element = null) {
+  if (action.do !== "select") passing.next = null;
+  const message = transmit(action);
+  unanswered.set(message.id, { message, element });
+}
+
+function pass(action) {
+  if (passing.id) passing.next = action;
+  else if (socket.readyState === WebSocket.OPEN) passing.id = transmit(action).id;
+}
+
+const canvas = createCanvas({ act, pass });
+
+function connect() {
+  socket = new WebSocket(new URL(`/socket${location.search}`, location.href.replace(/^http/, "ws")));
+  socket.addEventListener("open", () => {
+    say("");
+    [pause, passing.id, passing.next, greeted] = [SOON, "", null, false];
+    for (const { message } of unanswered.values()) socket.send(JSON.stringify(message));
+  });
+  socket.addEventListener("message", ({ data }) => receive(JSON.parse(data)));
+  socket.addEventListener("close", () => {
+    say("Connection lost, trying again.", "bad");
+    setTimeout(connect, pause);
+    pause = Math.min(2 * pause, LATE);
+  });
+}
+
+function receive(message) {
+  const { html, preview, said, tone, ask, done, refused } = message, state = document.body.dataset;
+  if (done ?? refused) answer(done ?? refused, refused && said, message.word); // it stays in its field
+  for (const [id, fragment] of Object.entries({ ...html, ...preview?.html })) replace(at(id), fragment);
+  canvas.show(message);
+  if (said !== undefined) say(said, tone);
+  for (const name of ["stale", "dirty"]) if (name in message) state[name] = message[name];
+  document.title = (state.dirty === "true" ? "\u2022 " : "") + title;
+  if (message.open) openBeside(new URL(message.open, location.href));
+  if (ask) act(ask);
+  if (preview || (done ?? refused) === passing.id) {
+    const { next } = passing;
+    [passing.id, passing.next] = ["", null];
+    if (next) pass(next);
+  }
+  if (!greeted) act({ do: "judge" });
+  greeted = true;
+}
+
+function openBeside(address) {
+  if (address.origin === location.origin) address.searchParams.set("token", token);
+  if (window.open(address, "_blank")) return; // a browser may refuse a tab so long after the click
+  const link = document.createElement("a");
+  say("Ready: ", "good", Object.assign(link, { href: address, target: "_blank", textContent: "open it" }));
+}
+
+// Show below an element why its action was refused, or take that away.
+function answer(id, reason, word) {
+  const { message, element } = unanswered.get(id) ?? {};
+  unanswered.delete(id);
+  if (message?.do === "move" && reason) canvas.cancel();
+  if (!element) return;
+  const below = element.nextElementSibling, { dataset } = element;
+  if (isRefusal(below)) below.remove();
+  element.ariaInvalid = reason ? "true" : null;
+  if (!reason && "clear" in dataset) element.value = "";
+  if (!reason) return;
+  sent.delete(element);
+  const refusal = document.createElement("p");
+  element.after(Object.assign(refusal, { className: "refusal", role: "alert", textContent: reason }));
+  const start = element.type === "text" && word ? element.value.indexOf(word) : -1;
+  if (start >= 0) element.setSelectionRange(start, start + word.length);
+}
+
+function replace(element, html) {
+  const template = document.createElement("template");
+  template.innerHTML = html;
+  if (element) match(element, template.content);
+}
+
+const isRefusal = (node) => node?.className === "refusal";
+const keyOf = (node) => node.id || node.dataset?.name || "";
+
+// Give a parent the children of another and keep those that stay, with focus, caret and what is unfolded.
+function match(parent, made) {
+  const wanted = new Set([...made.childNodes].map(keyOf)), named = [...parent.childNodes].filter(keyOf);
+  for (const node of named) if (!wanted.has(keyOf(node))) node.remove();
+  const kept = new Map(named.map((node) => [keyOf(node), node]));
+  let next = parent.firstChild;
+  for (const node of [...made.childNodes]) {
+    while (isRefusal(next)) next = next.nextSibling;
+    const old = keyOf(node) ? kept.get(keyOf(node)) : next;
+    const stays = old?.nodeName === node.nodeName && keyOf(old) === keyOf(node);
+    if (stays && old === next) next = next.nextSibling;
+    else parent.insertBefore(stays ? old : node, next);
+    if (stays) resemble(old, node);
+  }
+  while (next) {
+    const last = next;
+    next = next.nextSibling;
+    if (!isRefusal(last)) last.remove();
+  }
+}
+
+function resemble(old, made) {
+  if (old.nodeType !== Node.ELEMENT_NODE) {
+    old.data = made.data;
+    return;
+  }
+  const stays = (name) => ["open", "aria-invalid"].includes(name), invalid = old.hasAttribute("aria-invalid");
+  const told = [old.defaultValue ?? old.value, sent.get(old)], field = old.matches("input, select, textarea");
+  const typed = (invalid || old === document.activeElement) && !told.includes(old.value);
+  const gone = [...old.attributes].filter(({ name }) => !stays(name) && !made.hasAttribute(name));
+  for (const { name } of gone) old.removeAttribute(name);
+  for (const { name, value } of made.attributes) if (!stays(name)) old.setAttribute(name, value);
+  match(old, made);
+  if (!field || old.type === "file") return;
+  old.checked = made.checked;
+  if (old.value !== made.value && !typed) old.value = made.value;
+}
+
+// Read the action of an element from its data attributes.
+function actionOf({ dataset: { keys, live, selected, clear, ...action } }) {
+  return selected === undefined ? action : { ...action, names: canvas.selected() };
+}
+
+const valueOf = (field) => (field.type === "checkbox" ? field.checked : field.value);
+document.addEventListener("click", ({ target }) => {
+  const button = target.closest("button[data-do]");
+  if (button) act(actionOf(button), button);
+});
+document.addEventListener("change", ({ target }) => {
+  if (!target.dataset.do) return;
+  sent.set(target, target.value);
+  act({ ...actionOf(target), value: valueOf(target) }, target);
+});
+document.addEventListener("input", ({ target }) => {
+  if ("live" in target.dataset) pass({ ...actionOf(target), value: valueOf(target), passing: true });
+});
+document.addEventListener("keydown", (event) => {
+  const { target } = event, modifiers = [event.ctrlKey || event.metaKey, event.altKey, event.shiftKey];
+  const name = ["ctrl+", "alt+", "shift+"].filter((_, k) => modifiers[k]).join("") + event.key.toLowerCase();
+  const field = target.closest("input, select, textarea"), beside = target.closest("header, aside");
+  if (name === "escape" && field?.defaultValue !== undefined) field.value = field.defaultValue;
+  if (document.querySelector("dialog[open]") || (field && name !== "ctrl+s")) return;
+  if (name === "ctrl+s") [target.blur(), target.focus()]; // what is typed is sent before it is saved
+  const button = document.querySelector(`[data-keys~="${CSS.escape(name)}"]`);
+  if (!(button && name.startsWith("ctrl+")) && beside) return;
+  if (!button && !canvas.key(name, event)) return;
+  event.preventDefault();
+  if (button) [canvas.settle(), button.click()];
+});
+addEventListener("beforeunload", (event) => document.body.dataset.dirty === "true" && event.preventDefault());
+connect();
