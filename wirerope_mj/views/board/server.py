@@ -1,0 +1,265 @@
+"""The server of the drawing board, for this machine only; page, files and windows must carry the token."""
+
+import asyncio
+import hmac
+import socket
+import traceback
+import webbrowser
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from secrets import token_urlsafe
+from time import monotonic
+from urllib.parse import quote
+
+import uvicorn
+from jinja2 import Template
+from starlette.applications import Starlette
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.views.board.windows import Served, Windows
+from wirerope_mj.views.colours import style_sheet
+from wirerope_mj.views.recording.viewer import LOCAL, has_display
+from wirerope_mj.views.share import VIEWER, viewer_pages
+
+_FOLDER = Path(__file__).parent
+_STATIC = ("board.css", "board.js", "canvas.js", "drawing.js")
+_TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wasm": "application/wasm"}
+_CONNECTIONS = 32  # at once: a browser opens six beside its windows
+_LARGEST = 64 * 1024  # largest message of a window, and largest head of a request [bytes]
+_UNREAD = 8 * 2**20  # what a window may leave unread, beside what the system keeps [bytes]
+_NONE = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
+# Pages load nothing from elsewhere, whatever their scripts or the viewer's might try: no fonts, no usage data.
+_POLICY = _NONE + "script-src 'self'; style-src 'self'; connect-src 'self' {sockets}; img-src 'self' data: blob:"
+_VIEWER_POLICY = (
+    _NONE + "script-src 'self' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; connect-src 'self' data: blob:; "
+    "img-src data: blob:; worker-src 'self' blob:"
+)
+# A report has its styles and scripts in itself, and reaches neither the board nor anything else.
+_FILE_POLICY = (
+    _NONE + "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; font-src data:; "
+    "sandbox allow-scripts allow-popups allow-popups-to-escape-sandbox allow-downloads allow-modals"
+)
+_HEADERS = {
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",  # the token stands in the page's address
+    "X-Content-Type-Options": "nosniff",
+    "Cache-Control": "no-store",
+}
+
+
+class _Guard:
+    """Lets requests of this machine's own pages through, and writes into every answer what browsers must not do with it."""
+
+    def __init__(self, app: ASGIApp, hosts: tuple[str, ...]) -> None:
+        self.app, self.hosts = app, hosts
+        self.origins = [f"http://{host}" for host in hosts]
+        sockets = " ".join(f"ws://{host}" for host in hosts)
+        self.policies = {"viewer": _VIEWER_POLICY, "files": _FILE_POLICY, "": _POLICY.format(sockets=sockets)}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            return await self.app(scope, receive, send)
+        room = scope["path"].split("/")[1:2]
+        policy = self.policies.get("".join(room), self.policies[""])
+
+        async def send_guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update({**_HEADERS, "Content-Security-Policy": policy})
+            await send(message)
+
+        refused = self._refused(scope)
+        try:
+            if refused is None:
+                await self.app(scope, receive, send_guarded)
+            elif scope["type"] == "http":
+                await refused(scope, receive, send_guarded)
+            else:
+                await send({"type": "websocket.close", "code": 1008})
+        except Exception:
+            traceback.print_exc()
+            raise
+
+    def _refused(self, scope: Scope) -> Response | None:
+        headers, http = Headers(scope=scope), scope["type"] == "http"
+        origins = headers.getlist("origin")
+        if headers.getlist("host") not in [[host] for host in self.hosts]:
+            # a foreign name may have been made to point to this machine
+            return _text(403, "This page is for this machine only.")
+        if not all(origin in self.origins for origin in origins) or not (http or origins):
+            return _text(403, "This page is for its own windows only.")
+        if http and scope["method"] not in ("GET", "HEAD"):
+            return _text(405, "This page is only read.", Allow="GET, HEAD")
+        if headers.get("content-length", "0") != "0" or "transfer-encoding" in headers:
+            return _text(400, "A request has no body.", Connection="close")
+        return None
+
+
+def _text(status: int, reason: str, **headers: str) -> Response:
+    return PlainTextResponse(f"{reason}\n", status, headers)
+
+
+class _Connection(H11Protocol):
+    """A connection; when there are too many, the oldest that is no window makes room: most of them wait for nothing."""
+
+    opened = 0.0
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self.opened = monotonic()
+        if len(self.connections) > _CONNECTIONS:
+            spare = [each for each in self.connections if isinstance(each, _Connection) or each.transport.is_closing()]
+            min(spare, key=lambda each: getattr(each, "opened", 0.0)).transport.abort()
+
+
+class _Socket(WebSocketsSansIOProtocol):
+    """The socket of a window; one that does not read is ended, and may connect again."""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        super().connection_made(transport)
+        self.transport.set_write_buffer_limits(_UNREAD)
+
+    def pause_writing(self) -> None:
+        self.transport.abort()
+
+
+class BoardServer(uvicorn.Server):
+    """Serves one board on a port of this machine (0: a free one); `run` returns once `should_exit` is set.
+
+    OSError if the port is taken.
+    """
+
+    def __init__(self, board: Served, *, port: int = 0) -> None:
+        self.windows, self.token = Windows(board), token_urlsafe(24)
+        self.listener = socket.create_server((LOCAL, port))
+        self.port = self.listener.getsockname()[1]
+        self.hosts = tuple(f"{name}:{self.port}" for name in (LOCAL, "localhost"))
+        self.address = f"http://{self.hosts[0]}/?token={self.token}"
+        self._viewer: dict[str, bytes] = {}
+        self._fetching = asyncio.Lock()
+        pages = Starlette(
+            routes=[
+                Route("/", self._page),
+                Route("/files/{name:path}", self._file),
+                Route("/viewer", self._view),
+                Route("/viewer/{token}/{name:path}/run.rrd", self._recording),
+                Route(f"/viewer/{{token}}/{{name:path}}/{VIEWER}/{{page}}", self._viewer_page),
+                Route("/{name}", self._static),
+                WebSocketRoute("/socket", self._socket),
+            ],
+            lifespan=self._living,
+        )
+        pages.router.redirect_slashes = False
+        super().__init__(
+            uvicorn.Config(
+                _Guard(pages, self.hosts), http=_Connection, ws=_Socket, loop="asyncio", lifespan="on",
+                ws_max_size=_LARGEST, h11_max_incomplete_event_size=_LARGEST, ws_per_message_deflate=False,
+                log_config=None, log_level="critical", access_log=False, proxy_headers=False, server_header=False,
+                timeout_graceful_shutdown=1,
+            )
+        )  # fmt: skip
+
+    def run(self, sockets: list[socket.socket] | None = None) -> None:
+        """Answer until the server is ended."""
+        super().run(sockets or [self.listener])
+
+    @asynccontextmanager
+    async def _living(self, app: Starlette) -> AsyncIterator[None]:
+        tasks = [asyncio.create_task(self.windows.conduct()), asyncio.create_task(self.windows.watch())]
+        try:
+            yield
+        finally:
+            for task in tasks:
+                task.cancel()
+            self.windows.close()
+
+    def _allows(self, given: str) -> bool:
+        return hmac.compare_digest(given.encode(errors="replace"), self.token.encode())
+
+    def _require_token(self, given: str) -> None:
+        if not self._allows(given):
+            raise HTTPException(403, "Open the address that `wirerope board` printed: its token is missing or wrong.")
+
+    def _path(self, name: str, suffix: str = "") -> Path:
+        path = self.windows.board.file(name)
+        if path is None or not path.is_file() or not path.name.endswith(suffix):
+            raise HTTPException(404)
+        return path
+
+    async def _page(self, request: Request) -> Response:
+        self._require_token(request.query_params.get("token", ""))
+        page = Template((_FOLDER / "board.html").read_text(encoding="utf-8"), autoescape=True, trim_blocks=True)
+        return HTMLResponse(page.render(title=self.windows.board.title))
+
+    async def _static(self, request: Request) -> Response:
+        name = request.path_params["name"]
+        if name == "colours.css":
+            return Response(style_sheet(), media_type="text/css")
+        if name not in _STATIC:
+            raise HTTPException(404)
+        return Response((_FOLDER / name).read_bytes(), media_type=_TYPES[Path(name).suffix])
+
+    async def _file(self, request: Request) -> Response:
+        self._require_token(request.query_params.get("token", ""))
+        return FileResponse(self._path(request.path_params["name"]))
+
+    async def _view(self, request: Request) -> Response:
+        """Send on to the viewer's page, which asks for its files beside it and for the recording above it.
+
+        It has this machine's other name: so browsers give it a process of its own, and it cannot hold up the board.
+        """
+        self._require_token(request.query_params.get("token", ""))
+        name = request.query_params.get("recording", "")
+        self._path(name, ".rrd")
+        other = self.hosts[request.headers["host"] == self.hosts[0]]
+        return RedirectResponse(f"http://{other}/viewer/{self.token}/{quote(name, safe='')}/{VIEWER}/index.html", 303)
+
+    async def _recording(self, request: Request) -> Response:
+        self._require_token(request.path_params["token"])
+        return FileResponse(self._path(request.path_params["name"], ".rrd"), media_type="application/octet-stream")
+
+    async def _viewer_page(self, request: Request) -> Response:
+        self._require_token(request.path_params["token"])
+        page = request.path_params["page"]
+        async with self._fetching:
+            self._viewer = self._viewer or await asyncio.to_thread(viewer_pages)
+        if page not in self._viewer:
+            raise HTTPException(404)
+        return Response(self._viewer[page], media_type=_TYPES[Path(page).suffix])
+
+    async def _socket(self, connection: WebSocket) -> None:
+        if self._allows(connection.query_params.get("token", "")):
+            await self.windows.attend(connection)
+        else:
+            await connection.close(1008)
+
+
+def serve(board: Served, *, browser: bool, port: int = 0) -> None:
+    """Serve a board on a port (0: a free one), print its address, and return when Ctrl-C ends it; the board is closed then.
+
+    The page is opened with `browser` where there is a screen. WireRopeError if the port is taken.
+    """
+    try:
+        server = BoardServer(board, port=port)
+    except OSError as error:
+        raise WireRopeError(f"port {port} of {LOCAL} cannot be had ({error.strerror}). Leave --port out.") from None
+    try:
+        print(f"Open {server.address}\nCtrl-C ends it.", flush=True)
+        if browser and has_display():
+            webbrowser.open(server.address)
+        server.run()
+    except KeyboardInterrupt:
+        print("\nEnded.")
+    finally:
+        if not server.started:
+            server.windows.close()
