@@ -3,6 +3,7 @@
 import { createCanvas } from "./canvas.js";
 
 const [SOON, LATE] = [300, 3000]; // pauses before it connects again, the shortest and the longest [ms]
+const FULL = 1013; // the code with which a server ends a connection that it has told that there are too many
 const at = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.search).get("token"), title = document.title;
 const client = crypto.getRandomValues(new Uint32Array(2)).join("-");
@@ -43,8 +44,8 @@ function connect() {
     for (const { message } of unanswered.values()) socket.send(JSON.stringify(message));
   });
   socket.addEventListener("message", ({ data }) => receive(JSON.parse(data)));
-  socket.addEventListener("close", () => {
-    say("Connection lost, trying again.", "bad");
+  socket.addEventListener("close", ({ code }) => {
+    if (code !== FULL) say("Connection lost, trying again.", "bad");
     setTimeout(connect, pause);
     pause = Math.min(2 * pause, LATE);
   });
@@ -52,12 +53,13 @@ function connect() {
 
 function receive(message) {
   const { html, preview, said, tone, ask, done, refused } = message, state = document.body.dataset;
-  if (done ?? refused) answer(done ?? refused, refused && said, message.word); // it stays in its field
+  if (refused) answer(refused, said, message.word); // before fragments, for them to leave its field as it is
   for (const [id, fragment] of Object.entries({ ...html, ...preview?.html })) replace(at(id), fragment);
   canvas.show(message);
   if (said !== undefined) say(said, tone);
   for (const name of ["stale", "dirty"]) if (name in message) state[name] = message[name];
   document.title = (state.dirty === "true" ? "\u2022 " : "") + title;
+  if (done) answer(done);
   if (message.open) openBeside(new URL(message.open, location.href));
   if (ask) act(ask);
   if (preview || (done ?? refused) === passing.id) {
@@ -80,10 +82,10 @@ function openBeside(address) {
 function answer(id, reason, word) {
   const { message, element } = unanswered.get(id) ?? {};
   unanswered.delete(id);
-  if (message?.do === "move" && reason) canvas.cancel();
+  if (message?.do === "move") canvas.release();
   if (!element) return;
   const below = element.nextElementSibling, { dataset } = element;
-  if (isRefusal(below)) below.remove();
+  if (below && isRefusal(below)) below.remove();
   element.ariaInvalid = reason ? "true" : null;
   if (!reason && "clear" in dataset) element.value = "";
   if (!reason) return;
@@ -100,28 +102,25 @@ function replace(element, html) {
   if (element) match(element, template.content);
 }
 
-const isRefusal = (node) => node?.className === "refusal";
+const isRefusal = (node) => node.className === "refusal";
 const keyOf = (node) => node.id || node.dataset?.name || "";
 
 // Give a parent the children of another and keep those that stay, with focus, caret and what is unfolded.
 function match(parent, made) {
-  const wanted = new Set([...made.childNodes].map(keyOf)), named = [...parent.childNodes].filter(keyOf);
-  for (const node of named) if (!wanted.has(keyOf(node))) node.remove();
-  const kept = new Map(named.map((node) => [keyOf(node), node]));
+  const wanted = new Set([...made.childNodes].map(keyOf)), present = new Set();
+  const named = new Map([...parent.childNodes].map((node) => [keyOf(node), node]));
+  const passes = (node) => isRefusal(node) || (keyOf(node) && !wanted.has(keyOf(node)));
   let next = parent.firstChild;
   for (const node of [...made.childNodes]) {
-    while (isRefusal(next)) next = next.nextSibling;
-    const old = keyOf(node) ? kept.get(keyOf(node)) : next;
+    while (next && passes(next)) next = next.nextSibling;
+    const old = keyOf(node) ? named.get(keyOf(node)) : next;
     const stays = old?.nodeName === node.nodeName && keyOf(old) === keyOf(node);
     if (stays && old === next) next = next.nextSibling;
     else parent.insertBefore(stays ? old : node, next);
     if (stays) resemble(old, node);
+    present.add(stays ? old : node);
   }
-  while (next) {
-    const last = next;
-    next = next.nextSibling;
-    if (!isRefusal(last)) last.remove();
-  }
+  for (const node of [...parent.childNodes]) if (!present.has(node) && !isRefusal(node)) node.remove();
 }
 
 function resemble(old, made) {
@@ -162,12 +161,13 @@ document.addEventListener("input", ({ target }) => {
 document.addEventListener("keydown", (event) => {
   const { target } = event, modifiers = [event.ctrlKey || event.metaKey, event.altKey, event.shiftKey];
   const name = ["ctrl+", "alt+", "shift+"].filter((_, k) => modifiers[k]).join("") + event.key.toLowerCase();
-  const field = target.closest("input, select, textarea"), beside = target.closest("header, aside");
-  if (name === "escape" && field?.defaultValue !== undefined) field.value = field.defaultValue;
-  if (document.querySelector("dialog[open]") || (field && name !== "ctrl+s")) return;
-  if (name === "ctrl+s") [target.blur(), target.focus()]; // what is typed is sent before it is saved
+  const typed = target.closest("input:not([type=range], [type=checkbox]), textarea");
   const button = document.querySelector(`[data-keys~="${CSS.escape(name)}"]`);
-  if (!(button && name.startsWith("ctrl+")) && beside) return;
+  const aside = target.closest("header, aside");
+  if (name === "escape" && typed) typed.value = typed.defaultValue;
+  if (document.querySelector("dialog[open]") || (typed && name !== "ctrl+s")) return;
+  if (name === "ctrl+s") [target.blur(), target.focus()]; // what is typed is sent before it is saved
+  if (!(button && name.startsWith("ctrl+")) && aside) return;
   if (!button && !canvas.key(name, event)) return;
   event.preventDefault();
   if (button) [canvas.settle(), button.click()];

@@ -92,6 +92,12 @@ export function createCanvas({ act, pass }) {
     redraw();
   }
 
+  // Draw what was let go where its scene has it: a new one, or the old one if nothing came of the move.
+  function release() {
+    if (board.moving?.sent) board.moving = null;
+    redraw();
+  }
+
   function cancel() {
     if (board.moving && !board.moving.sent) moveBy([0, 0, 0]);
     [board.moving, board.band, press] = [null, null, null];
@@ -143,10 +149,9 @@ export function createCanvas({ act, pass }) {
       const within = (item) => seen(positionOf(item)).every((end, k) => (end - from[k]) * (end - to[k]) < 0);
       const found = items().filter(within).map((item) => item.name);
       select(adds ? [...new Set([...selected, ...found])] : found);
-    } else if (!travels && kind !== "pan") {
-      const others = selected.filter((kept) => kept !== name), known = selected.includes(name);
-      if (!adds) select(name ? [name] : []);
-      else if (name) select(known ? others : [...selected, name]);
+    } else if (!travels && kind !== "pan" && (name || !adds)) {
+      const others = selected.filter((kept) => kept !== name);
+      select(!adds ? [name].filter(Boolean) : selected.includes(name) ? others : [...selected, name]);
     }
     settle();
     redraw();
@@ -193,20 +198,20 @@ export function createCanvas({ act, pass }) {
     return true;
   }
 
-  function release(event) {
+  function lift(event) {
     pans = false;
     if (!press && (event.type === "blur" || event.key.startsWith("Arrow"))) settle();
   }
 
   const listeners = {
     pointerdown: down, pointermove: travel, pointerup: up, pointercancel: cancel, wheel: zoom, dblclick: fit,
-    blur: release,
+    blur: lift,
   };
   for (const drawing of drawings) {
     for (const [name, listener] of Object.entries(listeners)) drawing.addEventListener(name, listener);
     new ResizeObserver(() => (fitted ? fit() : redraw())).observe(drawing);
   }
-  document.addEventListener("keyup", release);
+  document.addEventListener("keyup", lift);
   document.addEventListener("focusin", ({ target }) => {
     const name = target.closest("tr[data-name]")?.dataset.name;
     if (board.scene && itemOf(name) && !board.selected.includes(name)) select([name]);
@@ -221,7 +226,7 @@ export function createCanvas({ act, pass }) {
   function show({ scene, preview, selected }) {
     const first = scene && !board.scene;
     if (scene) Object.assign(board, { scene, preview: null });
-    if (scene && board.moving?.sent) board.moving = null;
+    if (scene) release();
     if (preview) board.preview = preview;
     if (!board.scene) return;
     if (board.moving && !board.moving.names.every(itemOf)) cancel();
@@ -230,5 +235,5 @@ export function createCanvas({ act, pass }) {
     if (first) fit();
     redraw();
   }
-  return { show, key, settle, cancel, selected: () => board.selected };
+  return { show, key, settle, release, selected: () => board.selected };
 }
