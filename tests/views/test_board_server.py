@@ -1,9 +1,14 @@
 """The server of the drawing board: what it does in which order, and what it refuses."""
 
 import json
+import os
+import signal
 import socket
+import subprocess
+import sys
 import time
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from threading import Event, Thread
 
 import pytest
@@ -297,3 +302,47 @@ def handshake(server, **changed):
 def frame(content, code=1):
     """Write a masked frame of a socket: 1 for text, 2 for bytes."""
     return bytes([128 + code, 128 + 126]) + len(content).to_bytes(2, "big") + bytes(4) + content
+
+
+SERVING = """
+import time
+from test_board_server import Board
+from wirerope_mj.views.board import serve
+
+class Long(Board):
+    def hold(self, action):
+        yield False, {"said": "begun"}
+        time.sleep(600.0)
+
+    def close(self):
+        print("closed", flush=True)
+
+serve(Long(), browser=False)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, -signal.SIGTERM)])
+def test_a_signal_ends_the_server_in_the_middle_of_a_computation(number, code):
+    paths = os.pathsep.join(str(Path(__file__).parents[n]) for n in range(2))
+    process = subprocess.Popen(
+        [sys.executable, "-c", SERVING], env={**os.environ, "PYTHONPATH": paths}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+    with process:
+        try:
+            address = process.stdout.readline().removeprefix("Open ").strip()
+            origin, _, query = address.partition("/?")
+            with connect(f"{origin.replace('http', 'ws')}/socket?{query}", origin=origin) as opened:
+                heard(opened)
+                ask(opened, "hold", "1")
+                assert until(opened, "1") == [{"said": "begun"}]
+                process.send_signal(number)
+                output, errors = process.communicate(timeout=PATIENCE)
+        finally:
+            process.kill()
+    assert process.returncode == code
+    assert "closed" in output
+    assert ("Ended." in output) == (number == signal.SIGINT)
+    assert errors == ""

@@ -110,7 +110,7 @@ def _text(status: int, reason: str, **headers: str) -> Response:
 
 
 class _Connection(H11Protocol):
-    """A connection; when there are too many, the oldest that is no window makes room: most of them wait for nothing."""
+    """A connection; when there are too many, the oldest that is no window makes room."""
 
     opened = 0.0
 
@@ -118,8 +118,9 @@ class _Connection(H11Protocol):
         super().connection_made(transport)
         self.opened = monotonic()
         if len(self.connections) > _CONNECTIONS:
-            spare = [each for each in self.connections if isinstance(each, _Connection) or each.transport.is_closing()]
-            min(spare, key=lambda each: getattr(each, "opened", 0.0)).transport.abort()
+            oldest = min((each for each in self.connections if isinstance(each, _Connection)), key=lambda each: each.opened)
+            self.connections.discard(oldest)
+            oldest.transport.abort()
 
 
 class _Socket(WebSocketsSansIOProtocol):
