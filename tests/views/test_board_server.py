@@ -70,6 +70,9 @@ class Board:
         self.taken.append(action["value"])
         yield False, {"said": str(action["value"])}
 
+    def show(self, action):
+        yield False, {"open": action["what"]}
+
     def fail(self, action):
         raise WireRopeError(f"{action['to']} does not stand")
 
@@ -88,7 +91,7 @@ class Board:
         return self.outside.pop() if self.outside else None
 
     def file(self, name):
-        return self.folder / name if name in ("report.html", "run.rrd", "gone.html") else None
+        return self.folder / name if name in ("report.html", "run.rrd", "film.mp4", "gone.html") else None
 
     def close(self):
         self.closed.set()
@@ -233,6 +236,16 @@ def test_an_action_that_comes_again_over_a_new_connection_is_not_taken_twice(ser
         ask(again, "cell", "a.2", value=2)
         assert until(again, "a.2") == [{"said": "2"}]
     assert board.taken == [1, 2]
+
+
+def test_what_is_opened_gets_the_token(server):
+    with window(server) as first:
+        for what, address in {
+            "/files/report.html": "/files/report.html?token=TOKEN",
+            "/viewer?recording=a%20b.rrd#0.05": "/viewer?recording=a%20b.rrd&token=TOKEN#0.05",
+        }.items():
+            ask(first, "show", what, what=what)
+            assert until(first, what) == [{"open": address.replace("TOKEN", server.token)}]
 
 
 def test_what_others_have_changed_is_told_to_every_window(server, board):

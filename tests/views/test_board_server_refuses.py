@@ -15,6 +15,7 @@ def server(tmp_path_factory):
     folder = tmp_path_factory.mktemp("files")
     (folder / "report.html").write_text("<p>the report</p>", encoding="utf-8")
     (folder / "run.rrd").write_bytes(b"RRF2 recording")
+    (folder / "film.mp4").write_bytes(b"film")
     (folder / "secret.txt").write_text("secret", encoding="utf-8")
     with served(Board(folder)) as running:
         yield running
@@ -190,7 +191,7 @@ def test_answers_say_what_a_browser_must_not_do_with_them(server):
         "/": ["default-src 'none'", "script-src 'self'", "style-src 'self'", f"connect-src 'self' {ours}"],
         "/nothing": ["default-src 'none'", "script-src 'self'"],
         "/files/report.html": ["default-src 'none'", "sandbox allow-scripts"],
-        "/viewer": ["script-src 'self' 'wasm-unsafe-eval'"],
+        "/files/film.mp4": ["default-src 'none'", "media-src 'self'"],
     }.items():
         content = request(f"{target}?token={server.token}&recording=run.rrd").replace("{port}", str(server.port))
         head = exchange(server, content.encode()).partition(b"\r\n\r\n")[0].decode()

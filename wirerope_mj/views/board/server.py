@@ -44,11 +44,13 @@ _VIEWER_POLICY = (
     _NONE + "script-src 'self' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; connect-src 'self' data: blob:; "
     "img-src data: blob:; worker-src 'self' blob:"
 )
-# A report has its styles and scripts in itself, and reaches neither the board nor anything else.
-_FILE_POLICY = (
+# A page among the files, as a report, has its styles and scripts in itself, and reaches neither the board nor anything else.
+_PAGE_POLICY = (
     _NONE + "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; font-src data:; "
     "sandbox allow-scripts allow-popups allow-popups-to-escape-sandbox allow-downloads allow-modals"
 )
+# Browsers show films, pictures and PDF in a page of theirs, which needs this.
+_FILE_POLICY = _NONE + "style-src 'unsafe-inline'; img-src 'self'; media-src 'self'; object-src 'self'"
 _HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
@@ -65,17 +67,17 @@ class _Guard:
         self.app, self.hosts = app, hosts
         self.origins = [f"http://{host}" for host in hosts]
         sockets = " ".join(f"ws://{host}" for host in hosts)
-        self.policies = {"viewer": _VIEWER_POLICY, "files": _FILE_POLICY, "": _POLICY.format(sockets=sockets)}
+        self.policy = _POLICY.format(sockets=sockets)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
             return await self.app(scope, receive, send)
-        room = scope["path"].split("/")[1:2]
-        policy = self.policies.get("".join(room), self.policies[""])
 
         async def send_guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                MutableHeaders(scope=message).update({**_HEADERS, "Content-Security-Policy": policy})
+                headers = MutableHeaders(scope=message)
+                headers.update(_HEADERS)
+                headers.setdefault("Content-Security-Policy", self.policy)
             await send(message)
 
         refused = self._refused(scope)
@@ -141,7 +143,8 @@ class BoardServer(uvicorn.Server):
     """
 
     def __init__(self, board: Served, *, port: int = 0) -> None:
-        self.windows, self.token = Windows(board), token_urlsafe(24)
+        self.token = token_urlsafe(24)
+        self.windows = Windows(board, self.token)
         self.listener = socket.create_server((LOCAL, port))
         self.port = self.listener.getsockname()[1]
         self.hosts = tuple(f"{name}:{self.port}" for name in (LOCAL, "localhost"))
@@ -212,7 +215,9 @@ class BoardServer(uvicorn.Server):
 
     async def _file(self, request: Request) -> Response:
         self._require_token(request.query_params.get("token", ""))
-        return FileResponse(self._path(request.path_params["name"]))
+        path = self._path(request.path_params["name"])
+        policy = _PAGE_POLICY if path.suffix in (".html", ".htm") else _FILE_POLICY
+        return FileResponse(path, headers={"Content-Security-Policy": policy})
 
     async def _view(self, request: Request) -> Response:
         """Send on to the viewer's page, which asks for its files beside it and for the recording above it.
@@ -236,7 +241,8 @@ class BoardServer(uvicorn.Server):
             self._viewer = self._viewer or await asyncio.to_thread(viewer_pages)
         if page not in self._viewer:
             raise HTTPException(404)
-        return Response(self._viewer[page], media_type=_TYPES[Path(page).suffix])
+        headers = {"Content-Security-Policy": _VIEWER_POLICY}
+        return Response(self._viewer[page], headers=headers, media_type=_TYPES[Path(page).suffix])
 
     async def _socket(self, connection: WebSocket) -> None:
         if self._allows(connection.query_params.get("token", "")):

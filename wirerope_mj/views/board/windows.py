@@ -12,6 +12,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
 from typing import Any, Protocol
+from urllib.parse import urlsplit
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -40,8 +41,9 @@ class Served(Protocol):
         """Take an action; yield messages as they become known, and whether every window is to have them.
 
         An action whose message says `"stale": true` closes earlier ones that said so and have more to yield: a verdict of a
-        former position is void. All others go on once nothing else waits. WireRopeError or ValueError, whose text is shown
-        in the window that asked, if the action cannot be taken.
+        former position is void. All others go on once nothing else waits. `"open"` may be /files/NAME or
+        /viewer?recording=NAME, with NAME quoted, and behind it # and the instant [s] of a recording. WireRopeError or
+        ValueError, whose text is shown in the window that asked, if the action cannot be taken.
         """
 
     def changed_outside(self) -> Entries | None:
@@ -111,12 +113,19 @@ class _Request:
             return None
         return {key: value for key, value in self.action.items() if key not in ("id", "by", "value")}
 
-    def step(self, board: Served) -> tuple[bool, Entries, str] | None:
-        """Compute as far as the next message."""
+    def step(self, board: Served, token: str) -> tuple[bool, Entries, str] | None:
+        """Compute as far as the next message; addresses of the server in it get the token."""
         if self.steps is None:
             self.steps = iter(board.act(self.action))
         step = next(self.steps, None)
-        return step and (*step, _text(step[1]))
+        if step is None:
+            return None
+        everyone, message = step
+        if "open" in message:
+            address = urlsplit(message["open"])
+            query = "&".join(filter(None, (address.query, f"token={token}")))
+            message = {**message, "open": address._replace(query=query).geturl()}
+        return everyone, message, _text(message)
 
 
 @dataclass
@@ -124,6 +133,7 @@ class Windows:
     """All windows of a board: they are told what changes, and what they ask for is done in one thread, in order."""
 
     board: Served
+    token: str
     _worker: _Worker = field(default_factory=_Worker)
     _open: list[_Window] = field(default_factory=list)
     _waiting: list[_Request] = field(default_factory=list)
@@ -200,7 +210,7 @@ class Windows:
     async def _proceed(self, request: _Request) -> None:
         first, told = request.steps is None, None
         try:
-            told = await self._worker.do(lambda: request.step(self.board))
+            told = await self._worker.do(lambda: request.step(self.board, self.token))
         except Exception as error:
             await request.window.tell(_failure(error))
         if told is None:
