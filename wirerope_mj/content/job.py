@@ -105,7 +105,7 @@ def job_content(job: JudgedJob) -> Content:
     texts = document.paragraphs if document else lambda name: []
     sections = [
         Section("warnings", "", warnings_said, "headline"),
-        Section("brief", "", partial(_brief, job), "headline"),
+        Section("brief", "", partial(brief, job), "headline"),
         Section("answer", "", answers, "headline"),
         Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
         Section("limits", "Limits and what governs them", limits, "summary"),
@@ -137,7 +137,7 @@ def job_content(job: JudgedJob) -> Content:
     )  # fmt: skip
 
 
-def _brief(job: JudgedJob) -> Iterator[Block | None]:
+def brief(job: JudgedJob) -> Iterator[Block | None]:
     """Yield the load cases as bars, worst instant and charts of the one that governs, and what is not judged."""
     for case in job.cases:
         if case.run.achieved:

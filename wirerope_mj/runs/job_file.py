@@ -8,9 +8,12 @@ from typing import Annotated
 
 from wirerope_mj.content.blocks import Document
 from wirerope_mj.content.job import REPORTED
+from wirerope_mj.engine.flexible import deck_of
+from wirerope_mj.engine.from_tables.layout import NAME, Layout
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.simulation.simulate import check_arguments, check_direction, duration_of
 from wirerope_mj.engine.system import System, load_system, with_rotation
+from wirerope_mj.engine.system.on_deck import deck_text
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
@@ -23,6 +26,7 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 from wirerope_mj.mounts.isolator import isolators_at
+from wirerope_mj.runs.new_model import build_model, is_folder_of_tables, tables_in
 from wirerope_mj.runs.said_motion import PLAYED, listed_phrases, said_motion, with_dwells_found
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judged_by
@@ -96,11 +100,13 @@ class Records(Played):
 class JobFile:
     """A job: load cases of one installation, their limits, and the document that they make."""
 
-    model: Annotated[str, example("shock_table")] = ""  #: path of a model, relative to the file, or the name of one that ships
+    #: path of a model or of a folder with the tables of one, relative to the file, or the name of one that ships
+    model: Annotated[str, example("shock_table")] = ""
     name: Annotated[str | None, example("Camera on four mounts")] = None  #: title of the document
     question: str = QUESTION  #: what it answers
     report: Texts = REPORTED[:7]  #: what each case shows
     combined_travel: bool = True  #: whether the travels along all axes are judged together, by the in-house rule
+    deck: Annotated[str | None, example("10 Hz 800 kg 4 %")] = None  #: a flexible deck under all mounts, as `--deck`
     temperature: Annotated[str | None, example("-20 degC")] = None  #: of the isolators, whose files state factors for it
     sheet: Annotated[str | None, example("cases.csv")] = None  #: CSV or XLSX file with a case in each row
     cases: Annotated[tuple[Case, ...], Key("case")] = ()
@@ -149,6 +155,8 @@ class Job(Summarised):
     report: tuple[str, ...]  #: what each case shows, names of `content.job.REPORTED`
     document: Document | None  #: data of the document; None for a plain report
     path: Path  #: of the file
+    system: System = field(repr=False)  #: its model, with the job's limits
+    layout: Layout | None = field(repr=False)  #: of a model that is a folder of tables
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         return f"Job {self.name}", {case.name: case.scenario.motion.description for case in self.cases}
@@ -163,7 +171,6 @@ def load_job(path: str | Path) -> Job:
     """
     path = Path(path)
     content = structure(JobFile, read_toml(path, KIND), Place(path))
-    source = model_source(content.model, folder=path.resolve().parent, asker=str(path))
     limits: list[PayloadLimit] = []
     for key, value in content.limits.items():
         try:
@@ -171,15 +178,10 @@ def load_job(path: str | Path) -> Job:
         except ValueError as error:
             raise Place(path, ("limits",)).fault(f'{error} Here it is "acceleration/rack" = "15 g".') from None
     document = content.document and _with_files(content.document, Place(path, ("document",)))
-    devices = None
+    system, layout = _model_of(content, path)
+    stated = content.temperature is None and content.deck is None and layout is None  # by files that the model names
+    source, devices = (system.path or system.mjcf), None if stated else system.isolators
     try:
-        system = load_system(source)
-        if content.temperature is not None:
-            try:
-                devices = isolators_at(content.temperature, system.isolators)
-            except ValueError as error:
-                raise ModelError(f"`temperature`: {error}") from None
-            system = load_system(source, isolators=devices)
         system = judged_by(system, combined_travel=content.combined_travel, limits=limits)
     except WireRopeError as error:
         raise type(error)(f"{path}: {error}") from None
@@ -204,8 +206,34 @@ def load_job(path: str | Path) -> Job:
         )
     return Job(
         name=content.name or path.stem, question=content.question, cases=tuple(cases), report=_texts(content.report),
-        document=document, path=path,
+        document=document, path=path, system=system, layout=layout,
     )  # fmt: skip
+
+
+def _model_of(content: JobFile, path: Path) -> tuple[System, Layout | None]:
+    """Return the model of a job, and its layout if tables say it."""
+    folder, layout = path.resolve().parent, None
+    if is_folder_of_tables(folder / content.model):  # whose messages name its files
+        built = build_model(NAME, tables_in(folder / content.model))
+        system, layout = built.system, built.layout
+    try:
+        if layout is None:
+            system = load_system(model_source(content.model, folder=folder, asker=str(path)))
+        if content.temperature is not None:
+            try:
+                devices = isolators_at(content.temperature, system.isolators)
+            except ValueError as error:
+                raise ModelError(f"`temperature`: {error}") from None
+            system = load_system(system.path or system.mjcf, isolators=devices)
+        if content.deck is not None:
+            try:
+                deck = deck_of(content.deck)
+            except ValueError as error:
+                raise ModelError(f"`deck`: {error}") from None
+            system = load_system(deck_text(system, deck), isolators=system.isolators)
+    except WireRopeError as error:
+        raise error if str(error).startswith(str(path)) else type(error)(f"{path}: {error}") from None
+    return system, layout
 
 
 def _cases(path: Path, content: JobFile) -> Iterator[tuple[Place, Path, Case]]:

@@ -4,7 +4,8 @@ import math
 import shutil
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from os.path import isdir  # a path that is too long, or holds NUL, is none
 from pathlib import Path
 from typing import cast
 
@@ -12,7 +13,7 @@ from wirerope_mj.content.numbers import listed
 from wirerope_mj.engine.flexible import Deck
 from wirerope_mj.engine.from_tables import Layout, StopLaw, mjcf_of, read_layout
 from wirerope_mj.engine.statics import equilibrium
-from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.on_deck import deck_text
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
@@ -28,6 +29,11 @@ _MODELS = {
     "medium-weight-machine": "templates/medium_weight_machine.xml",
 }  # fmt: skip
 TABLES = ("mounts", "masses", "stops", "points", "forces", "envelope")
+
+
+def is_folder_of_tables(folder: Path) -> bool:
+    """Tell whether a folder holds the tables of a model, and no model that was made of them."""
+    return isdir(folder) and not any(folder.glob("*.xml")) and any(folder.glob("mounts.*"))
 
 
 def tables_in(source: Path) -> dict[str, Path]:
@@ -48,6 +54,52 @@ def tables_in(source: Path) -> dict[str, Path]:
     return tables
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BuiltModel:
+    """A model that was made from tables."""
+
+    layout: Layout  # what the tables say, gaps of installed stops included
+    system: System  # the loaded model
+
+    @property
+    def mjcf(self) -> str:
+        return self.system.mjcf
+
+    @property
+    def isolators(self) -> Mapping[str, Isolator]:
+        """Isolators by their names in the model, stops and brackets included."""
+        return self.system.isolators
+
+
+def build_model(
+    name: str, tables: Mapping[str, Path], *, model: str = "", products: str = "", deck: Deck | None = None,
+    bottoming: bool = True,
+) -> BuiltModel:  # fmt: skip
+    """Build the model of a payload called `name` from tables, as `new_model` takes them, without writing anything.
+
+    RecordError if a table is wrong; ModelError if an isolator or the model is wrong.
+    """
+    layout = read_layout(name, tables, products=products)
+    if bottoming:
+        devices = {mount.device: load_isolator(layout.isolators[mount.isolator]) for mount in layout.mounts}
+        ends = {device: bottom_stop(isolator) for device, isolator in devices.items()}
+        layout = replace(layout, bottoms={device: stop for device, stop in ends.items() if stop is not None})
+    _check_names(layout)
+    return model_of(layout, model=model, deck=deck)
+
+
+def model_of(layout: Layout, *, model: str = "", deck: Deck | None = None) -> BuiltModel:
+    """Load the model of a layout; stops with gaps as installed are set from its equilibrium."""
+    text = mjcf_of(layout, model or layout.name)
+    system = load_system(text, isolators=_isolators_of(layout))
+    if any(stop.law is not None and stop.law.rest is not None for stop in layout.stops):
+        layout = _installed(layout, system)
+        system = load_system(text, isolators=_isolators_of(layout))
+    if deck is not None:
+        system = load_system(deck_text(system, deck), isolators=system.isolators)
+    return BuiltModel(layout=layout, system=system)
+
+
 def new_model(
     folder: Path, tables: Mapping[str, Path], *, name: str | None = None, products: str = "",
     deck: Deck | None = None, bottoming: bool = True, formats: Sequence[str] = ("png",), force: bool = False,
@@ -66,21 +118,14 @@ def new_model(
     """
     called = folder.resolve().name
     check_folder(folder, force=force, kind=KIND, marks=marks(called))
-    layout = read_layout(name or called, tables, products=products)
-    if bottoming:
-        devices = {mount.device: load_isolator(layout.isolators[mount.isolator]) for mount in layout.mounts}
-        ends = {device: bottom_stop(isolator) for device, isolator in devices.items()}
-        layout = replace(layout, bottoms={device: stop for device, stop in ends.items() if stop is not None})
-    _check_names(layout)
+    built = build_model(name or called, tables, model=called, products=products, deck=deck, bottoming=bottoming)
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(called)) as temporary:
         (temporary / "isolators").mkdir()
-        _write_isolators(layout, temporary / "isolators", tables.get("stops"))
+        for isolator, device in built.isolators.items():
+            device.save(temporary / "isolators" / f"{isolator}.toml")
         model = temporary / f"{called}.xml"
-        model.write_text(mjcf_of(layout, called), encoding="utf-8")
-        if any(stop.law is not None and stop.law.rest is not None for stop in layout.stops):
-            layout = _installed(layout, model)
-            _write_isolators(layout, temporary / "isolators", tables.get("stops"))
-        _loaded(model, deck)
+        model.write_text(built.mjcf, encoding="utf-8")
+        load_system(model)
         (temporary / "tables").mkdir()
         used = Counter(tables.values())
         for kind, table in tables.items():
@@ -89,8 +134,8 @@ def new_model(
         for ending in formats:
             from wirerope_mj.views.plots.model_plan import save_plan
 
-            save_plan(layout, temporary / f"{called}_plan.{ending}")
-    return layout
+            save_plan(built.layout, temporary / f"{called}_plan.{ending}")
+    return built.layout
 
 
 def _check_names(layout: Layout) -> None:
@@ -150,21 +195,20 @@ def marks(name: str) -> tuple[str, ...]:
     return (f"{name}.xml",)
 
 
-def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
-    for name, file in layout.isolators.items():
-        load_isolator(file).save(folder / f"{name}.toml")
-    for bottoming, stop_there in layout.bottoms.items():
-        stop_there.save(folder / f"{BOTTOM}{bottoming}.toml")
+def _isolators_of(layout: Layout) -> dict[str, Isolator]:
+    """Load the isolators of a layout by their names in the model: mounts, stops, and ends of travel."""
+    devices = {name: load_isolator(file) for name, file in layout.isolators.items()}
+    isolators = devices | {f"{BOTTOM}{bottoming}": stop for bottoming, stop in layout.bottoms.items()}
     for mount in layout.mounts:
         if mount.bracket is not None:
-            device = load_isolator(layout.isolators[mount.isolator])
-            replace(device, bracket=mount.bracket).save(folder / f"{mount.device}.toml")
+            isolators[mount.device] = replace(devices[mount.isolator], bracket=mount.bracket)
     for stop in layout.stops:
         if stop.law is not None:
             try:
-                _stop_isolator(stop.law).save(folder / f"{stop.isolator}.toml")
+                isolators[stop.isolator] = _stop_isolator(stop.law)
             except (ModelError, ValueError) as error:
-                raise RecordError(f"{stops}: stop {stop.name!r}: {error}") from None
+                raise RecordError(f"{stop.location}: stop {stop.name!r}: {error}") from None
+    return isolators
 
 
 _OPEN = 1.0  # Gap of stops that have not been installed yet [m]: no mount travels as far
@@ -198,10 +242,10 @@ def _stop_isolator(law: StopLaw) -> Isolator:
     return Isolator(name=name, roll=roll, shear=shear, axial=axial, provenance=stated)
 
 
-def _installed(layout: Layout, model: Path) -> Layout:
+def _installed(layout: Layout, system: System) -> Layout:
     """Set the deflections at rest of installed stops, from the equilibrium of the model in which they are open."""
     try:
-        loads = equilibrium(load_system(model)).mounts
+        loads = equilibrium(system).mounts
     except ConvergenceError as error:
         raise RecordError(f"gaps as installed need a position at rest, and there is none: {error}") from None
     stops = []

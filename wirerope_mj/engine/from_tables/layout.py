@@ -47,6 +47,12 @@ class MassProperties:
     centre: Array
     inertia: Array
 
+    @property
+    def box(self) -> Array:
+        """Sides of the uniform box that has these moments of inertia [m], (3,)."""
+        moments = np.diag(self.inertia)
+        return np.asarray(np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / self.mass, 0.0)))
+
 
 def combine(parts: Sequence[MassProperties]) -> MassProperties:
     """Return the mass properties of rigidly joined parts: sums, and the theorem of parallel axes (Huygens-Steiner)."""

@@ -46,9 +46,9 @@ def mjcf_of(layout: Layout, name: str | None = None) -> str:
     deck = ET.SubElement(world, "body", name="deck")
     for axis, along in zip("xyz", ("1 0 0", "0 1 0", "0 0 1"), strict=True):
         ET.SubElement(deck, "joint", name=f"deck_{axis}", type="slide", axis=along)
-    geometries = (load_isolator(layout.isolators[mount.isolator]).geometry for mount in layout.mounts)
-    heights = [geometry.height if geometry is not None and geometry.height else 0.0 for geometry in geometries]
-    top = min(mount.position[2] - 0.5 * h * abs(mount.axes[2, 2]) for mount, h in zip(layout.mounts, heights, strict=True))
+    geometries = {name: load_isolator(file).geometry for name, file in layout.isolators.items()}
+    heights = {name: (geometry and geometry.height) or 0.0 for name, geometry in geometries.items()}
+    top = min(mount.position[2] - 0.5 * heights[mount.isolator] * abs(mount.axes[2, 2]) for mount in layout.mounts)
     centre, half = 0.5 * (low + high), 0.5 * (high - low) + 0.1
     ET.SubElement(
         deck, "geom", name="deck_plate", size=_numbers([half[0], half[1], 0.01]), mass="1000", rgba="0.46 0.52 0.58 1",
@@ -142,12 +142,9 @@ def _add_sites(body: ET.Element, owner: str, layout: Layout) -> None:
 def _drawn(mass: Mass) -> dict[str, str]:
     """Return the geom attributes of a mass: the uniform box with its moments of inertia, or a ball."""
     properties = mass.properties
-    moments = np.diag(properties.inertia)
-    squares = 6.0 * (moments.sum() - 2.0 * moments) / properties.mass
-    if not moments.any():
+    if not np.diag(properties.inertia).any():
         return {"type": "sphere", "size": _numbers([_SPHERE]), "pos": _numbers(properties.centre)}
-    half = np.maximum(0.5 * np.sqrt(np.maximum(squares, 0.0)), 1e-3)  # a plate is drawn 2 mm thick
-    return _box(properties.centre, half)
+    return _box(properties.centre, np.maximum(0.5 * properties.box, 1e-3))  # a plate is drawn 2 mm thick
 
 
 def _box(centre: Array, half: Array) -> dict[str, str]:

@@ -65,6 +65,11 @@ COLUMNS = {
     ),
     "points": (POSITION, {}),
 }  # fmt: skip
+# and of those that no form is written of
+FURTHER = {
+    "forces": (POSITION, {}),
+    "envelope": ({"name": TEXT, **dict.fromkeys(SIZES, "length")}, dict.fromkeys((*_CENTRE, *_CORNER), "length")),
+}
 # words of which the name of a row of totals consists
 _TOTAL = {
     "total", "totals", "totale", "totaux", "totales", "totaal", "totalt", "sum", "sums", "summe", "summen", "gesamt",
@@ -215,17 +220,16 @@ def _stop_law(row: Row) -> StopLaw:
 def _read_points(tables: Mapping[str, Path], kind: str) -> tuple[Point, ...]:
     if kind not in tables:
         return ()
-    rows = read_sheet(tables[kind], kind=f"table of {kind}", needed=COLUMNS["points"][0], further={})
+    rows = read_sheet(tables[kind], kind=f"table of {kind}", needed=POSITION, further={})
     return tuple(Point(site_name(row), position_of(row), row.location) for row in rows)
 
 
 def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:
     if "envelope" not in tables:
         return ()
-    places = dict.fromkeys((*_CENTRE, *_CORNER), "length")
-    needed = {"name": TEXT, **dict.fromkeys(SIZES, "length")}
+    needed, further = FURTHER["envelope"]
     boxes = []
-    for row in read_sheet(tables["envelope"], kind="table of the envelope", needed=needed, further=places):
+    for row in read_sheet(tables["envelope"], kind="table of the envelope", needed=needed, further=further):
         size = np.array(row.vector(*SIZES))
         if not (size > 0.0).all():
             raise row.error('columns "size_x", "size_y", "size_z" must be > 0.')

@@ -2,12 +2,13 @@
 
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
-from functools import cache
+from functools import cache, lru_cache
 from os.path import exists, isfile  # as those of `Path`, but a name that is too long is none
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import ModelError, WireRopeError
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import Isolator
@@ -38,6 +39,16 @@ def load_isolator(path: str | Path | VendorPart, *, beside: str | Path | None = 
 
 
 def _read(path: Path) -> Isolator:
+    try:
+        content = regular(path).read_bytes()
+    except OSError:
+        content = b""  # reading it again says why
+    return _isolator_in(path, content)
+
+
+@lru_cache(maxsize=256)  # of a model whose mounts name the same files again and again
+def _isolator_in(path: Path, content: bytes) -> Isolator:
+    """Make the isolator of a file that has this content."""
     return Isolator.from_dict(read_toml(path, "isolator file"), where=path)
 
 

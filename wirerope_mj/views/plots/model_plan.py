@@ -36,7 +36,7 @@ def plan_svg(layout: Layout) -> tuple[str, float]:
     ends = [_MILLI * placed.position for placed in (*layout.mounts, *layout.stops)] + [_MILLI * layout.payload.centre]
     ends += [_MILLI * point.position for point in (*layout.points, *layout.forces)]
     for centre, size in [(box.centre, box.size) for box in layout.envelope] + [
-        (mass.properties.centre, _uniform_box(mass.properties.inertia, mass.properties.mass)) for mass in layout.masses
+        (mass.properties.centre, mass.properties.box) for mass in layout.masses
     ]:
         ends += [_MILLI * (centre - 0.5 * size), _MILLI * (centre + 0.5 * size)]
     low, high = np.min(ends, axis=0), np.max(ends, axis=0)
@@ -79,7 +79,7 @@ def _view(layout: Layout, title: str, across: int, up: int, low: Array, high: Ar
     for box in layout.envelope:
         parts.append(_rectangle(place, box.centre, box.size, 'fill="none" stroke-dasharray="5 3"'))
     for mass in layout.masses:
-        uniform = _uniform_box(mass.properties.inertia, mass.properties.mass)
+        uniform = mass.properties.box
         parts.append(_rectangle(place, mass.properties.centre, uniform, f'fill="{_BODY}" fill-opacity="0.12"'))
         corners = [place(mass.properties.centre + 0.5 * sign * uniform) for sign in (-1.0, 1.0)]
         named.append((np.minimum(*corners) + (1.0, 10.0), 0.0, mass.name, _BODY))
@@ -113,12 +113,6 @@ def _view(layout: Layout, title: str, across: int, up: int, low: Array, high: Ar
     parts.append(f'<g transform="translate(0 {size[1] + 28.0:.1f})">{below}</g>')
     parts.append(f'<g transform="translate(-40 {size[1]:.1f}) rotate(-90)">{aside}</g>')
     return f'<g transform="translate({_LEFT:g} {_TOP:g})">{"".join(parts)}</g>', _TOP + size[1] + _BOTTOM + depth
-
-
-def _uniform_box(inertia: Array, mass: float) -> Array:
-    """Compute the sides [m] of the uniform box that has a mass's moments of inertia."""
-    moments = np.diag(inertia)
-    return np.asarray(np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / mass, 0.0)))
 
 
 def _axes(title: str, across: int, up: int, corner: Array, size: Array, scale: float) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 import math
 from base64 import b64encode
+from collections.abc import Iterable
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
@@ -10,7 +11,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from wirerope_mj.content.blocks import Chart, Content, SceneView, Statement, letter_of
+from wirerope_mj.content.blocks import Block, Chart, Content, SceneView, Statement, letter_of
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import LONGEST_BAR, Column, Table
@@ -43,6 +44,12 @@ def report_html(content: Content) -> str:
         version=version("wirerope-mj"),
     )  # fmt: skip
     return page + "\n"
+
+
+def blocks_html(blocks: Iterable[Block | None]) -> str:
+    """Write blocks as HTML, as they stand in a page; every text is escaped."""
+    block = _environment().get_template("blocks.html.jinja").module.block  # type: ignore[attr-defined]
+    return "\n".join(str(block(item)) for item in blocks if item is not None)
 
 
 @cache

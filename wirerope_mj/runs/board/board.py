@@ -1,0 +1,374 @@
+"""A model under the mouse: what edits make of tables and job, and what becomes of statics, modes and verdict."""
+
+import json
+import re
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from functools import cached_property
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+
+from wirerope_mj.content.job import JudgedCase, JudgedJob
+from wirerope_mj.content.judged_run import JudgedRun, judged_run, result_or_absent
+from wirerope_mj.dynamics.modes import Modes, modes
+from wirerope_mj.engine.from_tables.layout import Layout
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.recorder import scene_of
+from wirerope_mj.engine.statics import StaticTable, static_table
+from wirerope_mj.engine.statics.payloads import point_positions
+from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.errors import Absent, ModelError, SimulationError, WireRopeError
+from wirerope_mj.runs.board.documents import Documents, Texts
+from wirerope_mj.runs.board.forms import form_of
+from wirerope_mj.runs.board.job_edits import JOB_EDITS
+from wirerope_mj.runs.board.placing import EDITS, Placing
+from wirerope_mj.runs.board.table_edits import TABLE_EDITS
+from wirerope_mj.runs.board.table_text import TableText
+from wirerope_mj.runs.job import run_job
+from wirerope_mj.runs.job_file import Job, LoadCase, load_job
+from wirerope_mj.runs.new_model import model_of
+from wirerope_mj.runs.scenario_file import judged_by
+from wirerope_mj.runs.write import checked_arguments
+from wirerope_mj.views.board.columns import left_column, statics_html, verdict_html
+from wirerope_mj.views.board.scene import board_scene, centres, use
+
+_TOUCH = 1e-4  # by how much mounts may overlap [m]
+_KEPT = 40  # judged cases of earlier positions, which undoing shows again
+
+Message = Entries
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A model and its job as some texts say them."""
+
+    texts: Texts
+    job: Job
+    tables: Mapping[str, TableText]
+
+    @property
+    def system(self) -> System:
+        return self.job.system
+
+    @property
+    def layout(self) -> Layout:
+        assert self.job.layout is not None
+        return self.job.layout
+
+    @cached_property
+    def statics(self) -> StaticTable | Absent:
+        return result_or_absent(lambda: static_table(self.system))
+
+    @cached_property
+    def modes(self) -> Modes | Absent:
+        return result_or_absent(lambda: modes(self.system))
+
+
+class Board:
+    """Tables and a job that are edited in windows of a browser, all of which show the same.
+
+    What is asked for is answered by messages as the page takes them: what is cheap first, the verdict last.
+    """
+
+    def __init__(self, documents: Documents) -> None:
+        """Show what the documents say; WireRopeError if it is wrong."""
+        self._documents = documents
+        self._judged: dict[str, JudgedRun] = {}
+        self._steps: dict[str, float] = {}  # of the last run of each case [s]
+        self._used: dict[str, float] = {}  # of the last verdict
+        left = documents.left_unsaved()
+        self._loaded = self._load(documents.texts)
+        self._restored = ""
+        if left is not None:
+            self._take(left, "restored")
+            self._restored = "Changes that were not saved last time are here again; Undo takes them back."
+
+    @property
+    def title(self) -> str:
+        return self._loaded.job.name
+
+    def open(self) -> Message:
+        """Return the first message of a window."""
+        said = {"said": self._restored, "tone": "warn"} if self._restored else {}
+        return {**self._placed(), **said}
+
+    def act(self, action: Entries) -> Iterator[tuple[bool, Message]]:
+        """Do what a window asks for, and yield messages with whether they are for every window.
+
+        What cannot be done is refused in words, and nothing is changed then.
+        """
+        try:
+            yield from self._answers(str(action.get("do")), action)
+        except (WireRopeError, ValueError) as error:
+            typed = str(action.get("value", "")).split()
+            word = next((quoted for quoted in re.findall(r'"([^"]+)"', str(error)) if quoted in typed), "")
+            yield False, {"refused": action.get("id"), "said": _sentence(str(error)), "tone": "bad", "word": word}
+
+    def _answers(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message]]:
+        if asked == "drag":
+            yield False, {"preview": self._preview(_names(action), _vector(action))}
+        elif asked == "judge":
+            yield from self._verdict()
+        elif asked == "save":
+            names = self._documents.save()
+            yield True, {"dirty": False, "said": f"Saved: {', '.join(names) or 'nothing has changed'}.", "tone": "good"}
+        elif asked in _FILES:
+            yield from self._written(asked)
+        else:
+            selected: Message = {}
+            if asked in ("undo", "redo"):
+                said = self._documents.undo() if asked == "undo" else self._documents.redo()
+                if not said:
+                    raise ModelError(f"there is nothing to {asked}.")
+                said = f"{asked}: {said}"
+                self._loaded = self._load(self._documents.texts)
+            else:
+                texts, said, selected = self._edited(asked, action)
+                self._take(texts, said)
+            yield True, {**self._placed(), "said": _sentence(said), "tone": "", **selected}
+            yield from self._verdict()
+
+    def changed_outside(self) -> Message | None:
+        """Take over files that others have written; None if there are none."""
+        texts, both = self._documents.changed_outside()
+        said = f"{', '.join(both)} was changed outside, and here, too: Save writes what stands here over it." if both else ""
+        if texts == self._documents.texts:
+            return {"said": said, "tone": "warn", "dirty": True} if both else None
+        try:
+            self._take(texts, "change outside of the board")
+        except (WireRopeError, ValueError) as error:
+            return {"said": f"A file was changed outside, and is wrong: {error} The board keeps what it had.", "tone": "bad"}
+        said = said or "A file was changed outside: the board shows what it says now."
+        return {**self._placed(), "said": said, "tone": "warn", "ask": {"do": "judge"}}
+
+    def file(self, name: str) -> Path | None:
+        """Find a file that was written for the page to open; None if there is none of this name."""
+        path = self._folder / name
+        return path if name in {file for file, _ in _FILES.values()} and path.is_file() else None
+
+    def close(self) -> None:
+        self._documents.close()
+
+    @property
+    def _folder(self) -> Path:
+        job = self._documents.files["job"]
+        return job.parent / "runs" / job.stem
+
+    def _load(self, texts: Texts) -> Loaded:
+        """Read texts as commands read files; WireRopeError names the files."""
+        documents = self._documents
+        documents.write_copies(texts)
+        try:
+            job = load_job(documents.copy("job"))
+            tables = {kind: TableText.read(kind, documents.copy(kind)) for kind in texts if kind != "job"}
+        except (WireRopeError, ValueError) as error:
+            documents.write_copies(documents.texts)
+            raise type(error)(str(error).replace(f"{documents.copies}/", "")) from None
+        return Loaded(dict(texts), job, tables)
+
+    def _take(self, texts: Texts, said: str) -> None:
+        """Go on to texts that can be loaded, and in which no two mounts stand in each other that did not before."""
+        loaded = self._load(texts)
+        before = {tuple(pair) for pair in overlapping(self._loaded.system)}
+        for pair in overlapping(loaded.system):
+            if pair not in before:
+                self._documents.write_copies(self._documents.texts)
+                raise ModelError(f"mounts {pair[0]} and {pair[1]} would stand in each other.")
+        self._documents.edit(texts, said)
+        self._loaded = loaded
+
+    def _edited(self, asked: str, action: Entries) -> tuple[Texts, str, Message]:
+        """Return the texts after an edit, what is said of it, and what is selected then."""
+        loaded = self._loaded
+        selected: Message = {}
+        if asked in EDITS:
+            edit, said = EDITS[asked]
+            placing = Placing(loaded.tables, loaded.layout)
+            names = _names(action)
+            copies = edit(placing, {**action, "names": names})
+            selected = {"selected": copies} if copies else {}
+            changed: Texts = {kind: table.text for kind, table in placing.tables.items()}
+            called = [name.partition("/")[2] for name in names]
+            said += f" {', '.join(called) if len(called) < 4 else f'{len(called)} things'}"
+        elif asked in TABLE_EDITS:
+            changed, said = TABLE_EDITS[asked](loaded.tables, action)
+        elif asked in JOB_EDITS:
+            text, said = JOB_EDITS[asked](loaded.texts["job"], action)
+            changed = {"job": text}
+        else:
+            raise ModelError(f"there is nothing called {asked[:40]!r} to do.")
+        return {**loaded.texts, **changed}, said, selected
+
+    def _placed(self) -> Message:
+        """Return the message that shows what stands where; the right column is of earlier positions until it is known."""
+        loaded = self._loaded
+        return {
+            "scene": self._scene(), "dirty": self._documents.unsaved, "stale": True,
+            "html": {"left": left_column(form_of(loaded.tables, loaded.texts["job"], loaded.system))},
+        }  # fmt: skip
+
+    def _scene(self) -> Message:
+        loaded = self._loaded
+        scene, statics = scene_of(loaded.system), loaded.statics
+        sag = None if isinstance(statics, Absent) else statics.virgin
+        points = {f"point/{name}": at for name, at in point_positions(loaded.system).items()}
+        points |= {f"force/{point.name}": point.position for point in loaded.layout.forces}
+        return board_scene(scene, loaded.layout, points, self._used, sag)
+
+    def _preview(self, names: Sequence[str], by: Array) -> Message:
+        """Return statics and modes of what is on its way, as use of the rated static loads."""
+        built = model_of(shifted(self._loaded.layout, names, by))
+        statics = result_or_absent(lambda: static_table(built.system))
+        known = result_or_absent(lambda: modes(built.system))
+        sag = None if isinstance(statics, Absent) else statics.virgin
+        centre, stiffness = centres(scene_of(built.system), built.layout, sag)
+        loads = {f"mount/{name}": use(row.utilisation) for name, row in sag.mounts.items() if not row.stop} if sag else {}
+        return {
+            "mounts": loads, "centre": centre, "stiffness_centre": stiffness,
+            "collides": sorted({f"mount/{name}" for pair in overlapping(built.system) for name in pair}),
+            "html": {"statics": statics_html(statics, known)},
+        }  # fmt: skip
+
+    def _verdict(self) -> Iterator[tuple[bool, Message]]:
+        """Judge the load cases, at first with the steps of the last positions, and yield what is known of them."""
+        loaded = self._loaded
+        keys = {case.name: self._key(case) for case in loaded.job.cases}
+        if any(key not in self._judged for key in keys.values()) and keys.keys() <= self._steps.keys():
+            try:
+                quick = [
+                    self._judged.get(key) or judged_case(case, loaded.system, self._steps[case.name])
+                    for case, key in zip(loaded.job.cases, keys.values(), strict=True)
+                ]
+            except SimulationError:
+                pass  # these steps are too long for what stands there now
+            else:
+                yield True, self._told(quick)
+        yield True, {"html": {"statics": statics_html(loaded.statics, loaded.modes)}, "scene": self._scene()}
+        runs = list[JudgedRun]()
+        for case in loaded.job.cases:
+            key = keys[case.name]
+            if key not in self._judged:
+                self._judged[key] = judged_case(case, loaded.system)
+                self._judged = dict(list(self._judged.items())[-max(_KEPT, len(keys)) :])
+            runs.append(self._judged[key])
+            self._steps[case.name] = runs[-1].response.numerics.timestep
+            yield True, self._told(runs)
+
+    def _told(self, runs: Sequence[JudgedRun]) -> Message:
+        """Return the message that has the verdict of the first load cases."""
+        job = self._loaded.job
+        cases = [
+            JudgedCase(name=case.name, folder=case.folder, note=case.note, run=run)
+            for case, run in zip(job.cases, runs, strict=False)
+        ]
+        judged = JudgedJob(
+            name=job.name, question=job.question, cases=tuple(cases), report=job.report, document=job.document,
+            written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
+        )  # fmt: skip
+        self._used = {}
+        for row in (row for run in runs for row in run.verdicts):
+            self._used[row.subject] = max(row.utilisation or 0.0, self._used.get(row.subject, 0.0))
+        left = len(job.cases) - len(cases)
+        return {"html": {"verdict": verdict_html(judged, left)}, "scene": self._scene(), "stale": bool(left)}
+
+    def _key(self, case: LoadCase) -> str:
+        """Write all that the result of a case depends on."""
+        scenario, texts = case.scenario, self._loaded.texts
+        parts = {
+            "tables": {kind: text for kind, text in texts.items() if kind != "job"}, "model": str(scenario.model),
+            "motion": scenario.motion.to_dict(), "simulate": dict(scenario.simulate), "limits": repr(scenario.limits),
+            "judged": scenario.combined_travel, "isolators": repr(scenario.isolators),
+        }  # fmt: skip
+        return json.dumps(parts, sort_keys=True, default=str)
+
+    def _written(self, asked: str) -> Iterator[tuple[bool, Message]]:
+        """Write what `wirerope cases` writes of the job, and open a part of it."""
+        name, address = _FILES[asked]
+        yield False, {"said": "Computing and writing every load case ...", "tone": ""}
+        run_job(self._loaded.job, self._folder, pdf=asked == "pdf", workers=1)
+        yield False, {"open": address, "said": f"Written: {self._folder / name}.", "tone": "good"}
+
+
+# What can be opened: file in the folder of the job, and its address in the page
+_FILES = {
+    "report": ("report.html", "/files/report.html"), "pdf": ("report.pdf", "/files/report.pdf"),
+    "timeline": ("job.rrd", "/viewer?recording=job.rrd"),
+}  # fmt: skip
+
+
+def judged_case(case: LoadCase, system: System, timestep: float | None = None) -> JudgedRun:
+    """Simulate and judge a load case in memory as `wirerope cases` does, or with a step of one's own."""
+    arguments = checked_arguments(case.scenario)
+    if timestep is not None:
+        arguments = {name: value for name, value in arguments.items() if name != "accuracy"} | {"timestep": timestep}
+    scenario = case.scenario.on_its_floor()
+    if scenario is not case.scenario:
+        system = load_system(scenario.model_source(), isolators=scenario.isolators)
+        system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the verdict's own text has what the model lacks
+        response = simulate(system, scenario.motion, **arguments)
+    return judged_run(system, scenario.motion, response, {"name": scenario.name, "options": dict(scenario.options)})
+
+
+def shifted(layout: Layout, names: Sequence[str], by: Array) -> Layout:
+    """Return a layout in which things stand elsewhere."""
+    held = set(names)
+    return replace(
+        layout,
+        mounts=tuple(replace(m, position=m.position + by) if f"mount/{m.name}" in held else m for m in layout.mounts),
+        stops=tuple(replace(s, position=s.position + by) if f"stop/{s.name}" in held else s for s in layout.stops),
+        masses=tuple(
+            replace(m, properties=replace(m.properties, centre=m.properties.centre + by)) if f"mass/{m.name}" in held else m
+            for m in layout.masses
+        ),
+    )
+
+
+def overlapping(system: System) -> list[tuple[str, str]]:
+    """Name the pairs of mounts that stand in each other, as boxes of their height and width turned as they stand."""
+    boxes = []
+    for name, mount in system.mounts.items():
+        size = mount.isolator.geometry
+        if not mount.isolator.is_stop and size is not None and size.height and size.width:
+            boxes.append((name, mount.position, mount.axes, 0.5 * np.array([size.width, size.width, size.height])))
+    return [
+        (first[0], second[0]) for first, second in combinations(boxes, 2)
+        if np.linalg.norm(second[1] - first[1]) < np.linalg.norm(first[3]) + np.linalg.norm(second[3])
+        and _apart(first[1:], second[1:]) < -_TOUCH
+    ]  # fmt: skip
+
+
+def _apart(first: tuple[Array, Array, Array], second: tuple[Array, Array, Array]) -> float:
+    """Find the largest gap between two boxes along any axis that could separate them [m]; negative where there is none."""
+    (here, ours, half), (there, theirs, other) = first, second
+    crossed = np.cross(ours.T[:, None], theirs.T[None]).reshape(-1, 3)
+    lengths = np.linalg.norm(crossed, axis=1)
+    axes = np.vstack([ours.T, theirs.T, crossed[lengths > 1e-6] / lengths[lengths > 1e-6, None]])
+    reach = np.abs(axes @ ours) @ half + np.abs(axes @ theirs) @ other
+    return float((np.abs(axes @ (there - here)) - reach).max())
+
+
+def _sentence(text: str) -> str:
+    """End a message as a sentence, and begin it as one unless it begins with a name."""
+    first = text.split(" ", 1)[0]
+    return f"{text[0].upper()}{text[1:]}{'' if text.endswith('.') else '.'}" if first.isalpha() else f"{text.rstrip('.')}."
+
+
+def _names(action: Entries) -> list[str]:
+    names = action.get("names")
+    if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
+        raise ModelError("nothing is selected.")
+    return names
+
+
+def _vector(action: Entries) -> Array:
+    by = np.asarray(action.get("by"), dtype=np.float64)
+    if by.shape != (3,) or not np.isfinite(by).all():
+        raise ModelError("a shift is three numbers [mm].")
+    return 1e-3 * by

@@ -1,0 +1,114 @@
+"""The columns beside the drawing, as HTML: tables and job on the left, statics and verdict on the right."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from wirerope_mj.content.blocks import Block, Chart, Statement
+from wirerope_mj.content.first_sheet import brief_blocks
+from wirerope_mj.content.job import JudgedJob, brief, job_headline
+from wirerope_mj.content.modes import TIPS
+from wirerope_mj.content.numbers import several
+from wirerope_mj.content.verdicts import headline, used_mark
+from wirerope_mj.dynamics.modes import Modes
+from wirerope_mj.engine.statics import StaticTable
+from wirerope_mj.foundation.errors import Absent
+from wirerope_mj.foundation.tables import Column, Table, left
+from wirerope_mj.views.plots.svg_chart import chart_svg
+from wirerope_mj.views.report.page import blocks_html
+
+_FOLDER = Path(__file__).parent
+_WIDTH = 400.0  # of a chart in the column, in pixels
+_MODES = 6  # that are shown: those of a rigid payload
+
+
+Field = tuple[str, str, str, str]  # key, value, label and example
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sheet:
+    """A table that can be edited: its columns with their units, and its rows with their cells by column."""
+
+    kind: str
+    prefix: str  # of the names of what its rows place, such as "mount"
+    units: Mapping[str, str]
+    rows: Mapping[str, Mapping[str, str]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Form:
+    """What tables and job say, as forms show it."""
+
+    sheets: Sequence[Sheet]
+    missing: Sequence[str]  # kinds of tables that can be added
+    settings: Sequence[Field]  # deck, temperature and the like
+    cases: Sequence[tuple[str, str, str]]  # name, motions in one line, and what else moves the base
+    limits: Mapping[str, str]
+    document: Sequence[Field]
+    # choices that are offered: parts, what can be limited, kinds of motions with an example
+    parts: Sequence[str]
+    subjects: Sequence[str]
+    motions: Mapping[str, str]
+
+
+def left_column(form: Form) -> str:
+    """Write tables and job as forms."""
+    return _environment().get_template("left.html.jinja").render(form=form)
+
+
+def page_html(title: str) -> str:
+    """Write the page around drawing and columns."""
+    return _environment().get_template("board.html").render(title=title)
+
+
+def statics_html(statics: StaticTable | Absent, known: Modes | Absent) -> str:
+    """Write loads at rest of every mount, and the natural frequencies."""
+    return blocks_html(_at_rest(statics, known))
+
+
+def _at_rest(statics: StaticTable | Absent, known: Modes | Absent) -> Iterator[Block | None]:
+    if isinstance(statics, Absent) or statics.virgin is None:
+        reason = statics.reason if isinstance(statics, Absent) else statics.missing.get("virgin", "")
+        yield Statement("statics", f"At rest: {reason}", tone="exceeded")
+    else:
+        rows = [
+            (name, -1e3 * float(mount.deflection[2]) + 0.0, mount.carries, used_mark(mount.utilisation))
+            for name, mount in statics.virgin.listed.items()
+        ]
+        used = [mount.utilisation for mount in statics.virgin.mounts.values() if mount.utilisation is not None]
+        columns = [*left("mount"), Column("down", "", "z.1f"), Column("carries", "kN", "z.3f"), Column("of rated", "%", "z.0f")]
+        title = "At rest" + (f": up to {100.0 * max(used):.0f} % of the rated static load" if used else "")
+        yield Table("at-rest", title, columns, rows, shown=4)
+    if isinstance(known, Absent):
+        yield Statement("modes", f"Modes: {known.reason}", tone="unjudged")
+        return
+    yield Table(
+        "modes", "Natural frequencies, small amplitude", [Column("frequency", "Hz", "z.2f"), Column("shape", align="text")],
+        [
+            (TIPS if frequency != frequency else float(frequency), shape)
+            for frequency, shape in zip(known.frequencies[:_MODES], known.descriptions, strict=False)
+        ],
+    )  # fmt: skip
+
+
+def verdict_html(job: JudgedJob, left_over: int) -> str:
+    """Write verdict, bars, what is not judged, and the charts of the load case that governs."""
+    one = len(job.cases) == 1
+    said = headline(job.cases[0].run.verdicts) if one else job_headline(job.verdicts)
+    blocks = [block for block in (brief_blocks(job.cases[0].run) if one else brief(job)) if block is not None]
+    charts = [block for block in blocks if isinstance(block, Chart)]
+    drawn = [replace(chart, rows=[[panel] for row in chart.rows for panel in row]) for chart in charts]
+    return _environment().get_template("right.html.jinja").render(
+        said=said, more=several(left_over, "load case") if left_over else "",
+        blocks=Markup(blocks_html(block for block in blocks if isinstance(block, Statement | Table))),
+        charts=[(Markup(chart_svg(chart, _WIDTH)), chart) for chart in drawn],
+    )  # fmt: skip
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True)

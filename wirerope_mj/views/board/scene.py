@@ -1,0 +1,104 @@
+"""What a board draws: boxes, mounts, stops, points and centres with their positions in mm, as JSON values."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from wirerope_mj.content.scene_outline import drawn_scene, mount_position
+from wirerope_mj.content.verdicts import NEAR
+from wirerope_mj.engine.from_tables.layout import Layout
+from wirerope_mj.engine.response.scene import Scene, SceneMount
+from wirerope_mj.engine.statics.table import Sag
+from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.directions import rotation_matrices
+
+_LEAST = 4.0  # side of a box that is drawn where a mass has none [mm]
+_DECK = "deck_plate"
+
+
+def board_scene(
+    scene: Scene, layout: Layout | None, points: Mapping[str, Array], used: Mapping[str, float | None], sag: Sag | None
+) -> Entries:
+    """Compose the scene of a board; `used` are utilisations of mounts by name.
+
+    What stands in a `layout` can be moved: its names are those of rows of tables.
+    """
+    mounts, stops = [], []
+    for mount in scene.drawn:
+        axes = _axes(scene, mount)
+        entry: Entries = {
+            "name": f"{'stop' if mount.stop else 'mount'}/{mount.name}", "label": mount.name,
+            "position": _mm(mount_position(scene, mount)), "axial": _rounded(axes[:, 2]), "bars": _rounded(axes[:, 1]),
+        }  # fmt: skip
+        if mount.stop:
+            stops.append(entry)
+        else:
+            sizes = {name: _rounded(1e3 * size) for name, size in (("height", mount.height), ("width", mount.width))}
+            mounts.append({**entry, **sizes, "part": mount.isolator, **use(used.get(mount.name))})
+    centre, stiffness = centres(scene, layout, sag)
+    return {
+        "boxes": [*_boxes(scene, layout)], "mounts": mounts, "stops": stops,
+        "points": [{"name": name, "label": name.partition("/")[2], "position": _mm(at)} for name, at in points.items()],
+        "centre": centre, "stiffness_centre": stiffness, "movable": layout is not None,
+    }  # fmt: skip
+
+
+def use(used: float | None) -> Entries:
+    """Write how far a mount is used, and its tone."""
+    tone = "none" if used is None else "exceeded" if used > 1.0 else "near" if used > NEAR else "good"
+    return {"used": used if used is None else round(used, 4), "tone": tone}
+
+
+def centres(scene: Scene, layout: Layout | None, sag: Sag | None) -> tuple[list[float] | None, list[float] | None]:
+    """Find the centres of mass and of the mounts' vertical stiffness at rest [mm], as far as they are known.
+
+    The latter is the mean position of the mounts, weighted by what each carries over how far it has gone down: a payload whose
+    centre of mass stands above it goes down without tilting.
+    """
+    if sag is None or len(sag.payloads) != 1:
+        return None if layout is None else _mm(layout.payload.centre), None
+    centre, stiffnesses, positions = next(iter(sag.payloads.values())).centre, list[float](), list[Array]()
+    for mount in scene.isolating:
+        down = -float(_axes(scene, mount)[2] @ sag.mounts[mount.name].deflection)
+        if down > 0.0:
+            stiffnesses.append(sag.mounts[mount.name].carries / down)
+            positions.append(mount_position(scene, mount))
+    total = sum(stiffnesses)
+    return _mm(centre), _mm(np.array(stiffnesses) @ np.array(positions) / total) if total > 0.0 else None
+
+
+def _axes(scene: Scene, mount: SceneMount) -> Array:
+    """Compute the axes of a mount in the world frame as columns roll, shear, axial, (3, 3)."""
+    body = next(body for body in scene.bodies if body.name == mount.base_body)
+    return np.asarray(rotation_matrices(body.orientation) @ mount.axes)
+
+
+def _boxes(scene: Scene, layout: Layout | None) -> Iterator[Entries]:
+    for body, geom, points in drawn_scene(scene).shapes:
+        if layout is None or geom.name == _DECK:
+            low, high = points.min(axis=0), points.max(axis=0)
+            kind = "deck" if body.on_base or not body.moves else "mass"
+            yield _box(geom.name or body.name, body.name, kind, 0.5 * (low + high), high - low)
+    for mass in layout.masses if layout is not None else ():
+        label = f"{mass.name} {mass.properties.mass:.4g} kg"
+        yield _box(f"mass/{mass.name}", label, "mass", mass.properties.centre, mass.properties.box)
+    for box in layout.envelope if layout is not None else ():
+        yield _box(f"envelope/{box.name}", box.name, "envelope", box.centre, box.size)
+
+
+def _box(name: str, label: str, kind: str, centre: Array, size: Array) -> Entries:
+    return {
+        "name": name, "label": label, "kind": kind, "centre": _mm(centre), "size": _mm(np.maximum(size, 1e-3 * _LEAST)),
+        "movable": kind != "deck",
+    }  # fmt: skip
+
+
+def _mm(position: Array) -> list[float]:
+    return [round(1e3 * float(value), 3) + 0.0 for value in position]
+
+
+def _rounded(value: float | Array | None) -> float | list[float] | None:
+    if value is None or isinstance(value, float) and math.isnan(value):
+        return None
+    return round(value, 4) if isinstance(value, float) else [round(float(part), 6) for part in value]
