@@ -88,16 +88,17 @@ def test_a_page_has_the_colours_of_the_table_in_both_schemes():
     for scheme, part in ((LIGHT, light), (DARK, dark)):
         assert all(f"--{name}: {colour};" in part for name, colour in scheme.named.items())
     assert all(f".chart .{class_of(kind)} {{ stroke: {hexadecimal(DARK.of(kind))}; }}" in dark for kind in KINDS)
-    used = re.findall(r"var\(--([a-z-]+)\)", (VIEWS / "report" / "report.css").read_text(encoding="utf-8"))
+    sheets = [VIEWS / "report" / "report.css", VIEWS / "report" / "blocks.css", VIEWS / "board" / "board.css"]
+    used = re.findall(r"var\(--([a-z-]+)\)", "".join(sheet.read_text(encoding="utf-8") for sheet in sheets))
     assert set(used) <= {*LIGHT.named, "used"}
 
 
 def test_every_renderer_takes_its_colours_from_the_table():
     """No colour stands anywhere else: neither as hexadecimal digits nor as three numbers from 0 to 255."""
-    # The page of `explore` and the shared viewer's frame have style sheets of their own.
+    # The shared viewer's frame has a style sheet of its own.
     others = [path for path in VIEWS.rglob("*") if path.suffix in (".py", ".css", ".typ", ".jinja")]
     for path in others:
-        if path.name == "colours.py" or "explore" in path.parts or "share" in path.parts:
+        if path.name == "colours.py" or "share" in path.parts:
             continue
         text = path.read_text(encoding="utf-8")
         assert not re.search(r"#[0-9a-fA-F]{6}\b|#[0-9a-fA-F]{3}\b(?!.)", text), path

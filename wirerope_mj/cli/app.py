@@ -37,7 +37,7 @@ from wirerope_mj.foundation.processes import allow_one_beside
 
 _NAMES = (
     "new", "run", "cases", "study", "show", "replay", "loops", "identify", "calibrate", "laws", "frf", "report", "study-report",
-    "compare", "share", "film", "explore", "shock", "fmu", "export", "durability", "comfort", "flexible", "levels", "schemas",
+    "compare", "share", "film", "board", "shock", "fmu", "export", "durability", "comfort", "flexible", "levels", "schemas",
     "select", "modes", "statics", "isolators", "compile",
 )  # fmt: skip
 # Where a command stands in this folder if it is not called as its file is; it is imported when it is asked for.

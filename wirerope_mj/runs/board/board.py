@@ -26,15 +26,17 @@ from wirerope_mj.foundation.errors import Absent, ModelError, SimulationError, W
 from wirerope_mj.runs.board.documents import Documents, Texts
 from wirerope_mj.runs.board.forms import form_of
 from wirerope_mj.runs.board.job_edits import JOB_EDITS
+from wirerope_mj.runs.board.opened import Opened
 from wirerope_mj.runs.board.placing import EDITS, Placing
 from wirerope_mj.runs.board.table_edits import TABLE_EDITS
 from wirerope_mj.runs.board.table_text import TableText
+from wirerope_mj.runs.board.what_if import Slider, checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.job import run_job
 from wirerope_mj.runs.job_file import Job, LoadCase, load_job
 from wirerope_mj.runs.new_model import model_of
 from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.write import checked_arguments
-from wirerope_mj.views.board.columns import left_column, statics_html, verdict_html
+from wirerope_mj.views.board.columns import compared_html, failure_html, left_column, sliders_html, statics_html, verdict_html
 from wirerope_mj.views.board.scene import board_scene, centres, use
 
 _TOUCH = 1e-4  # by how much mounts may overlap [m]
@@ -50,15 +52,20 @@ class Loaded:
     texts: Texts
     job: Job
     tables: Mapping[str, TableText]
+    values: Mapping[str, float]  # of the sliders
 
     @property
-    def system(self) -> System:
-        return self.job.system
-
-    @property
-    def layout(self) -> Layout:
-        assert self.job.layout is not None
+    def layout(self) -> Layout | None:
         return self.job.layout
+
+    @cached_property
+    def sliders(self) -> tuple[Slider, ...]:
+        return sliders_of(self.job.system, self.job.cases[0].scenario.motion)
+
+    @cached_property
+    def system(self) -> System:
+        """The model with the sliders where they stand."""
+        return variant(self.job.system, self.job.cases[0].scenario.motion, self.values)[0]
 
     @cached_property
     def statics(self) -> StaticTable | Absent:
@@ -75,18 +82,22 @@ class Board:
     What is asked for is answered by messages as the page takes them: what is cheap first, the verdict last.
     """
 
-    def __init__(self, documents: Documents) -> None:
-        """Show what the documents say; WireRopeError if it is wrong."""
-        self._documents = documents
+    def __init__(self, opened: Opened) -> None:
+        """Show what was opened; WireRopeError if it is wrong."""
+        self._opened, self._documents = opened, opened.documents
         self._judged: dict[str, JudgedRun] = {}
         self._steps: dict[str, float] = {}  # of the last run of each case [s]
         self._used: dict[str, float] = {}  # of the last verdict
-        left = documents.left_unsaved()
-        self._loaded = self._load(documents.texts)
+        self._shown: list[JudgedRun] = []  # runs of the case that governs: of the last verdict, and of the one before it
+        self._loaded = self._load(self._texts)
         self._restored = ""
-        if left is not None:
-            self._take(left, "restored")
+        if self._documents is not None and (left := self._documents.left_unsaved()) is not None:
+            self._take(left, "restored what was not saved last time")
             self._restored = "Changes that were not saved last time are here again; Undo takes them back."
+
+    @property
+    def _texts(self) -> Texts:
+        return {} if self._documents is None else self._documents.texts
 
     @property
     def title(self) -> str:
@@ -110,31 +121,42 @@ class Board:
             yield False, {"refused": action.get("id"), "said": _sentence(str(error)), "tone": "bad", "word": word}
 
     def _answers(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message]]:
+        passing = action.get("passing") is True
         if asked == "drag":
             yield False, {"preview": self._preview(_names(action), _vector(action))}
         elif asked == "judge":
             yield from self._verdict()
         elif asked == "save":
-            names = self._documents.save()
+            names = self._edited_files.save()
             yield True, {"dirty": False, "said": f"Saved: {', '.join(names) or 'nothing has changed'}.", "tone": "good"}
         elif asked in _FILES:
             yield from self._written(asked)
         else:
-            selected: Message = {}
-            if asked in ("undo", "redo"):
-                said = self._documents.undo() if asked == "undo" else self._documents.redo()
-                if not said:
-                    raise ModelError(f"there is nothing to {asked}.")
-                said = f"{asked}: {said}"
-                self._loaded = self._load(self._documents.texts)
-            else:
-                texts, said, selected = self._edited(asked, action)
-                self._take(texts, said)
-            yield True, {**self._placed(), "said": _sentence(said), "tone": "", **selected}
-            yield from self._verdict()
+            said, selected = self._done(asked, action)
+            yield True, {**self._placed(sliders=asked == "slide"), "said": _sentence(said), "tone": "", **selected}
+            yield from self._verdict(exact=not passing)
+
+    def _done(self, asked: str, action: Entries) -> tuple[str, Message]:
+        """Change what the board shows, and return what is said of it, and what is selected then."""
+        if asked == "slide":
+            values = checked_values(self._loaded.sliders, {**self._loaded.values, str(action.get("key")): _value(action)})
+            self._loaded = replace(self._loaded, values=values)
+            return "what-if, which no file has", {}
+        if asked in ("undo", "redo"):
+            files = self._edited_files
+            said = files.undo() if asked == "undo" else files.redo()
+            if not said:
+                raise ModelError(f"there is nothing to {asked}.")
+            self._loaded = self._load(files.texts)
+            return f"{asked}: {said}", {}
+        texts, said, selected = self._edited(asked, action)
+        self._take(texts, said)
+        return said, selected
 
     def changed_outside(self) -> Message | None:
         """Take over files that others have written; None if there are none."""
+        if self._documents is None:
+            return None
         texts, both = self._documents.changed_outside()
         said = f"{', '.join(both)} was changed outside, and here, too: Save writes what stands here over it." if both else ""
         if texts == self._documents.texts:
@@ -152,15 +174,25 @@ class Board:
         return path if name in {file for file, _ in _FILES.values()} and path.is_file() else None
 
     def close(self) -> None:
-        self._documents.close()
+        if self._documents is not None:
+            self._documents.close()
+
+    @property
+    def _edited_files(self) -> Documents:
+        if self._documents is None:
+            raise ModelError("a scenario or a run is shown as it is; sliders alone change it.")
+        return self._documents
 
     @property
     def _folder(self) -> Path:
-        job = self._documents.files["job"]
+        job = self._edited_files.files["job"]
         return job.parent / "runs" / job.stem
 
     def _load(self, texts: Texts) -> Loaded:
         """Read texts as commands read files; WireRopeError names the files."""
+        if self._documents is None:
+            assert self._opened.job is not None
+            return Loaded({}, self._opened.job, {}, {})
         documents = self._documents
         documents.write_copies(texts)
         try:
@@ -169,7 +201,7 @@ class Board:
         except (WireRopeError, ValueError) as error:
             documents.write_copies(documents.texts)
             raise type(error)(str(error).replace(f"{documents.copies}/", "")) from None
-        return Loaded(dict(texts), job, tables)
+        return Loaded(dict(texts), job, tables, {})
 
     def _take(self, texts: Texts, said: str) -> None:
         """Go on to texts that can be loaded, and in which no two mounts stand in each other that did not before."""
@@ -177,22 +209,25 @@ class Board:
         before = {tuple(pair) for pair in overlapping(self._loaded.system)}
         for pair in overlapping(loaded.system):
             if pair not in before:
-                self._documents.write_copies(self._documents.texts)
+                self._edited_files.write_copies(self._texts)
                 raise ModelError(f"mounts {pair[0]} and {pair[1]} would stand in each other.")
-        self._documents.edit(texts, said)
+        self._edited_files.edit(texts, said)
         self._loaded = loaded
 
     def _edited(self, asked: str, action: Entries) -> tuple[Texts, str, Message]:
         """Return the texts after an edit, what is said of it, and what is selected then."""
         loaded = self._loaded
         selected: Message = {}
+        self._edited_files  # noqa: B018  # refused where nothing can be edited
         if asked in EDITS:
             edit, said = EDITS[asked]
-            placing = Placing(loaded.tables, loaded.layout)
+            placing = Placing(loaded.tables, self._movable)
             names = _names(action)
             copies = edit(placing, {**action, "names": names})
             selected = {"selected": copies} if copies else {}
-            changed: Texts = {kind: table.text for kind, table in placing.tables.items()}
+            changed: Mapping[str, str | None] = {
+                kind: placing.tables[kind].text if kind in placing.tables else None for kind in loaded.tables
+            }
             called = [name.partition("/")[2] for name in names]
             said += f" {', '.join(called) if len(called) < 4 else f'{len(called)} things'}"
         elif asked in TABLE_EDITS:
@@ -202,14 +237,24 @@ class Board:
             changed = {"job": text}
         else:
             raise ModelError(f"there is nothing called {asked[:40]!r} to do.")
-        return {**loaded.texts, **changed}, said, selected
+        return {kind: text for kind, text in {**loaded.texts, **changed}.items() if text is not None}, said, selected
 
-    def _placed(self) -> Message:
-        """Return the message that shows what stands where; the right column is of earlier positions until it is known."""
-        loaded = self._loaded
+    @property
+    def _movable(self) -> Layout:
+        if self._loaded.layout is None:
+            raise ModelError("what stands in a model's file is not moved; a board moves what stands in tables.")
+        return self._loaded.layout
+
+    def _placed(self, *, sliders: bool = False) -> Message:
+        """Return the message that shows what stands where; the right column is of earlier positions until it is known.
+
+        Where sliders alone were moved the forms stay as they are.
+        """
+        loaded, files = self._loaded, self._documents
+        form = form_of(loaded.tables, loaded.texts.get("job", ""), loaded.system, loaded.sliders, loaded.values)
         return {
-            "scene": self._scene(), "dirty": self._documents.unsaved, "stale": True,
-            "html": {"left": left_column(form_of(loaded.tables, loaded.texts["job"], loaded.system))},
+            "scene": self._scene(), "dirty": files is not None and files.unsaved, "stale": True,
+            "html": {"sliders": sliders_html(form)} if sliders else {"left": left_column(form)},
         }  # fmt: skip
 
     def _scene(self) -> Message:
@@ -217,12 +262,12 @@ class Board:
         scene, statics = scene_of(loaded.system), loaded.statics
         sag = None if isinstance(statics, Absent) else statics.virgin
         points = {f"point/{name}": at for name, at in point_positions(loaded.system).items()}
-        points |= {f"force/{point.name}": point.position for point in loaded.layout.forces}
+        points |= {f"force/{point.name}": point.position for point in (loaded.layout.forces if loaded.layout else ())}
         return board_scene(scene, loaded.layout, points, self._used, sag)
 
     def _preview(self, names: Sequence[str], by: Array) -> Message:
         """Return statics and modes of what is on its way, as use of the rated static loads."""
-        built = model_of(shifted(self._loaded.layout, names, by))
+        built = model_of(shifted(self._movable, names, by))
         statics = result_or_absent(lambda: static_table(built.system))
         known = result_or_absent(lambda: modes(built.system))
         sag = None if isinstance(statics, Absent) else statics.virgin
@@ -234,30 +279,46 @@ class Board:
             "html": {"statics": statics_html(statics, known)},
         }  # fmt: skip
 
-    def _verdict(self) -> Iterator[tuple[bool, Message]]:
+    def _verdict(self, *, exact: bool = True) -> Iterator[tuple[bool, Message]]:
+        """Judge the load cases and yield what is known of them, or why they cannot be simulated."""
+        try:
+            yield from self._judgements(exact=exact)
+        except (WireRopeError, ValueError) as error:
+            yield True, {"html": {"verdict": failure_html(str(error))}, "stale": False}
+
+    def _judgements(self, *, exact: bool) -> Iterator[tuple[bool, Message]]:
         """Judge the load cases, at first with the steps of the last positions, and yield what is known of them."""
         loaded = self._loaded
         keys = {case.name: self._key(case) for case in loaded.job.cases}
         if any(key not in self._judged for key in keys.values()) and keys.keys() <= self._steps.keys():
+            ratio = frequency_ratio(loaded.values)
             try:
                 quick = [
-                    self._judged.get(key) or judged_case(case, loaded.system, self._steps[case.name])
-                    for case, key in zip(loaded.job.cases, keys.values(), strict=True)
+                    self._judged.get(keys[case.name]) or judged_case(case, loaded, self._steps[case.name] / ratio)
+                    for case in loaded.job.cases
                 ]
             except SimulationError:
                 pass  # these steps are too long for what stands there now
             else:
                 yield True, self._told(quick)
         yield True, {"html": {"statics": statics_html(loaded.statics, loaded.modes)}, "scene": self._scene()}
+        if not exact:
+            return
         runs = list[JudgedRun]()
         for case in loaded.job.cases:
             key = keys[case.name]
             if key not in self._judged:
-                self._judged[key] = judged_case(case, loaded.system)
+                self._judged[key] = judged_case(case, loaded)
                 self._judged = dict(list(self._judged.items())[-max(_KEPT, len(keys)) :])
             runs.append(self._judged[key])
-            self._steps[case.name] = runs[-1].response.numerics.timestep
+            self._steps[case.name] = runs[-1].response.numerics.timestep / frequency_ratio(loaded.values)
             yield True, self._told(runs)
+        governing = max(runs, key=lambda run: max((row.utilisation or 0.0 for row in run.verdicts), default=0.0))
+        if not self._shown or self._shown[-1] is not governing:
+            self._shown = [*self._shown[-1:], governing]
+        names = ["before", "now"][-len(self._shown) :]
+        compared = compared_html(dict(zip(names, self._shown, strict=True)), self._opened.tests)
+        yield True, {"html": {"compared": compared}}
 
     def _told(self, runs: Sequence[JudgedRun]) -> Message:
         """Return the message that has the verdict of the first load cases."""
@@ -274,7 +335,15 @@ class Board:
         for row in (row for run in runs for row in run.verdicts):
             self._used[row.subject] = max(row.utilisation or 0.0, self._used.get(row.subject, 0.0))
         left = len(job.cases) - len(cases)
-        return {"html": {"verdict": verdict_html(judged, left)}, "scene": self._scene(), "stale": bool(left)}
+        what_if = [f"{each.label} {each.text(value)}" for each, value in self._moved]
+        html = verdict_html(judged, left, what_if)
+        return {"html": {"verdict": html}, "scene": self._scene(), "stale": bool(left)}
+
+    @property
+    def _moved(self) -> list[tuple[Slider, float]]:
+        """Sliders that do not stand where they leave everything as it is, with their values."""
+        values = self._loaded.values
+        return [(each, values[each.key]) for each in self._loaded.sliders if values.get(each.key, each.nominal) != each.nominal]
 
     def _key(self, case: LoadCase) -> str:
         """Write all that the result of a case depends on."""
@@ -283,12 +352,15 @@ class Board:
             "tables": {kind: text for kind, text in texts.items() if kind != "job"}, "model": str(scenario.model),
             "motion": scenario.motion.to_dict(), "simulate": dict(scenario.simulate), "limits": repr(scenario.limits),
             "judged": scenario.combined_travel, "isolators": repr(scenario.isolators),
+            "sliders": {each.key: value for each, value in self._moved},
         }  # fmt: skip
         return json.dumps(parts, sort_keys=True, default=str)
 
     def _written(self, asked: str) -> Iterator[tuple[bool, Message]]:
         """Write what `wirerope cases` writes of the job, and open a part of it."""
         name, address = _FILES[asked]
+        if self._moved:
+            raise ModelError("sliders show what would be; set them back, since a report is of what the files say.")
         yield False, {"said": "Computing and writing every load case ...", "tone": ""}
         run_job(self._loaded.job, self._folder, pdf=asked == "pdf", workers=1)
         yield False, {"open": address, "said": f"Written: {self._folder / name}.", "tone": "good"}
@@ -301,19 +373,20 @@ _FILES = {
 }  # fmt: skip
 
 
-def judged_case(case: LoadCase, system: System, timestep: float | None = None) -> JudgedRun:
+def judged_case(case: LoadCase, loaded: Loaded, timestep: float | None = None) -> JudgedRun:
     """Simulate and judge a load case in memory as `wirerope cases` does, or with a step of one's own."""
     arguments = checked_arguments(case.scenario)
     if timestep is not None:
         arguments = {name: value for name, value in arguments.items() if name != "accuracy"} | {"timestep": timestep}
-    scenario = case.scenario.on_its_floor()
+    scenario, system = case.scenario.on_its_floor(), loaded.job.system
     if scenario is not case.scenario:
         system = load_system(scenario.model_source(), isolators=scenario.isolators)
         system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
+    system, motion = variant(system, scenario.motion, loaded.values)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the verdict's own text has what the model lacks
-        response = simulate(system, scenario.motion, **arguments)
-    return judged_run(system, scenario.motion, response, {"name": scenario.name, "options": dict(scenario.options)})
+        response = simulate(system, motion, **arguments)
+    return judged_run(system, motion, response, {"name": scenario.name, "options": dict(scenario.options)})
 
 
 def shifted(layout: Layout, names: Sequence[str], by: Array) -> Layout:
@@ -365,6 +438,13 @@ def _names(action: Entries) -> list[str]:
     if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
         raise ModelError("nothing is selected.")
     return names
+
+
+def _value(action: Entries) -> float:
+    try:
+        return float(action.get("value", ""))
+    except (TypeError, ValueError):
+        raise ModelError("a slider stands at a number.") from None
 
 
 def _vector(action: Entries) -> Array:

@@ -1,6 +1,6 @@
 """What tables and job of a board say, as its forms show it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from functools import cache
 
@@ -12,6 +12,7 @@ from wirerope_mj.mounts.vendor_parts import vendor_parts
 from wirerope_mj.runs.board.job_text import motions_of, parsed
 from wirerope_mj.runs.board.placing import TABLE_OF
 from wirerope_mj.runs.board.table_text import TableText
+from wirerope_mj.runs.board.what_if import Slider
 from wirerope_mj.runs.scenario_file import subjects_of
 from wirerope_mj.views.board.columns import Form, Sheet
 
@@ -22,8 +23,10 @@ _SETTINGS = {
 _OTHERS = ("levels", "record")  # that move the base besides phrases
 
 
-def form_of(tables: Mapping[str, TableText], job: str, system: System) -> Form:
-    """Compose the forms of tables and of the text of a job."""
+def form_of(
+    tables: Mapping[str, TableText], job: str, system: System, sliders: Sequence[Slider], values: Mapping[str, float]
+) -> Form:
+    """Compose the forms of tables and of the text of a job, and the sliders at their values."""
     content, prefixes = parsed(job).unwrap(), {kind: prefix for prefix, kind in TABLE_OF.items()}
     document = content.get("document", {})
     texts = [field.name for field in fields(Document) if isinstance(field.default, str)]
@@ -35,7 +38,7 @@ def form_of(tables: Mapping[str, TableText], job: str, system: System) -> Form:
             )
             for kind, table in tables.items()
         ],
-        missing=[kind for kind in ("stops", "points") if kind not in tables],
+        missing=[kind for kind in ("stops", "points") if tables and kind not in tables],
         settings=[(key, str(content.get(key, "")), label, example) for key, (label, example) in _SETTINGS.items()],
         cases=[
             (str(case.get("name", "")), motions_of(case), ", ".join(f"{key} {case[key]}" for key in _OTHERS if key in case))
@@ -44,7 +47,11 @@ def form_of(tables: Mapping[str, TableText], job: str, system: System) -> Form:
         limits={key: str(value) for key, value in content.get("limits", {}).items()},
         document=[(key, str(document.get(key, "")), key.capitalize(), "") for key in texts],
         parts=_parts(), subjects=[f"{kind}/{name}" for kind, names in subjects_of(system).items() for name in names],
-        motions={kind: form.example for kind, form in SPOKEN_MOTIONS.items()},
+        motions={kind: form.example for kind, form in SPOKEN_MOTIONS.items()}, edited=bool(job),
+        sliders=[
+            (each.key, each.label, each.note, each.minimum, each.maximum, value, each.text(value), value != each.nominal)
+            for each in sliders for value in [values.get(each.key, each.nominal)]
+        ],
     )  # fmt: skip
 
 

@@ -124,9 +124,10 @@ class Placing:
             table = self.tables[TABLE_OF[kind]]
             if row not in table.rows:
                 raise ModelError(f"{name} stands at mounts by a row for several; edit the table of stops.")
-            if len(table.rows) == 1 and kind in ("mount", "mass"):
-                raise ModelError(f"{row} is the only {kind}, and a model needs one.")
-            self.tables[TABLE_OF[kind]] = table.without_row(row)
+            if (rest := table.without_row(row)).rows:
+                self.tables[TABLE_OF[kind]] = rest
+            else:  # mounts and masses are missed where the model is made anew
+                del self.tables[TABLE_OF[kind]]
 
     def _copy(self, name: str) -> str:
         position = self.position(name)

@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping
 from wirerope_mj.engine.from_tables.forms import blank_table
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.runs.board.documents import Texts
 from wirerope_mj.runs.board.table_text import TableText
 
 Tables = Mapping[str, TableText]
+Changed = Mapping[str, str | None]  # texts by kind; None where a table is taken away with its last row
 
 
 def _table(tables: Tables, action: Entries) -> TableText:
@@ -18,7 +18,7 @@ def _table(tables: Tables, action: Entries) -> TableText:
     return tables[kind]
 
 
-def _cell(tables: Tables, action: Entries) -> tuple[Texts, str]:
+def _cell(tables: Tables, action: Entries) -> tuple[Changed, str]:
     table, row, column = _table(tables, action), str(action.get("row")), str(action.get("column"))
     value = str(action.get("value", "")).strip()
     if row not in table.rows:
@@ -26,7 +26,7 @@ def _cell(tables: Tables, action: Entries) -> tuple[Texts, str]:
     return {table.kind: table.with_cells(row, {column: value}).text}, f"{row}, {column} {value or 'left empty'}"
 
 
-def _part(tables: Tables, action: Entries) -> tuple[Texts, str]:
+def _part(tables: Tables, action: Entries) -> tuple[Changed, str]:
     table, part = tables["mounts"], str(action.get("value", "")).strip()
     named = [str(name).partition("/")[2] for name in action.get("names") or [f"mount/{row}" for row in table.rows]]
     rows = [row for row in table.rows if row in named]
@@ -37,7 +37,7 @@ def _part(tables: Tables, action: Entries) -> tuple[Texts, str]:
     return {"mounts": table.text}, f"{len(rows)} mounts are {part}"
 
 
-def _add(tables: Tables, action: Entries) -> tuple[Texts, str]:
+def _add(tables: Tables, action: Entries) -> tuple[Changed, str]:
     kind = str(action.get("table"))
     if kind not in tables:
         if kind not in ("stops", "points"):
@@ -53,13 +53,14 @@ def _add(tables: Tables, action: Entries) -> tuple[Texts, str]:
     return {kind: table.with_row(new, cells, like=last).text}, f"{new} added"
 
 
-def _remove_row(tables: Tables, action: Entries) -> tuple[Texts, str]:
+def _remove_row(tables: Tables, action: Entries) -> tuple[Changed, str]:
     table, row = _table(tables, action), str(action.get("row"))
     if row not in table.rows:
         raise ModelError(f"there is no row {row[:40]!r} in the table of {table.kind}.")
-    return {table.kind: table.without_row(row).text}, f"{row} taken away"
+    rest = table.without_row(row)
+    return {table.kind: rest.text if rest.rows else None}, f"{row} taken away"
 
 
-TABLE_EDITS: dict[str, Callable[[Tables, Entries], tuple[Texts, str]]] = {
+TABLE_EDITS: dict[str, Callable[[Tables, Entries], tuple[Changed, str]]] = {
     "cell": _cell, "part": _part, "add": _add, "remove-row": _remove_row,
 }  # fmt: skip

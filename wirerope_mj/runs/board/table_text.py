@@ -101,7 +101,10 @@ class TableText:
 
     def _quantity(self, column: str) -> str:
         needed, further = {**COLUMNS, **FURTHER}[self.kind]
-        return {**needed, **further}[column]
+        known = {**needed, **further}
+        if column not in known:
+            raise RecordError(f"a table of {self.kind} has no column {short(column)!r}; it may have {', '.join(known)}.")
+        return known[column]
 
     def _with_line(self, number: int, text: str) -> "TableText":
         return replace(self, lines=(*self.lines[:number], text, *self.lines[number + 1 :]))

@@ -1,6 +1,6 @@
 """The columns beside the drawing, as HTML: tables and job on the left, statics and verdict on the right."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -11,6 +11,7 @@ from markupsafe import Markup
 from wirerope_mj.content.blocks import Block, Chart, Statement
 from wirerope_mj.content.first_sheet import brief_blocks
 from wirerope_mj.content.job import JudgedJob, brief, job_headline
+from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.modes import TIPS
 from wirerope_mj.content.numbers import several
 from wirerope_mj.content.verdicts import headline, used_mark
@@ -18,6 +19,8 @@ from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Column, Table, left
+from wirerope_mj.motions import Measured
+from wirerope_mj.views.board.compared import compared_blocks
 from wirerope_mj.views.plots.svg_chart import chart_svg
 from wirerope_mj.views.report.page import blocks_html
 
@@ -53,11 +56,24 @@ class Form:
     parts: Sequence[str]
     subjects: Sequence[str]
     motions: Mapping[str, str]
+    edited: bool  # whether there are files to edit, not a scenario or a run alone
+    # key, label, note, minimum, maximum, value, its text, and whether it changes anything
+    sliders: Sequence[tuple[str, str, str, float, float, float, str, bool]]
 
 
 def left_column(form: Form) -> str:
     """Write tables and job as forms."""
     return _environment().get_template("left.html.jinja").render(form=form)
+
+
+def sliders_html(form: Form) -> str:
+    """Write the sliders of a what-if."""
+    return _environment().get_template("sliders.html.jinja").render(form=form)
+
+
+def compared_html(runs: Mapping[str, RunResult], tests: Sequence[Measured]) -> str:
+    """Write what a run differs by from the one before it, and from tests."""
+    return _column(compared_blocks(runs, tests))
 
 
 def page_html(title: str) -> str:
@@ -95,18 +111,33 @@ def _at_rest(statics: StaticTable | Absent, known: Modes | Absent) -> Iterator[B
     )  # fmt: skip
 
 
-def verdict_html(job: JudgedJob, left_over: int) -> str:
+def verdict_html(job: JudgedJob, left_over: int, what_if: Sequence[str]) -> str:
     """Write verdict, bars, what is not judged, and the charts of the load case that governs."""
     one = len(job.cases) == 1
     said = headline(job.cases[0].run.verdicts) if one else job_headline(job.verdicts)
-    blocks = [block for block in (brief_blocks(job.cases[0].run) if one else brief(job)) if block is not None]
-    charts = [block for block in blocks if isinstance(block, Chart)]
-    drawn = [replace(chart, rows=[[panel] for row in chart.rows for panel in row]) for chart in charts]
     return _environment().get_template("right.html.jinja").render(
-        said=said, more=several(left_over, "load case") if left_over else "",
-        blocks=Markup(blocks_html(block for block in blocks if isinstance(block, Statement | Table))),
-        charts=[(Markup(chart_svg(chart, _WIDTH)), chart) for chart in drawn],
+        said=said, more=several(left_over, "load case") if left_over else "", what_if=", ".join(what_if),
+        blocks=Markup(_column(brief_blocks(job.cases[0].run) if one else brief(job))),
     )  # fmt: skip
+
+
+def failure_html(reason: str) -> str:
+    """Write why there is no verdict."""
+    return blocks_html([Statement("headline", f"No verdict: {reason}", tone="exceeded")])
+
+
+def _column(blocks: Iterable[Block | None]) -> str:
+    """Write blocks for a column: the panels of charts below each other, without drawings of the scene."""
+    written = []
+    for block in blocks:
+        if isinstance(block, Chart):
+            chart = replace(block, rows=[[panel] for row in block.rows for panel in row])
+            written.append(Markup('<figure class="drawn">{}<figcaption>{}</figcaption></figure>').format(
+                Markup(chart_svg(chart, _WIDTH)), chart.caption
+            ))  # fmt: skip
+        elif isinstance(block, Statement | Table):
+            written.append(Markup(blocks_html([block])))
+    return "\n".join(written)
 
 
 @cache

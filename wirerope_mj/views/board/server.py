@@ -13,7 +13,6 @@ from time import monotonic
 from urllib.parse import quote
 
 import uvicorn
-from jinja2 import Template
 from starlette.applications import Starlette
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
@@ -26,8 +25,9 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.views.board.columns import page_html
 from wirerope_mj.views.board.windows import Served, Windows
-from wirerope_mj.views.colours import style_sheet
+from wirerope_mj.views.report.page import block_styles
 from wirerope_mj.views.recording.viewer import LOCAL, has_display
 from wirerope_mj.views.share import VIEWER, viewer_pages
 
@@ -39,7 +39,7 @@ _LARGEST = 64 * 1024  # largest message of a window, and largest head of a reque
 _UNREAD = 8 * 2**20  # what a window may leave unread, beside what the system keeps [bytes]
 _NONE = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
 # Pages load nothing from elsewhere, whatever their scripts or the viewer's might try: no fonts, no usage data.
-_POLICY = _NONE + "script-src 'self'; style-src 'self'; connect-src 'self' {sockets}; img-src 'self' data: blob:"
+_POLICY = _NONE + "script-src 'self'; style-src 'self'; style-src-attr 'unsafe-inline'; connect-src 'self' {sockets}; img-src 'self' data: blob:"
 _VIEWER_POLICY = (
     _NONE + "script-src 'self' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; connect-src 'self' data: blob:; "
     "img-src data: blob:; worker-src 'self' blob:"
@@ -202,13 +202,12 @@ class BoardServer(uvicorn.Server):
 
     async def _page(self, request: Request) -> Response:
         self._require_token(request.query_params.get("token", ""))
-        page = Template((_FOLDER / "board.html").read_text(encoding="utf-8"), autoescape=True, trim_blocks=True)
-        return HTMLResponse(page.render(title=self.windows.board.title))
+        return HTMLResponse(page_html(self.windows.board.title))
 
     async def _static(self, request: Request) -> Response:
         name = request.path_params["name"]
-        if name == "colours.css":
-            return Response(style_sheet(), media_type="text/css")
+        if name == "blocks.css":
+            return Response(block_styles(), media_type="text/css")
         if name not in _STATIC:
             raise HTTPException(404)
         return Response((_FOLDER / name).read_bytes(), media_type=_TYPES[Path(name).suffix])

@@ -26,7 +26,7 @@ _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen i
 def report_html(content: Content) -> str:
     """Write a content as an HTML page that holds its styles and pictures; every text is escaped."""
     # Whatever a user has named reaches the page through the template, which escapes it.
-    css = Markup(f"{style_sheet()}\n{(_FOLDER / 'report.css').read_text(encoding='utf-8').strip()}")
+    css = Markup(f"{block_styles()}\n{(_FOLDER / 'report.css').read_text(encoding='utf-8').strip()}")
     template = _environment().get_template("report.html.jinja")
     script = (_FOLDER / "read_curves.js").read_text(encoding="utf-8").strip()
     titled = [section for section in content.sections if section.title and section.blocks]
@@ -44,6 +44,11 @@ def report_html(content: Content) -> str:
         version=version("wirerope-mj"),
     )  # fmt: skip
     return page + "\n"
+
+
+def block_styles() -> str:
+    """Write the styles of blocks and the colours that they take, for any page that shows them."""
+    return f"{style_sheet()}\n{(_FOLDER / 'blocks.css').read_text(encoding='utf-8').strip()}"
 
 
 def blocks_html(blocks: Iterable[Block | None]) -> str:

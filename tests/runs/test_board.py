@@ -1,0 +1,280 @@
+"""A board without its page: what edits, undoing, saving and other people's changes make of files, statics and verdict."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.content.job import job_headline
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.runs.board.board import Board, overlapping
+from wirerope_mj.runs.board.documents import JOURNAL
+from wirerope_mj.runs.board.opened import from_template, opened
+from wirerope_mj.runs.job_file import load_job
+
+JOB = """# two mounts more would do
+model = "."
+
+[limits]
+"acceleration/equipment" = "3 g"
+
+[[case]]
+name = "shock"
+half-sine = "10 g 11 ms z"
+[case.simulate]
+"""
+JOB = JOB.replace("[case.simulate]\n", "duration = 0.4\n")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    made = from_template("genset", tmp_path / "genset")
+    (made / "job.toml").write_text(JOB, encoding="utf-8")
+    return made
+
+
+@pytest.fixture
+def board(folder):
+    made = Board(opened(folder))
+    yield made
+    made.close()
+
+
+def texts(folder):
+    return {path.name: path.read_bytes() for path in folder.glob("*.*") if path.suffix in (".csv", ".toml")}
+
+
+def act(board, **action):
+    """Return all that an action is answered by, as one message; the last word counts."""
+    told: dict = {"html": {}}
+    for _, message in board.act(action):
+        json.dumps(message, allow_nan=False)
+        told = {**told, **message, "html": told["html"] | message.get("html", {})}
+    return told
+
+
+def mount(message, name):
+    return next(each for each in message["scene"]["mounts"] if each["name"] == f"mount/{name}")
+
+
+def test_what_is_saved_gives_the_same_verdict_by_the_command(board, folder, tmp_path):
+    act(board, do="move", names=["mount/m1", "mount/m4"], by=[40, 0, 0])
+    shown = act(board, do="judge")["html"]["verdict"]
+    assert act(board, do="save")["said"] == "Saved: mounts.csv."
+    run = wr.run_job(folder / "job.toml", tmp_path / "run", workers=1)
+    said = json.loads((tmp_path / "run" / "cases" / "shock" / "summary.json").read_text())["content"]["headline"]["text"]
+    assert said in shown
+    assert run.headline == job_headline(run.job.verdicts).text
+
+
+def test_undone_to_the_beginning_the_files_are_those_of_before(board, folder):
+    before = texts(folder)
+    edits = [
+        {"do": "move", "names": ["mount/m1"], "by": [13, 7, -2]},
+        {"do": "turn", "names": ["mount/m2"], "degrees": 90},
+        {"do": "turn", "names": ["mass/alternator"], "degrees": 90},
+        {"do": "stand", "names": ["mount/m3"], "on": "wall"},
+        {"do": "duplicate", "names": ["mount/m6"]},
+        {"do": "align", "names": ["mount/m4", "mount/m5"], "axis": "y"},
+        {"do": "cell", "table": "masses", "row": "frame", "column": "mass", "value": "210"},
+        {"do": "case", "case": "0", "key": "motions", "value": "half-sine 11 g 11 ms z"},
+        {"do": "add-limit", "value": "load/m3 = 50 kN"},
+        {"do": "remove", "names": ["point/terminal_box"]},
+    ]
+    for edit in edits:
+        assert "refused" not in act(board, **edit), edit
+    act(board, do="save")
+    assert texts(folder) != before
+    for _ in edits:
+        act(board, do="undo")
+    assert act(board, do="undo")["said"] == "There is nothing to undo."
+    act(board, do="save")
+    assert texts(folder) == before
+    assert act(board, do="redo")["said"].startswith("redo: moved m1")
+
+
+def test_a_mount_stands_as_it_was_turned_mirrored_and_lifted(board):
+    turned = act(board, do="turn", names=["mount/m2"], degrees=90)
+    np.testing.assert_allclose(mount(turned, "m2")["axial"], [-0.5, 0.0, np.sqrt(0.75)], atol=1e-5)
+    wall = act(board, do="stand", names=["mount/m2"], on="wall")
+    assert mount(wall, "m2")["axial"] == [0.0, 1.0, 0.0]
+    ceiling = act(board, do="stand", names=["mount/m2"], on="ceiling")
+    np.testing.assert_allclose(mount(ceiling, "m2")["axial"], [0.0, 0.0, -1.0], atol=1e-9)
+    act(board, do="move", names=["mount/m1"], by=[30, 0, 0])
+    mirrored = act(board, do="mirror", names=["mount/m1"], axis="x")
+    assert mirrored["said"] == "Mounts m1 and m3 would stand in each other."
+
+
+def test_where_two_mounts_would_stand_in_each_other_nothing_moves(board, folder):
+    before = texts(folder)
+    told = act(board, do="move", names=["mount/m1"], by=[750, 0, 0], id="7")
+    assert (told["refused"], told["said"]) == ("7", "Mounts m1 and m2 would stand in each other.")
+    act(board, do="save")
+    assert texts(folder) == before
+    preview = act(board, do="drag", names=["mount/m1"], by=[750, 0, 0])["preview"]
+    assert preview["collides"] == ["mount/m1", "mount/m2"]
+
+
+def test_the_preview_of_a_drag_is_the_statics_of_where_it_ends(board):
+    preview = act(board, do="drag", names=["mount/m1"], by=[100, 0, 0])["preview"]
+    moved = act(board, do="move", names=["mount/m1"], by=[100, 0, 0])
+    assert preview["html"]["statics"] == moved["html"]["statics"]
+    assert preview["stiffness_centre"] == moved["scene"]["stiffness_centre"]
+
+
+def test_the_centre_of_stiffness_is_over_the_mean_of_equal_mounts_with_equal_loads(tmp_path):
+    for name, text in {
+        "mounts": "\n".join(["name, x [mm], y [mm], z [mm], isolator"] + [
+            f"m{n}, {x}, {y}, 0, WR2-800" for n, (x, y) in enumerate([(-60, -40), (60, -40), (-60, 40), (60, 40)])
+        ]),
+        "masses": "name, mass [kg], x [mm], y [mm], z [mm], size_x [mm], size_y [mm], size_z [mm]\n"
+        "box, 2.4, 0, 0, 60, 120, 80, 100",
+    }.items():  # fmt: skip
+        (tmp_path / f"{name}.csv").write_text(text + "\n")
+    made = Board(opened(tmp_path))
+    scene = made.open()["scene"]
+    made.close()
+    np.testing.assert_allclose(scene["stiffness_centre"], [0.0, 0.0, 0.0], atol=1e-2)
+    assert scene["centre"] == [0.0, 0.0, 60.0]
+
+
+def test_a_wrong_word_is_named_and_changes_nothing(board, folder):
+    told = act(board, do="case", case="0", key="motions", value="half-sine 15 gg 11 ms z", id="3")
+    assert (told["refused"], told["word"], told["tone"]) == ("3", "gg", "bad")
+    assert '"gg" is no unit' in told["said"]
+    assert str(board._documents.copies) not in told["said"]
+    assert act(board, do="save")["said"] == "Saved: nothing has changed."
+
+
+@pytest.mark.parametrize(
+    "action",
+    [
+        {"do": "fly"}, {"do": "move"}, {"do": "move", "names": ["mount/nobody"], "by": [1, 2, 3]},
+        {"do": "move", "names": ["mount/m1"], "by": [1, 2]}, {"do": "move", "names": ["mount/m1"], "by": "far"},
+        {"do": "cell", "table": "mounts", "row": "m1", "column": "x", "value": "wide"},
+        {"do": "cell", "table": "mounts", "row": "m1", "column": "__class__", "value": "1"},
+        {"do": "cell", "table": "../x", "row": "m1", "column": "x", "value": "1"},
+        {"do": "turn", "names": ["mount/m1"], "degrees": "x"}, {"do": "align", "names": ["mount/m1"], "axis": "w"},
+        {"do": "stand", "names": ["mass/engine"], "on": "wall"}, {"do": "case", "case": "9", "key": "name", "value": "x"},
+        {"do": "slide", "key": "level", "value": "much"}, {"do": "slide", "key": "nothing", "value": 1.0},
+        {"do": "job", "key": "model", "value": "cabinet"}, {"do": "part", "value": "WR99-1"}, {"do": "add", "table": "job"},
+        {"do": "limit", "key": "", "value": "1 g"}, {"do": "add-limit", "value": "acceleration/nobody = 1 g"},
+    ],
+)  # fmt: skip
+def test_what_cannot_be_done_is_refused_in_words(board, folder, action):
+    before = texts(folder)
+    told = act(board, **action, id="1")
+    assert told["refused"] == "1"
+    assert told["said"]
+    act(board, do="save")
+    assert texts(folder) == before
+
+
+def test_what_cannot_be_simulated_is_shown_and_can_be_undone(board):
+    act(board, do="remove", names=["stop/s1", "stop/s2", "stop/s3", "stop/s4"])
+    told = act(board, do="cell", table="masses", row="frame", column="mass", value="20000")
+    assert "refused" not in told
+    assert "No verdict: " in told["html"]["verdict"]
+    assert "No verdict" not in act(board, do="undo")["html"]["verdict"]
+
+
+def test_sliders_show_what_would_be_and_no_file_has_it(board, folder):
+    before = texts(folder)
+    nominal = act(board, do="judge")["html"]["verdict"]
+    higher = act(board, do="slide", key="level", value="1.5")["html"]["verdict"]
+    assert "What if: Base motion level" in higher
+    assert higher != nominal
+    act(board, do="save")
+    assert texts(folder) == before
+    assert act(board, do="slide", key="level", value="1")["html"]["verdict"] == nominal
+    act(board, do="slide", key="mass", value="1.2")
+    assert "set them back" in act(board, do="report")["said"]
+
+
+def test_a_file_that_others_change_is_shown_and_one_changed_here_too_is_kept(board, folder):
+    assert board.changed_outside() is None
+    mounts = folder / "mounts.csv"
+    mounts.write_text(mounts.read_text().replace("-800, -300", "-790, -300"))
+    told = board.changed_outside()
+    assert mount(told, "m1")["position"][0] == -790.0
+    assert not told["dirty"]
+    assert board.changed_outside() is None
+    act(board, do="move", names=["mount/m1"], by=[5, 0, 0])
+    mounts.write_text(mounts.read_text().replace("-790, -300", "-780, -300"))
+    assert "changed outside, and here, too" in board.changed_outside()["said"]
+    assert mount(board.open(), "m1")["position"][0] == -785.0
+    mounts.write_text("nonsense")
+    act(board, do="save")
+    assert "-785, -300" in mounts.read_text()
+
+
+def test_a_file_that_others_break_is_said_and_what_was_shown_stays(board, folder):
+    (folder / "mounts.csv").write_text("name\nm1\n")
+    told = board.changed_outside()
+    assert (told["tone"], "is wrong" in told["said"]) == ("bad", True)
+    assert len(board.open()["scene"]["mounts"]) == 6
+
+
+def test_what_was_not_saved_is_there_after_a_crash(folder):
+    first = Board(opened(folder))
+    act(first, do="move", names=["mount/m1"], by=[20, 0, 0])
+    assert (folder / JOURNAL).exists()
+    second = Board(opened(folder))  # the first one was killed
+    assert mount(second.open(), "m1")["position"][0] == -780.0
+    assert "not saved last time" in second.open()["said"]
+    act(second, do="undo")
+    assert mount(second.open(), "m1")["position"][0] == -800.0
+    assert not (folder / JOURNAL).exists()
+    (folder / JOURNAL).write_text("{broken")
+    for made in (first, second, Board(opened(folder))):
+        made.close()
+
+
+def test_a_model_is_shown_with_a_job_of_its_own_and_not_moved(here):
+    made = Board(opened(Path("cabinet")))
+    assert not made.open()["scene"]["movable"]
+    assert "not moved" in act(made, do="move", names=["mount/m1"], by=[1, 0, 0])["said"]
+    assert "half-sine 11 g" in act(made, do="case", case="0", key="motions", value="half-sine 11 g 11 ms z")["html"]["left"]
+    act(made, do="save")
+    made.close()
+    assert load_job(here / "cabinet.toml").cases[0].scenario.motion.description == "half-sine 11 g 11 ms along z"
+
+
+def test_a_scenario_is_shown_behind_sliders_alone():
+    made = Board(opened(Path("cabinet_shock")))
+    told = made.open()
+    assert told["scene"]["mounts"]
+    assert "as it is" in act(made, do="save")["said"]
+    assert "slider-level" in told["html"]["left"]
+    made.close()
+
+
+def test_templates_and_folders_that_are_none_are_refused(tmp_path):
+    with pytest.raises(ModelError, match="nothing that a board can open"):
+        opened(tmp_path)
+    with pytest.raises(ModelError, match="exists; give another folder"):
+        from_template("genset", tmp_path)
+
+
+def test_boxes_overlap_as_they_stand(board):
+    assert overlapping(board._loaded.system) == []
+
+
+def test_a_job_on_a_folder_of_tables_is_that_of_the_written_model(folder, tmp_path):
+    from wirerope_mj.runs.new_model import new_model, tables_in
+
+    job = load_job(folder / "job.toml")
+    new_model(tmp_path / "equipment", tables_in(folder))
+    written = wr.load_system(tmp_path / "equipment" / "equipment.xml")
+    assert job.system.mjcf == written.mjcf
+    assert job.system.isolators == written.isolators
+    shutil.copy(folder / "job.toml", tmp_path / "deck.toml")
+    text = (tmp_path / "deck.toml").read_text().replace('model = "."', 'model = "genset"\ndeck = "10 Hz 800 kg 4 %"')
+    (tmp_path / "deck.toml").write_text(text)
+    assert "deck" in load_job(tmp_path / "deck.toml").system.mjcf
+    (tmp_path / "deck.toml").write_text(text.replace("10 Hz 800 kg", "10 Hz"))
+    with pytest.raises(ModelError, match="`deck`"):
+        load_job(tmp_path / "deck.toml")
