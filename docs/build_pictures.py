@@ -20,7 +20,6 @@ from collections.abc import Callable
 from contextlib import chdir, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 from wirerope_mj.content.blocks import Chart, SceneView
@@ -123,44 +122,6 @@ def compare() -> Made:
     return Made(texts_in(recording), in_viewer(recording, duration=0.092))
 
 
-def explore() -> Made:
-    """Stiffen the floor's large mounts at 15 g in the page of a what-if."""
-    from wirerope_mj.runs.explore import Exploration
-    from wirerope_mj.runs.scenario import load_scenario
-    from wirerope_mj.views.explore.server import ExploreServer
-
-    value = 1.4
-    explored = Exploration(load_scenario("floating_floor_shock").make(level_g=15.0))
-    key = next(slider.key for slider in explored.sliders if slider.label == "Stiffness of Enidine WR16-400")
-    answer = explored.run({key: value})
-    now = answer["now"]
-    shows = [now["headline"], *now["lines"], *(cell for table in answer["tables"] for row in table["rows"] for cell, _ in row)]
-
-    def draw(picture: Path) -> None:
-        sys.path.insert(0, str(HERE.parent / "tests"))
-        from browsers import launched, opened
-        from playwright.sync_api import expect
-
-        fresh = Exploration(load_scenario("floating_floor_shock").make(level_g=15.0))
-        with ExploreServer(fresh, viewer=False) as server:
-            Thread(target=server.serve_forever, daemon=True).start()
-            with launched() as browser, opened(browser, server.address, hosts=server.hosts) as page:
-                expect(page.locator("#headline")).to_contain_text("checks", timeout=120_000)
-                field = page.get_by_label("Stiffness of Enidine WR16-400, as a number [times]")
-                field.fill(str(value))
-                field.press("Tab")
-                expect(page.locator("#now-name")).to_contain_text("run 2", timeout=120_000)
-                expect(page.locator("#result")).to_have_attribute("aria-busy", "false", timeout=120_000)
-                # Without how long this machine took, which says nothing of another.
-                page.locator("#state").evaluate("line => { line.textContent = line.textContent.split('; simulated')[0]; }")
-                page.screenshot(path=picture)
-            server.shutdown()
-        fresh.close()
-
-    explored.close()
-    return Made([str(text) for text in shows], draw)
-
-
 def damage_spectra() -> Made:
     """Draw the damage spectra of a density and of three histories of it, as docs/durability.md computes them."""
     import matplotlib as mpl
@@ -243,7 +204,7 @@ def placement_plans() -> Made:
 PICTURES = {
     make.__name__: make
     for make in (
-        floating_floor, first_run, compare, explore, damage_spectra, first_model, frequency_response, frequency_response_view,
+        floating_floor, first_run, compare, damage_spectra, first_model, frequency_response, frequency_response_view,
         placement_front, placement_plans,
     )
 }  # fmt: skip

@@ -24,7 +24,7 @@ COMMANDS = (
     ["study-report", "study"], ["new", "n", "--template", "cabinet"], ["levels"], ["schemas", "j"],
     ["isolators", "enidine_wr12_400"],
     ["loops", "enidine_wr12_400", "--axis", "axial", "--csv", "l.csv"], ["laws", "cyclic.csv"],
-    ["identify", "cyclic.csv", "--law", "bouc-wen", "--out", "i.toml"], ["explore", "shock_table", "--no-browser"],
+    ["identify", "cyclic.csv", "--law", "bouc-wen", "--out", "i.toml"], ["board", "shock_table", "--no-browser"],
     ["frf", "sdof_shaker", "--acceleration", "1", "--out", "f"], ["compile"], ["schemas", "k"],
     ["select", "worksheet", "--mass", "100", "--mounts", "4", "--shock", "15 g 11 ms half-sine", "--travel", "30"],
     ["select", "--mass", "100", "--mounts", "4", "--shock", "half-sine 9 g 11 ms z", "--parts", "CB1400*", "--out", "c"],

@@ -166,7 +166,7 @@ class Hostile:
         path.write_bytes(content if isinstance(content, bytes) else content.encode("latin-1"))
 
 
-SERVERS = {"explore": "Open http"}
+SERVERS = {"board": "Open http"}
 """Commands that do not end by themselves, and what they print once they serve."""
 
 _COMPILED: dict[Path, bytes | None] = {}

@@ -1,4 +1,4 @@
-"""Interrupts commands at random instants: `python tests/interrupts.py run shock explore --times 20 --seed 1`.
+"""Interrupts commands at random instants: `python tests/interrupts.py run shock board --times 20 --seed 1`.
 
 A SIGINT or a SIGTERM to the command alone must end it within `SOON`, with the exit code of that signal and without a traceback.
 Results are then whole, those of before or those of a command that nobody disturbed; no other file is left, and no process. Half
@@ -65,7 +65,7 @@ COMMANDS = {
     "pdf": Command("report run --out out.html --pdf", "", ("out.html",), "report other --out out.html --pdf"),
     "film": Command("film run out.mp4 --at '50 ms'", "out.mp4", (), "film other out.mp4 --at '50 ms'"),
     "show": Command("show run --web", seconds=4.0),
-    "explore": Command("explore shock_table --no-browser", seconds=6.0),
+    "board": Command("board shock_table --no-browser", seconds=6.0),
 }
 GOES_ON = {"study", "search"}  # Commands whose new folder keeps what is done
 

@@ -133,7 +133,6 @@ def test_isolators_lists_the_catalogue_and_draws_one(tmp_path, capsys):
             "study",
             ["STUDY-OR-SCENARIO [OPTIONS]", "--vary", "--limit", "--by", "--sampling", "--variants", "--workers", "--out"],
         ),
-        ("explore", ["SCENARIO-OR-MODEL [OPTIONS]", "--port", "Ctrl-C ends it"]),
         ("replay", ["Compared are all stored numbers"]),
         ("export", ["mounts/*/force/*"]),
     ],

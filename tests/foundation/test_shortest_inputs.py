@@ -18,7 +18,7 @@ from wirerope_mj.motions import DecayingSine, Sine
 from wirerope_mj.motions.registry import motion_from_phrase
 from wirerope_mj.mounts.estimate import estimate_loop
 from wirerope_mj.runs import run_scenario
-from wirerope_mj.runs.explore import checked_values, sliders_of
+from wirerope_mj.runs.board.what_if import checked_values, sliders_of
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import read_judge_table
 from wirerope_mj.runs.write import checked_arguments

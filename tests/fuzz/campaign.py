@@ -32,7 +32,7 @@ from wirerope_mj.foundation.errors import WireRopeError
 TARGETS = {
     "devices": ("models", "isolators", "layouts"),
     "motions": ("records", "cycles", "phrases", "levels", "limits"),
-    "runs": ("folders", "scenarios", "returns", "requests"),
+    "runs": ("folders", "scenarios", "returns", "actions"),
     "studies": ("vary", "studies", "missions", "responses"),
     "commands": ("commands", "tools"),
     "meanings": ("meant",),

@@ -1,7 +1,6 @@
-"""Runs: folders that were edited or damaged on their way, scenarios and their files, requests to the page of a what-if."""
+"""Runs: folders that were edited or damaged on their way, scenarios and their files, actions of a board."""
 
 import contextlib
-import http.client
 import io
 import json
 import shutil
@@ -10,7 +9,6 @@ import tomllib
 import warnings
 from functools import cache
 from pathlib import Path
-from threading import Thread
 from unittest import mock
 
 import numpy as np
@@ -26,13 +24,13 @@ from wirerope_mj.assessment.criteria import judge, summary
 from wirerope_mj.cli.compare import compare
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.runs import replay, run_scenario
-from wirerope_mj.runs.explore import Exploration
+from wirerope_mj.runs.board.board import Board
+from wirerope_mj.runs.board.opened import from_template, opened
 from wirerope_mj.runs.folder import CHECKSUMS, write_checksums
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import Scenario, load_scenario, shipped_scenarios
 from wirerope_mj.runs.scenario_file import judged_by, run_inputs
 from wirerope_mj.runs.write import checked_arguments
-from wirerope_mj.views.explore.server import ExploreServer
 
 SCENARIO, SUMMARY, RESPONSE, MODEL, ISOLATOR = (
     "scenario.toml",
@@ -352,60 +350,53 @@ def returns(rng, folder):
     return Case(returned[:150], use, (path.name, "mine", "model", "limit", *ARGUMENTS))
 
 
-SENT = (
-    "1", "0.5", "2", "NaN", "Infinity", "-Infinity", "1e400", "-0", "1e-308", str(10**400), "9" * 5000, '"1"', "null", "true",
-    "[1]", "{}", "1.0e0", "-5", "1e308",
-)  # fmt: skip
-BODIES = (b"", b"[]", b"3", b"\xff\xfe", b"[" * 5000, b'{"values": ' * 900, b"null", b'{"values": 3}')
-PATHS = (
-    "/run", "/run/", "/start", "/", "/recording/1", "/recording/99999999999", "/recording/-1", "/../x", "/explore.js",
-    "/nobody",
-)  # fmt: skip
-
-
 @cache
-def server():
-    """Return a server of a short run, made once a process."""
-    pulse = wr.HalfSine(peak=30.0, duration=0.005, direction="z")
-    explored = Exploration(Scenario("does it hold?", "sdof_shaker", pulse, {"duration": 0.02, "timestep": 1e-3}))
-    made = ExploreServer(explored, viewer=False)
-    made.handle_error = lambda *_: None  # what it would print; the request is then left without an answer
-    Thread(target=made.serve_forever, daemon=True).start()
-    return made
+def board():
+    """Return a board of the genset's tables and a short load case, made once a process; it is put back after every input."""
+    folder = from_template("genset", Path(tempfile.mkdtemp(prefix="fuzz-board-")) / "genset")
+    job = 'model = "."\n[[case]]\nname = "a"\nhalf-sine = "5 g 11 ms z"\nduration = 0.02\ntimestep = 1e-3\n'
+    (folder / "job.toml").write_text(job, encoding="utf-8")
+    return Board(opened(folder))
 
 
-def requests(rng, folder):
-    """Requests to the page of a what-if: each is answered, in JSON where refused, with finite numbers where it is not."""
-    keys = ["level", "mass", "damping", "stiffness/sdof_36hz", "nobody", "", "direction"]
-    pairs = [
-        f"{json.dumps(pick(rng, keys[:3] if rng.random() < 0.8 else keys))}: {pick(rng, SENT)}"
-        for _ in range(pick(rng, (0, 1, 1, 2)))
-    ]
-    passing = pick(rng, ("", ', "passing": true', ', "exact": 1', ', "passing": "x"', ', "exact": true'))
-    body = f'{{"values": {{{", ".join(pairs)}}}{passing}}}'.encode()
-    path, method, headers, kind = "/run", "POST", {"X-Token": server().token}, rng.random()
-    if kind < 0.15:
-        _, body = damaged(rng, body)
-    elif kind < 0.2:
-        body = pick(rng, BODIES)
-    elif kind < 0.3:
-        path, method = pick(rng, PATHS), pick(rng, ("GET", "POST", "PUT", "HEAD"))
-    elif kind < 0.35:
-        headers[pick(rng, ("X-Token", "Host", "Content-Length"))] = pick(rng, ("", "x", "-1", "1e9", "\u00fc", "99999999999"))
+ACTED = (
+    "move", "drag", "turn", "mirror", "align", "distribute", "stand", "duplicate", "remove", "cell", "part", "add",
+    "remove-row",
+    "case", "add-case", "remove-case", "limit", "add-limit", "job", "slide", "redo", "judge", "nothing",
+)  # fmt: skip
+SAID = {
+    "names": (["mount/m1"], ["mount/m1", "mass/frame"], ["stop/s1", "stop/s2"], ["point/turbocharger"], [], ["x"], "m1"),
+    "by": ([10, 0, 0], [0.0, -20.5, 3], [1e9, 0, 0], [1, 2], ["a", 1, 2], None), "degrees": (90, 45, -90, 1e9, "x", None),
+    "axis": ("x", "y", "z", "w", ""), "on": ("floor", "wall", "ceiling", "roof"), "case": ("0", "1", "-1", "x"),
+    "table": ("mounts", "masses", "stops", "points", "forces", "envelope", "job"), "row": ("m1", "frame", "s1", "nobody"),
+    "column": ("x", "z", "mass", "name", "isolator", "inclination", "gap", "mounts", "ixx", "size_x"),
+    "key": ("motions", "name", "level", "mass", "deck", "temperature", "document.project", "acceleration/equipment", "x", ""),
+    "value": (
+        "1", "-0.5", "12", "1e400", "nan", "", "WR16-600", "half-sine 15 g 11 ms z", "drop 200 mm", "10 Hz 800 kg 4 %",
+        "acceleration/equipment = 5 g", "5 g", "<b>x</b>", "m2", "a,b", 'a"b', "x\ny", 0.7, None,
+    ),
+}  # fmt: skip
+
+
+def actions(rng, folder):
+    """Actions of a board: done, or refused in words; messages are JSON, and undone everything is as it was."""
+    action = {"do": pick(rng, ACTED), "id": "1"} | {
+        key: pick(rng, values) for key, values in SAID.items() if rng.random() < 0.8
+    }
 
     def use():
-        connection = http.client.HTTPConnection("127.0.0.1", server().server_port, timeout=120)
-        with contextlib.closing(connection):
-            connection.request(method, path, body, {name: value.encode("latin-1") for name, value in headers.items()})
-            answer = connection.getresponse()
-            status, text = answer.status, answer.read().decode()
-        if (path, method) != ("/run", "POST"):
-            return None if status < 500 or status == 501 else f"status {status}: {text[:100]}"
-        if status == 200:
-            return None if json.loads(text, parse_constant=lambda word: 1 / 0) else "nothing was answered"
-        message = json.loads(text)["error"] if text.startswith("{") else ""
-        if status >= 500 or not message:
-            return f"status {status}: {text[:100]}"
-        raise ValueError(message)
+        made = board()
+        before, told = dict(made._texts), [message for _, message in made.act(action)]
+        json.dumps(told, allow_nan=False)
+        refusals = [message["said"] for message in told if "refused" in message]
+        if dict(made._texts) != before:
+            list(made.act({"do": "undo"}))
+        made.act({"do": "slide", "key": "level", "value": 1.0})
+        if dict(made._texts) != before:
+            return "undoing does not give the texts back"
+        if refusals:
+            raise ValueError(refusals[0])
+        return None
 
-    return Case(f"{method} {path} {body!r:.150}", use)
+    words = ("selected", "load case", "limited", "table", "here", "numbers", "degrees", "this is done", "mount", "slider")
+    return Case(json.dumps(action)[:150], use, (*words, *(str(value) for value in action.values())))

@@ -39,8 +39,8 @@ HOUSE = {
     "assessment": (("criteria",), ("correlation", "durability")),
     "studies": (("vary",), ("engines",), ("results",), ("search", "calibration")),
     "content": (),
-    "views": (("plots",), ("recording",), ("report", "document"), ("explore",), ("share",), ("board",)),
-    "runs": (),
+    "views": (("plots",), ("recording",), ("report", "document"), ("share",), ("board",)),
+    "runs": (("board",),),
     "cli": (),
 }
 """Wings from the bottom to the top, each with its floors of rooms: a room uses those below it, and none beside it.

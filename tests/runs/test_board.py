@@ -9,10 +9,11 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.content.job import job_headline
-from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.runs.board.board import Board, overlapping
+from wirerope_mj.foundation.errors import ModelError, SimulationError
+from wirerope_mj.runs.board.board import Board
 from wirerope_mj.runs.board.documents import JOURNAL
 from wirerope_mj.runs.board.opened import from_template, opened
+from wirerope_mj.runs.board.room import overlapping
 from wirerope_mj.runs.job_file import load_job
 
 JOB = """# two mounts more would do
@@ -173,11 +174,15 @@ def test_what_cannot_be_done_is_refused_in_words(board, folder, action):
     assert texts(folder) == before
 
 
-def test_what_cannot_be_simulated_is_shown_and_can_be_undone(board):
-    act(board, do="remove", names=["stop/s1", "stop/s2", "stop/s3", "stop/s4"])
-    told = act(board, do="cell", table="masses", row="frame", column="mass", value="20000")
+def test_what_cannot_be_simulated_is_shown_and_can_be_undone(board, monkeypatch):
+    def fail(case, loaded, timestep=None):
+        raise SimulationError("m1 went to where its law does not hold")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("wirerope_mj.runs.board.board.judged_case", fail)
+        told = act(board, do="move", names=["mount/m1"], by=[10, 0, 0])
     assert "refused" not in told
-    assert "No verdict: " in told["html"]["verdict"]
+    assert "No verdict: m1 went" in told["html"]["verdict"]
     assert "No verdict" not in act(board, do="undo")["html"]["verdict"]
 
 

@@ -37,14 +37,14 @@ from wirerope_mj.foundation.processes import allow_one_beside
 
 _NAMES = (
     "new", "run", "cases", "study", "show", "replay", "loops", "identify", "calibrate", "laws", "frf", "report", "study-report",
-    "compare", "share", "film", "board", "shock", "fmu", "export", "durability", "comfort", "flexible", "levels", "schemas",
-    "select", "modes", "statics", "isolators", "compile",
+    "compare", "share", "film", "board", "explore", "shock", "fmu", "export", "durability", "comfort", "flexible", "levels",
+    "schemas", "select", "modes", "statics", "isolators", "compile",
 )  # fmt: skip
 # Where a command stands in this folder if it is not called as its file is; it is imported when it is asked for.
 _PLACES = {
     "identify": "identify:identify_records", "laws": "loops:laws", "study-report": "report:study_report",
     "share": "exports:share", "film": "exports:film", "fmu": "exports:fmu", "export": "exports:export",
-    "levels": "levels:levels_app", "schemas": "new:schemas", "select": "select:select_app",
+    "explore": "board:board", "levels": "levels:levels_app", "schemas": "new:schemas", "select": "select:select_app",
     "isolators": "isolators:isolators_app", "compile": "compile:compile_kernels",
 }  # fmt: skip
 COMMANDS = {name: _PLACES.get(name, f"{name}:{name}") for name in _NAMES}

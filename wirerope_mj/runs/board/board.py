@@ -2,78 +2,40 @@
 
 import json
 import re
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
-from functools import cached_property
-from itertools import combinations
 from pathlib import Path
-
-import numpy as np
+from tempfile import TemporaryDirectory
 
 from wirerope_mj.content.job import JudgedCase, JudgedJob
-from wirerope_mj.content.judged_run import JudgedRun, judged_run, result_or_absent
-from wirerope_mj.dynamics.modes import Modes, modes
+from wirerope_mj.content.judged_run import JudgedRun, result_or_absent
+from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.engine.from_tables.layout import Layout
-from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.recorder import scene_of
-from wirerope_mj.engine.statics import StaticTable, static_table
+from wirerope_mj.engine.statics import static_table
 from wirerope_mj.engine.statics.payloads import point_positions
-from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import Absent, ModelError, SimulationError, WireRopeError
 from wirerope_mj.runs.board.documents import Documents, Texts
 from wirerope_mj.runs.board.forms import form_of
 from wirerope_mj.runs.board.job_edits import JOB_EDITS
+from wirerope_mj.runs.board.loaded import Loaded, judged_case
 from wirerope_mj.runs.board.opened import Opened
-from wirerope_mj.runs.board.placing import EDITS, Placing
+from wirerope_mj.runs.board.placing import EDITS, Placing, shift_of
+from wirerope_mj.runs.board.room import overlapping, shifted
 from wirerope_mj.runs.board.table_edits import TABLE_EDITS
 from wirerope_mj.runs.board.table_text import TableText
-from wirerope_mj.runs.board.what_if import Slider, checked_values, frequency_ratio, sliders_of, variant
-from wirerope_mj.runs.job import run_job
-from wirerope_mj.runs.job_file import Job, LoadCase, load_job
+from wirerope_mj.runs.board.what_if import Slider, checked_values, frequency_ratio
+from wirerope_mj.runs.board.written import FILES, written
+from wirerope_mj.runs.job_file import LoadCase, load_job
 from wirerope_mj.runs.new_model import model_of
-from wirerope_mj.runs.scenario_file import judged_by
-from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.board.columns import compared_html, failure_html, left_column, sliders_html, statics_html, verdict_html
 from wirerope_mj.views.board.scene import board_scene, centres, use
 
-_TOUCH = 1e-4  # by how much mounts may overlap [m]
 _KEPT = 40  # judged cases of earlier positions, which undoing shows again
 
 Message = Entries
-
-
-@dataclass(frozen=True, eq=False)
-class Loaded:
-    """A model and its job as some texts say them."""
-
-    texts: Texts
-    job: Job
-    tables: Mapping[str, TableText]
-    values: Mapping[str, float]  # of the sliders
-
-    @property
-    def layout(self) -> Layout | None:
-        return self.job.layout
-
-    @cached_property
-    def sliders(self) -> tuple[Slider, ...]:
-        return sliders_of(self.job.system, self.job.cases[0].scenario.motion)
-
-    @cached_property
-    def system(self) -> System:
-        """The model with the sliders where they stand."""
-        return variant(self.job.system, self.job.cases[0].scenario.motion, self.values)[0]
-
-    @cached_property
-    def statics(self) -> StaticTable | Absent:
-        return result_or_absent(lambda: static_table(self.system))
-
-    @cached_property
-    def modes(self) -> Modes | Absent:
-        return result_or_absent(lambda: modes(self.system))
 
 
 class Board:
@@ -88,6 +50,8 @@ class Board:
         self._judged: dict[str, JudgedRun] = {}
         self._steps: dict[str, float] = {}  # of the last run of each case [s]
         self._used: dict[str, float] = {}  # of the last verdict
+        self._temporary = TemporaryDirectory(prefix="wirerope-board-")
+        self._governing = ""  # load case of the last verdict
         self._shown: list[JudgedRun] = []  # runs of the case that governs: of the last verdict, and of the one before it
         self._loaded = self._load(self._texts)
         self._restored = ""
@@ -123,13 +87,13 @@ class Board:
     def _answers(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message]]:
         passing = action.get("passing") is True
         if asked == "drag":
-            yield False, {"preview": self._preview(_names(action), _vector(action))}
+            yield False, {"preview": self._preview(_names(action), shift_of(action))}
         elif asked == "judge":
             yield from self._verdict()
         elif asked == "save":
             names = self._edited_files.save()
             yield True, {"dirty": False, "said": f"Saved: {', '.join(names) or 'nothing has changed'}.", "tone": "good"}
-        elif asked in _FILES:
+        elif asked in FILES:
             yield from self._written(asked)
         else:
             said, selected = self._done(asked, action)
@@ -171,9 +135,10 @@ class Board:
     def file(self, name: str) -> Path | None:
         """Find a file that was written for the page to open; None if there is none of this name."""
         path = self._folder / name
-        return path if name in {file for file, _ in _FILES.values()} and path.is_file() else None
+        return path if any(name in files for files in FILES.values()) and path.is_file() else None
 
     def close(self) -> None:
+        self._temporary.cleanup()
         if self._documents is not None:
             self._documents.close()
 
@@ -185,7 +150,10 @@ class Board:
 
     @property
     def _folder(self) -> Path:
-        job = self._edited_files.files["job"]
+        """The folder of what is written: below the job's, or a temporary one."""
+        if self._documents is None:
+            return Path(self._temporary.name) / "run"
+        job = self._documents.files["job"]
         return job.parent / "runs" / job.stem
 
     def _load(self, texts: Texts) -> Loaded:
@@ -223,7 +191,7 @@ class Board:
             edit, said = EDITS[asked]
             placing = Placing(loaded.tables, self._movable)
             names = _names(action)
-            copies = edit(placing, {**action, "names": names})
+            copies = edit(placing, names, action)
             selected = {"selected": copies} if copies else {}
             changed: Mapping[str, str | None] = {
                 kind: placing.tables[kind].text if kind in placing.tables else None for kind in loaded.tables
@@ -313,7 +281,9 @@ class Board:
             runs.append(self._judged[key])
             self._steps[case.name] = runs[-1].response.numerics.timestep / frequency_ratio(loaded.values)
             yield True, self._told(runs)
-        governing = max(runs, key=lambda run: max((row.utilisation or 0.0 for row in run.verdicts), default=0.0))
+        used = [max((row.utilisation or 0.0 for row in run.verdicts), default=0.0) for run in runs]
+        governing = runs[used.index(max(used))]
+        self._governing = loaded.job.cases[used.index(max(used))].name
         if not self._shown or self._shown[-1] is not governing:
             self._shown = [*self._shown[-1:], governing]
         names = ["before", "now"][-len(self._shown) :]
@@ -358,73 +328,12 @@ class Board:
 
     def _written(self, asked: str) -> Iterator[tuple[bool, Message]]:
         """Write what `wirerope cases` writes of the job, and open a part of it."""
-        name, address = _FILES[asked]
-        if self._moved:
+        if self._moved and self._documents is not None:
             raise ModelError("sliders show what would be; set them back, since a report is of what the files say.")
         yield False, {"said": "Computing and writing every load case ...", "tone": ""}
-        run_job(self._loaded.job, self._folder, pdf=asked == "pdf", workers=1)
-        yield False, {"open": address, "said": f"Written: {self._folder / name}.", "tone": "good"}
-
-
-# What can be opened: file in the folder of the job, and its address in the page
-_FILES = {
-    "report": ("report.html", "/files/report.html"), "pdf": ("report.pdf", "/files/report.pdf"),
-    "timeline": ("job.rrd", "/viewer?recording=job.rrd"),
-}  # fmt: skip
-
-
-def judged_case(case: LoadCase, loaded: Loaded, timestep: float | None = None) -> JudgedRun:
-    """Simulate and judge a load case in memory as `wirerope cases` does, or with a step of one's own."""
-    arguments = checked_arguments(case.scenario)
-    if timestep is not None:
-        arguments = {name: value for name, value in arguments.items() if name != "accuracy"} | {"timestep": timestep}
-    scenario, system = case.scenario.on_its_floor(), loaded.job.system
-    if scenario is not case.scenario:
-        system = load_system(scenario.model_source(), isolators=scenario.isolators)
-        system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
-    system, motion = variant(system, scenario.motion, loaded.values)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the verdict's own text has what the model lacks
-        response = simulate(system, motion, **arguments)
-    return judged_run(system, motion, response, {"name": scenario.name, "options": dict(scenario.options)})
-
-
-def shifted(layout: Layout, names: Sequence[str], by: Array) -> Layout:
-    """Return a layout in which things stand elsewhere."""
-    held = set(names)
-    return replace(
-        layout,
-        mounts=tuple(replace(m, position=m.position + by) if f"mount/{m.name}" in held else m for m in layout.mounts),
-        stops=tuple(replace(s, position=s.position + by) if f"stop/{s.name}" in held else s for s in layout.stops),
-        masses=tuple(
-            replace(m, properties=replace(m.properties, centre=m.properties.centre + by)) if f"mass/{m.name}" in held else m
-            for m in layout.masses
-        ),
-    )
-
-
-def overlapping(system: System) -> list[tuple[str, str]]:
-    """Name the pairs of mounts that stand in each other, as boxes of their height and width turned as they stand."""
-    boxes = []
-    for name, mount in system.mounts.items():
-        size = mount.isolator.geometry
-        if not mount.isolator.is_stop and size is not None and size.height and size.width:
-            boxes.append((name, mount.position, mount.axes, 0.5 * np.array([size.width, size.width, size.height])))
-    return [
-        (first[0], second[0]) for first, second in combinations(boxes, 2)
-        if np.linalg.norm(second[1] - first[1]) < np.linalg.norm(first[3]) + np.linalg.norm(second[3])
-        and _apart(first[1:], second[1:]) < -_TOUCH
-    ]  # fmt: skip
-
-
-def _apart(first: tuple[Array, Array, Array], second: tuple[Array, Array, Array]) -> float:
-    """Find the largest gap between two boxes along any axis that could separate them [m]; negative where there is none."""
-    (here, ours, half), (there, theirs, other) = first, second
-    crossed = np.cross(ours.T[:, None], theirs.T[None]).reshape(-1, 3)
-    lengths = np.linalg.norm(crossed, axis=1)
-    axes = np.vstack([ours.T, theirs.T, crossed[lengths > 1e-6] / lengths[lengths > 1e-6, None]])
-    reach = np.abs(axes @ ours) @ half + np.abs(axes @ theirs) @ other
-    return float((np.abs(axes @ (there - here)) - reach).max())
+        path = written(asked, self._loaded, self._folder, governing=self._governing)
+        address = f"/viewer?recording={path.name}" if asked == "timeline" else f"/files/{path.name}"
+        yield False, {"open": address, "said": f"Written: {path}.", "tone": "good"}
 
 
 def _sentence(text: str) -> str:
@@ -445,10 +354,3 @@ def _value(action: Entries) -> float:
         return float(action.get("value", ""))
     except (TypeError, ValueError):
         raise ModelError("a slider stands at a number.") from None
-
-
-def _vector(action: Entries) -> Array:
-    by = np.asarray(action.get("by"), dtype=np.float64)
-    if by.shape != (3,) or not np.isfinite(by).all():
-        raise ModelError("a shift is three numbers [mm].")
-    return 1e-3 * by

@@ -215,14 +215,37 @@ class Placing:
         return (geometry.height if geometry is not None else None) or 0.0
 
 
+def shift_of(action: Entries) -> Array:
+    """Read a shift [m]; ModelError if it is none."""
+    by = action.get("by")
+    if not isinstance(by, list) or len(by) != 3 or not all(type(part) in (int, float) and abs(part) < 1e6 for part in by):
+        raise ModelError("a shift is three numbers [mm].")
+    return 1e-3 * np.array(by)
+
+
+def _degrees(action: Entries) -> float:
+    if action.get("degrees") not in (*_ANGLES, *map(str, _ANGLES)):
+        raise ModelError(f"things are turned by {', '.join(map(str, _ANGLES))} degrees.")
+    return float(action["degrees"])
+
+
+def _one_of(action: Entries, key: str, *known: str) -> str:
+    if action.get(key) not in known:
+        raise ModelError(f"this is done {key} {', '.join(known[:-1])} or {known[-1]}.")
+    return str(action[key])
+
+
+_ANGLES = (90, 45, -45, -90)
 # Edits by what asks for them, with what is said of them
-EDITS: dict[str, tuple[Callable[[Placing, Entries], list[str] | None], str]] = {
-    "move": (lambda placing, action: placing.move(action["names"], 1e-3 * np.array(action["by"], dtype=float)), "moved"),
-    "turn": (lambda placing, action: placing.turn(action["names"], float(action["degrees"])), "turned"),
-    "mirror": (lambda placing, action: placing.mirror(action["names"], str(action["axis"])), "mirrored"),
-    "align": (lambda placing, action: placing.align(action["names"], str(action["axis"])), "aligned"),
-    "distribute": (lambda placing, action: placing.distribute(action["names"], str(action["axis"])), "distributed"),
-    "stand": (lambda placing, action: placing.stand(action["names"], str(action["on"])), "stood"),
-    "duplicate": (lambda placing, action: placing.duplicate(action["names"]), "copied"),
-    "remove": (lambda placing, action: placing.remove(action["names"]), "taken away"),
-}
+EDITS: dict[str, tuple[Callable[[Placing, list[str], Entries], list[str] | None], str]] = {
+    "move": (lambda placing, names, action: placing.move(names, shift_of(action)), "moved"),
+    "turn": (lambda placing, names, action: placing.turn(names, _degrees(action)), "turned"),
+    "mirror": (lambda placing, names, action: placing.mirror(names, _one_of(action, "axis", "x", "y")), "mirrored"),
+    "align": (lambda placing, names, action: placing.align(names, _one_of(action, "axis", *"xyz")), "aligned"),
+    "distribute": (lambda placing, names, action: placing.distribute(names, _one_of(action, "axis", *"xyz")), "distributed"),
+    "stand": (
+        lambda placing, names, action: placing.stand(names, _one_of(action, "on", "floor", "wall", "ceiling")), "stood",
+    ),
+    "duplicate": (lambda placing, names, action: placing.duplicate(names), "copied"),
+    "remove": (lambda placing, names, action: placing.remove(names), "taken away"),
+}  # fmt: skip

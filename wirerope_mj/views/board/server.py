@@ -27,8 +27,8 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.views.board.columns import page_html
 from wirerope_mj.views.board.windows import Served, Windows
-from wirerope_mj.views.report.page import block_styles
 from wirerope_mj.views.recording.viewer import LOCAL, has_display
+from wirerope_mj.views.report.page import block_styles
 from wirerope_mj.views.share import VIEWER, viewer_pages
 
 _FOLDER = Path(__file__).parent
@@ -39,7 +39,10 @@ _LARGEST = 64 * 1024  # largest message of a window, and largest head of a reque
 _UNREAD = 8 * 2**20  # what a window may leave unread, beside what the system keeps [bytes]
 _NONE = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
 # Pages load nothing from elsewhere, whatever their scripts or the viewer's might try: no fonts, no usage data.
-_POLICY = _NONE + "script-src 'self'; style-src 'self'; style-src-attr 'unsafe-inline'; connect-src 'self' {sockets}; img-src 'self' data: blob:"
+_POLICY = _NONE + (
+    "script-src 'self'; style-src 'self'; style-src-attr 'unsafe-inline'; connect-src 'self' {sockets}; "
+    "img-src 'self' data: blob:"
+)
 _VIEWER_POLICY = (
     _NONE + "script-src 'self' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; connect-src 'self' data: blob:; "
     "img-src data: blob:; worker-src 'self' blob:"

@@ -32,7 +32,9 @@ _MANY = f"this board is open in {_OPEN} windows, which is the most. Close one of
 class Served(Protocol):
     """The board that windows show and edit; all but `file` is called from one thread."""
 
-    title: str
+    @property
+    def title(self) -> str:
+        """Return the name of what is shown."""
 
     def open(self) -> Entries:
         """Return the first message of a window: scene, HTML of its elements."""

@@ -1,0 +1,67 @@
+"""A model and its job as a board has loaded them: statics, modes, and judged load cases, with the sliders where they stand."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from wirerope_mj.content.judged_run import JudgedRun, judged_run, result_or_absent
+from wirerope_mj.dynamics.modes import Modes, modes
+from wirerope_mj.engine.from_tables.layout import Layout
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.statics import StaticTable, static_table
+from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.foundation.errors import Absent
+from wirerope_mj.runs.board.documents import Texts
+from wirerope_mj.runs.board.table_text import TableText
+from wirerope_mj.runs.board.what_if import Slider, sliders_of, variant
+from wirerope_mj.runs.job_file import Job, LoadCase
+from wirerope_mj.runs.scenario_file import judged_by
+from wirerope_mj.runs.write import checked_arguments
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A model and its job as some texts say them."""
+
+    texts: Texts
+    job: Job
+    tables: Mapping[str, TableText]
+    values: Mapping[str, float]  # of the sliders
+
+    @property
+    def layout(self) -> Layout | None:
+        return self.job.layout
+
+    @cached_property
+    def sliders(self) -> tuple[Slider, ...]:
+        return sliders_of(self.job.system, self.job.cases[0].scenario.motion)
+
+    @cached_property
+    def system(self) -> System:
+        """The model with the sliders where they stand."""
+        return variant(self.job.system, self.job.cases[0].scenario.motion, self.values)[0]
+
+    @cached_property
+    def statics(self) -> StaticTable | Absent:
+        return result_or_absent(lambda: static_table(self.system))
+
+    @cached_property
+    def modes(self) -> Modes | Absent:
+        return result_or_absent(lambda: modes(self.system))
+
+
+def judged_case(case: LoadCase, loaded: Loaded, timestep: float | None = None) -> JudgedRun:
+    """Simulate and judge a load case in memory as `wirerope cases` does, or with a step of one's own."""
+    arguments = checked_arguments(case.scenario)
+    if timestep is not None:
+        arguments = {name: value for name, value in arguments.items() if name != "accuracy"} | {"timestep": timestep}
+    scenario, system = case.scenario.on_its_floor(), loaded.job.system
+    if scenario is not case.scenario:
+        system = load_system(scenario.model_source(), isolators=scenario.isolators)
+        system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
+    system, motion = variant(system, scenario.motion, loaded.values)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the verdict's own text has what the model lacks
+        response = simulate(system, motion, **arguments)
+    return judged_run(system, motion, response, {"name": scenario.name, "options": dict(scenario.options)})
