@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack, contextmanager
+from itertools import count
 from pathlib import Path
 from threading import Event, Thread
 
@@ -280,8 +281,7 @@ def test_a_ninth_window_is_refused_until_one_is_closed(server):
         with connect(f"ws://{host}/socket?token={server.token}", origin=f"http://{host}") as ninth:
             assert "in 8 windows" in heard(ninth)["said"]
         first.close()
-        deadline = time.monotonic() + PATIENCE
-        while len(server.windows._open) > 7 and time.monotonic() < deadline:
+        while len(server.windows._open) > 7:  # else the test runs into the time that pytest allows
             time.sleep(0.01)
         with window(server):
             pass
@@ -292,11 +292,12 @@ def test_a_window_that_reads_nothing_is_given_up(server, board):
         slow.sendall(handshake(server))
         assert slow.recv(12) == b"HTTP/1.1 101"
         slow.sendall(frame(json.dumps({"do": "many"}).encode()))
-        deadline = time.monotonic() + PATIENCE
-        while len(server.windows._open) < 2 and time.monotonic() < deadline:
+        while len(server.windows._open) < 2:
             time.sleep(0.01)
-        while len(server.windows._open) > 1 and time.monotonic() < deadline:
-            ask(other, "cell", str(time.monotonic()), value=1)
+        for number in count():
+            if len(server.windows._open) == 1:
+                break
+            ask(other, "cell", f"again {number}", value=1)
             assert heard(other) == {"said": "1"}
             heard(other)
         assert len(server.windows._open) == 1

@@ -61,7 +61,7 @@ ANSWERS = {
     "page of its own origin": (request(Origin="http://localhost:{port}"), 200),
     "head of the page": (request(method="HEAD", Connection="close"), 200),
     "script": (request(JS), 200),
-    "colours": (request("/colours.css"), 200),
+    "colours": (request("/blocks.css"), 200),
     "report": (request(FILE), 200),
     "to the viewer": (request("/viewer?recording=run.rrd&token={token}"), 303),
     "recording": (request("/viewer/{token}/run.rrd/run.rrd"), 200),
@@ -220,7 +220,7 @@ def test_a_title_is_text_on_the_page(server):
 
 
 def test_requests_in_one_piece_are_answered_one_by_one(server):
-    pieces = [request("/board.js"), request("/", Origin="http://evil.example"), request("/colours.css", Connection="close")]
+    pieces = [request("/board.js"), request("/", Origin="http://evil.example"), request("/blocks.css", Connection="close")]
     with socket.create_connection((LOCAL, server.port), timeout=PATIENCE) as connection:
         connection.sendall("".join(pieces).replace("{port}", str(server.port)).encode())
         answer = b""
