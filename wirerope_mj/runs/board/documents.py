@@ -56,7 +56,7 @@ class Documents:
                 there = self.copies / folder.relative_to(self.root)
                 there.mkdir(exist_ok=True)
                 ours = {path for other in self.files.values() for path in (other, *other.parents)}
-                for entry in folder.iterdir():
+                for entry in folder.iterdir() if folder.is_dir() else ():
                     if entry not in ours and not (there / entry.name).is_symlink():
                         (there / entry.name).symlink_to(entry)
             if texts.get(kind) != self._written.get(kind):

@@ -1,5 +1,6 @@
 """The text of a job, edited key by key; comments, order and everything that is not touched stay as they were written."""
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,8 +12,9 @@ from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 from wirerope_mj.runs.said_motion import listed_phrases
 
-BLANK = """# A job of load cases, as `wirerope cases` takes it; its model are the tables beside it.
-model = "{model}"
+_BLANK = """# A job of load cases, as `wirerope cases` takes it; its model are the tables beside it.
+model = {model}
+name = {name}
 
 [limits]
 
@@ -21,6 +23,11 @@ name = "vertical shock"
 half-sine = "15 g 11 ms z"
 """
 _AND = "; "  # between the motions of a case that are added
+
+
+def blank_job(model: str, name: str) -> str:
+    """Write a job of one load case, to be edited."""
+    return _BLANK.format(model=json.dumps(model, ensure_ascii=False), name=json.dumps(name, ensure_ascii=False))
 
 
 def parsed(text: str) -> tomlkit.TOMLDocument:

@@ -12,7 +12,7 @@ from wirerope_mj.foundation.resources import model_file, models_folder, shipped_
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions import Measured
 from wirerope_mj.runs.board.documents import Documents
-from wirerope_mj.runs.board.job_text import BLANK
+from wirerope_mj.runs.board.job_text import blank_job
 from wirerope_mj.runs.job_file import KIND, Job, LoadCase
 from wirerope_mj.runs.measured import tests_of
 from wirerope_mj.runs.new_model import TABLES, is_folder_of_tables
@@ -61,7 +61,8 @@ def _documents(job: Path, folder: Path, model: str) -> Documents:
     others = [file.name for file in folder.iterdir() if file.stem in TABLES and file.suffix.lower() != ".csv"] if tables else []
     if others:
         raise ModelError(f"{folder}: the board edits tables in CSV; save {', '.join(sorted(others))} as CSV, too.")
-    return Documents({"job": job, **tables}, {"job": BLANK.format(model=model)})
+    name = folder.resolve().name if tables else folder.stem
+    return Documents({"job": job, **tables}, {"job": blank_job(model, name)})
 
 
 def _job_of(scenario: Scenario) -> Job:
