@@ -58,8 +58,8 @@ def equipment(
         cases = {case.name: case.scenario.motion for case in job.cases} | dict(cases)
         named = {(limit.kind, limit.name) for limit in limits}
         limits = [*(limit for limit in first.limits if (limit.kind, limit.name) not in named), *limits]
-        source, combined = first.model_source(), first.combined_travel
-        systems = {"": load_system(source)}
+        combined = first.combined_travel
+        systems = {"": load_system(first.model_source(), isolators=first.isolators)}
     elif model is not None:
         systems = {"": load_system(model_source(model, folder=None, asker="a selection"))}
     else:

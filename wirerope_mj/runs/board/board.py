@@ -22,6 +22,7 @@ from wirerope_mj.runs.board.forms import form_of
 from wirerope_mj.runs.board.job_edits import JOB_EDITS
 from wirerope_mj.runs.board.loaded import Loaded, judged_case
 from wirerope_mj.runs.board.opened import Opened
+from wirerope_mj.runs.board.parts import found_html, loops_of, tried_html
 from wirerope_mj.runs.board.placing import EDITS, Placing, shift_of
 from wirerope_mj.runs.board.room import overlapping, shifted
 from wirerope_mj.runs.board.table_edits import TABLE_EDITS
@@ -30,7 +31,15 @@ from wirerope_mj.runs.board.what_if import Slider, checked_values, frequency_rat
 from wirerope_mj.runs.board.written import FILES, written
 from wirerope_mj.runs.job_file import LoadCase, load_job
 from wirerope_mj.runs.new_model import model_of
-from wirerope_mj.views.board.columns import compared_html, failure_html, left_column, sliders_html, statics_html, verdict_html
+from wirerope_mj.views.board.columns import (
+    chart_html,
+    compared_html,
+    failure_html,
+    left_column,
+    sliders_html,
+    statics_html,
+    verdict_html,
+)
 from wirerope_mj.views.board.scene import board_scene, centres, use
 
 _KEPT = 40  # judged cases of earlier positions, which undoing shows again
@@ -87,7 +96,10 @@ class Board:
     def _answers(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message]]:
         passing = action.get("passing") is True
         if asked == "drag":
-            yield False, {"preview": self._preview(_names(action), shift_of(action))}
+            by = shift_of(action)
+            # dragged back to where it was, the verdict of before is due again
+            verdict = {"stale": True} if by.any() else {"ask": {"do": "judge"}}
+            yield False, {"preview": self._preview(_names(action), by), **verdict}
         elif asked == "judge":
             yield from self._verdict()
         elif asked == "save":
@@ -95,6 +107,14 @@ class Board:
             yield True, {"dirty": False, "said": f"Saved: {', '.join(names) or 'nothing has changed'}.", "tone": "good"}
         elif asked in FILES:
             yield from self._written(asked)
+        elif asked == "find":
+            yield False, {"html": {"found": found_html(str(action.get("value", "")))}}
+        elif asked == "loops":
+            yield False, {"html": {"loops": chart_html(loops_of(str(action.get("value"))))}}
+        elif asked == "try-parts":
+            yield False, {"said": "Simulating every part in all places ...", "tone": ""}
+            html = tried_html(self._loaded, str(action.get("value", "")))
+            yield False, {"html": {"found": html}, "said": "Parts are listed by what they use.", "tone": "good"}
         else:
             said, selected = self._done(asked, action)
             yield True, {**self._placed(sliders=asked == "slide"), "said": _sentence(said), "tone": "", **selected}

@@ -2,14 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from functools import cache
 
 from wirerope_mj.content.blocks import Document
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
-from wirerope_mj.mounts.vendor_parts import vendor_parts
 from wirerope_mj.runs.board.job_text import motions_of, parsed
+from wirerope_mj.runs.board.parts import part_names
 from wirerope_mj.runs.board.placing import TABLE_OF
 from wirerope_mj.runs.board.table_text import TableText
 from wirerope_mj.runs.board.what_if import Slider
@@ -46,17 +44,10 @@ def form_of(
         ],
         limits={key: str(value) for key, value in content.get("limits", {}).items()},
         document=[(key, str(document.get(key, "")), key.capitalize(), "") for key in texts],
-        parts=_parts(), subjects=[f"{kind}/{name}" for kind, names in subjects_of(system).items() for name in names],
+        parts=part_names(), subjects=[f"{kind}/{name}" for kind, names in subjects_of(system).items() for name in names],
         motions={kind: form.example for kind, form in SPOKEN_MOTIONS.items()}, edited=bool(job),
         sliders=[
             (each.key, each.label, each.note, each.minimum, each.maximum, value, each.text(value), value != each.nominal)
             for each in sliders for value in [values.get(each.key, each.nominal)]
         ],
     )  # fmt: skip
-
-
-@cache
-def _parts() -> list[str]:
-    """Name the parts that a mount can be: those of the catalogue, and those of the vendors' tables."""
-    shipped = sorted(path.stem for path in catalogue_folder().glob("*.toml"))
-    return [*shipped, *(part.name for part in vendor_parts())]

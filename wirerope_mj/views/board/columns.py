@@ -61,6 +61,31 @@ class Form:
     sliders: Sequence[tuple[str, str, str, float, float, float, str, bool]]
 
 
+@dataclass(frozen=True)
+class PartRow:
+    """A part with its height, rated load and travel in compression, SI; None where not stated."""
+
+    name: str
+    height: float | None
+    load: float | None
+    travel: float | None
+    used: float | None  # of its most critical limit, if it was simulated in place
+
+    @property
+    def tone(self) -> str:
+        return "" if self.used is None else "exceeded" if self.used > 1.0 else "within"
+
+
+def parts_html(rows: Sequence[PartRow], *, said: str = "") -> str:
+    """Write parts with what they are rated for, each with a button that takes it."""
+    return _environment().get_template("parts.html.jinja").render(rows=rows, said=said)
+
+
+def chart_html(chart: Chart) -> str:
+    """Write a chart for a column."""
+    return _column([chart])
+
+
 def left_column(form: Form) -> str:
     """Write tables and job as forms."""
     return _environment().get_template("left.html.jinja").render(form=form)
