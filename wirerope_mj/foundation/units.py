@@ -7,7 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from typing import TypeVar
 
 from wirerope_mj.foundation.arrays import Array
@@ -146,6 +146,7 @@ def is_unit(text: str) -> bool:
     return any(find_unit(text, units) is not None for units in (*UNITS.values(), dict.fromkeys(_ELSEWHERE, 1.0)))
 
 
+@lru_cache(maxsize=4096)  # tables are read again and again while they are edited
 def split_unit(cell: str) -> tuple[str, str | None]:
     """Split a column's heading into its name and its unit, None where it states none.
 

@@ -50,7 +50,7 @@ RING_DOWN = 10.0
 def simulate(
     system: System, motion: BaseMotion, *, duration: float, initial: str | State | None = None, timestep: float | None = None,
     accuracy: float = 1e-4, sample_rate: float = 1000.0, corners: Sequence[float] | Array = (), callback: Kind = "native",
-    engine: Engine = "auto", out: str | Path | None = None, progress: bool = False,
+    engine: Engine = "auto", out: str | Path | None = None, progress: bool = False, estimate: bool = True,
 ) -> Response:  # fmt: skip
     """Return the response of `system` to a base motion.
 
@@ -71,6 +71,7 @@ def simulate(
             "kernel"; `numerics.engine` says who computed it, and `numerics.why` why it was not the kernel.
         out: folder to which samples are streamed as `response.parquet`; the response then reads them when asked.
         progress: whether a progress bar is shown on standard error.
+        estimate: whether the error of a given `timestep` is estimated, which takes another run.
 
     Raises:
         ValueError: an argument is out of range.
@@ -119,7 +120,7 @@ def simulate(
                 )  # fmt: skip
         require_lawful(system, done.peaks)
         error = step.error or math.nan  # no difference at all tells nothing
-        if timestep is not None:
+        if timestep is not None and estimate:
             error = error_of_given(
                 system, motion, start, decay=decay_over_step(system, done.peaks, done.largest_step),
                 timestep=done.largest_step, duration=duration, sample_rate=sample_rate, engine=engine,

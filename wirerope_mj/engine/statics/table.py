@@ -10,7 +10,7 @@ from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.statics.find import equilibrium
 from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History, MountLoad
 from wirerope_mj.engine.statics.payloads import payloads_in
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief, json_values
@@ -118,6 +118,7 @@ class StaticTable(Brief):
         return plain | {"missing": dict(self.missing)}
 
 
+@once_per_system
 def static_table(system: System) -> StaticTable:
     """Return sag and load of every mount and payload under gravity, virgin and relaxed.
 

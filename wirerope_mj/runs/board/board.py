@@ -62,6 +62,7 @@ class Board:
         self._temporary = TemporaryDirectory(prefix="wirerope-board-")
         self._governing = ""  # load case of the last verdict
         self._shown: list[JudgedRun] = []  # runs of the case that governs: of the last verdict, and of the one before it
+        self._tables: Mapping[str, TableText] = {}  # as they were read last
         self._loaded = self._load(self._texts)
         self._restored = ""
         if self._documents is not None and (left := self._documents.left_unsaved()) is not None:
@@ -185,7 +186,9 @@ class Board:
         documents.write_copies(texts)
         try:
             job = load_job(documents.copy("job"))
-            tables = {kind: TableText.read(kind, documents.copy(kind)) for kind in texts if kind != "job"}
+            known = {kind: table for kind, table in self._tables.items() if table.text == texts.get(kind)}
+            read = {kind: TableText.read(kind, documents.copy(kind)) for kind in texts.keys() - known.keys() - {"job"}}
+            tables = self._tables = {kind: (known | read)[kind] for kind in texts if kind != "job"}
         except (WireRopeError, ValueError) as error:
             documents.write_copies(documents.texts)
             raise type(error)(str(error).replace(f"{documents.copies}/", "")) from None

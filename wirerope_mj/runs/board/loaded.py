@@ -55,7 +55,8 @@ def judged_case(case: LoadCase, loaded: Loaded, timestep: float | None = None) -
     """Simulate and judge a load case in memory as `wirerope cases` does, or with a step of one's own."""
     arguments = checked_arguments(case.scenario)
     if timestep is not None:
-        arguments = {name: value for name, value in arguments.items() if name != "accuracy"} | {"timestep": timestep}
+        arguments = {name: value for name, value in arguments.items() if name != "accuracy"}
+        arguments |= {"timestep": timestep, "estimate": False}
     scenario, system = case.scenario.on_its_floor(), loaded.job.system
     if scenario is not case.scenario:
         system = load_system(scenario.model_source(), isolators=scenario.isolators)
