@@ -1,5 +1,6 @@
 """`wirerope board`: the drawing board, a page of this machine."""
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Literal
 
@@ -21,6 +22,7 @@ def board(
         port: on which the page is served; a free one by default.
         browser: open the page; its address is printed in any case.
     """
+    from wirerope_mj.foundation.atomic_files import worked_on_alone
     from wirerope_mj.runs.board.board import Board
     from wirerope_mj.runs.board.opened import from_template, opened
     from wirerope_mj.views.board.server import serve
@@ -30,5 +32,8 @@ def board(
     folder = what or Path()
     if template is not None:
         folder = from_template(template, what or Path(template))
-    serve(Board(opened(folder)), browser=browser, port=port)
+    shown = opened(folder)
+    files = shown.documents
+    with nullcontext() if files is None else worked_on_alone(files.files["job"].parent, kind="board's folder"):
+        serve(Board(shown), browser=browser, port=port)
     return 0
