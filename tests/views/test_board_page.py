@@ -243,7 +243,7 @@ def test_keys_step_through_the_items_move_and_edit_them(page, served):
     edits = board.of("turn", "mirror", "duplicate", "undo", "redo", "save", "remove")
     one, all_four = ["mount/m1"], [f"mount/m{k}" for k in (1, 2, 3, 4)]
     assert edits == [
-        {"do": "turn", "names": one, "degrees": 90}, {"do": "turn", "names": one, "degrees": 45},
+        {"do": "turn", "names": one, "degrees": "90"}, {"do": "turn", "names": one, "degrees": "45"},
         {"do": "mirror", "names": one, "axis": "y"}, {"do": "duplicate", "names": one}, {"do": "undo"}, {"do": "redo"},
         {"do": "save"}, {"do": "remove", "names": all_four},
     ]  # fmt: skip

@@ -8,12 +8,11 @@ const at = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.search).get("token"), title = document.title;
 const client = crypto.getRandomValues(new Uint32Array(2)).join("-");
 const unanswered = new Map(); // actions by id and what they come from; sent again over a new connection
-const sent = new WeakMap(); // fields with the values that the server was told
 const passing = { id: "", next: null }; // the one in flight that a later may replace, the newest that waits
-let socket, pause = SOON, count = 0, greeted = false;
+let socket, pause = SOON, count = 0;
 
-function say(words, tone = "", ...more) {
-  at("said").replaceChildren(words, ...more);
+function say(words, tone = "") {
+  at("said").replaceChildren(words);
   at("said").className = tone;
 }
 
@@ -40,8 +39,9 @@ function connect() {
   socket = new WebSocket(new URL(`/socket${location.search}`, location.href.replace(/^http/, "ws")));
   socket.addEventListener("open", () => {
     say("");
-    [pause, passing.id, passing.next, greeted] = [SOON, "", null, false];
+    [pause, passing.id, passing.next] = [SOON, "", null];
     for (const { message } of unanswered.values()) socket.send(JSON.stringify(message));
+    transmit({ do: "judge" });
   });
   socket.addEventListener("message", ({ data }) => receive(JSON.parse(data)));
   socket.addEventListener("close", ({ code }) => {
@@ -52,8 +52,8 @@ function connect() {
 }
 
 function receive(message) {
-  const { html, preview, said, tone, ask, done, refused } = message, state = document.body.dataset;
-  if (refused) answer(refused, said, message.word); // before fragments, for them to leave its field as it is
+  const { html, preview, said, tone, ask, done, refused, word } = message, state = document.body.dataset;
+  if (refused) answer(refused, said, word); // before fragments, for them to leave its field as it is
   for (const [id, fragment] of Object.entries({ ...html, ...preview?.html })) replace(at(id), fragment);
   canvas.show(message);
   if (said !== undefined) say(said, tone);
@@ -62,34 +62,32 @@ function receive(message) {
   if (done) answer(done);
   if (message.open) openBeside(new URL(message.open, location.href));
   if (ask) act(ask);
-  if (preview || (done ?? refused) === passing.id) {
-    const { next } = passing;
-    [passing.id, passing.next] = ["", null];
-    if (next) pass(next);
-  }
-  if (!greeted) act({ do: "judge" });
-  greeted = true;
+  if (!preview && (done ?? refused) !== passing.id) return;
+  const { next } = passing;
+  [passing.id, passing.next] = ["", null];
+  if (next) pass(next);
 }
 
 function openBeside(address) {
   if (address.origin === location.origin) address.searchParams.set("token", token);
   if (window.open(address, "_blank")) return; // a browser may refuse a tab so long after the click
-  const link = document.createElement("a");
-  say("Ready: ", "good", Object.assign(link, { href: address, target: "_blank", textContent: "open it" }));
+  const link = Object.assign(document.createElement("a"), { href: address, target: "_blank" });
+  link.append("Ready: open it");
+  say(link, "good");
 }
 
-// Show below an element why its action was refused, or take that away.
+// Show below an element why its action was refused, or take that away and have it as the board now has it.
 function answer(id, reason, word) {
   const { message, element } = unanswered.get(id) ?? {};
   unanswered.delete(id);
   if (message?.do === "move") canvas.release();
   if (!element) return;
-  const below = element.nextElementSibling, { dataset } = element;
-  if (below && isRefusal(below)) below.remove();
+  if (isRefusal(element.nextSibling)) element.nextSibling.remove();
   element.ariaInvalid = reason ? "true" : null;
-  if (!reason && "clear" in dataset) element.value = "";
-  if (!reason) return;
-  sent.delete(element);
+  if (!reason) {
+    if (element.value === message.value) element.value = element.defaultValue ?? element.value;
+    return;
+  }
   const refusal = document.createElement("p");
   element.after(Object.assign(refusal, { className: "refusal", role: "alert", textContent: reason }));
   const start = element.type === "text" && word ? element.value.indexOf(word) : -1;
@@ -102,25 +100,25 @@ function replace(element, html) {
   if (element) match(element, template.content);
 }
 
-const isRefusal = (node) => node.className === "refusal";
-const keyOf = (node) => node.id || node.dataset?.name || "";
+const isRefusal = (node) => node?.className === "refusal";
+const keyOf = (node) => node.nodeName + (node.id || node.dataset?.name || "");
 
 // Give a parent the children of another and keep those that stay, with focus, caret and what is unfolded.
 function match(parent, made) {
-  const wanted = new Set([...made.childNodes].map(keyOf)), present = new Set();
-  const named = new Map([...parent.childNodes].map((node) => [keyOf(node), node]));
-  const passes = (node) => isRefusal(node) || (keyOf(node) && !wanted.has(keyOf(node)));
+  const present = new Set([...parent.childNodes].filter((node) => !isRefusal(node)));
+  const wanted = [...made.childNodes].map((node) => {
+    const old = [...present].find((each) => keyOf(each) === keyOf(node));
+    present.delete(old);
+    if (old) resemble(old, node);
+    return old ?? node;
+  });
+  for (const node of present) node.remove();
   let next = parent.firstChild;
-  for (const node of [...made.childNodes]) {
-    while (next && passes(next)) next = next.nextSibling;
-    const old = keyOf(node) ? named.get(keyOf(node)) : next;
-    const stays = old?.nodeName === node.nodeName && keyOf(old) === keyOf(node);
-    if (stays && old === next) next = next.nextSibling;
-    else parent.insertBefore(stays ? old : node, next);
-    if (stays) resemble(old, node);
-    present.add(stays ? old : node);
+  for (const node of wanted) {
+    while (isRefusal(next)) next = next.nextSibling;
+    if (node === next) next = next.nextSibling;
+    else parent.insertBefore(node, next);
   }
-  for (const node of [...parent.childNodes]) if (!present.has(node) && !isRefusal(node)) node.remove();
 }
 
 function resemble(old, made) {
@@ -128,21 +126,23 @@ function resemble(old, made) {
     old.data = made.data;
     return;
   }
-  const stays = (name) => ["open", "aria-invalid"].includes(name), invalid = old.hasAttribute("aria-invalid");
-  const told = [old.defaultValue ?? old.value, sent.get(old)], field = old.matches("input, select, textarea");
-  const typed = (invalid || old === document.activeElement) && !told.includes(old.value);
-  const gone = [...old.attributes].filter(({ name }) => !stays(name) && !made.hasAttribute(name));
-  for (const { name } of gone) old.removeAttribute(name);
-  for (const { name, value } of made.attributes) if (!stays(name)) old.setAttribute(name, value);
+  const names = new Set([...old.getAttributeNames(), ...made.getAttributeNames()]);
+  for (const name of ["open", "aria-invalid"]) names.delete(name);
+  const waits = old.ariaInvalid || [...unanswered.values()].some(({ element }) => element === old);
+  const typed = (waits || old === document.activeElement) && old.value !== (old.defaultValue ?? old.value);
+  for (const name of names) {
+    if (made.hasAttribute(name)) old.setAttribute(name, made.getAttribute(name));
+    else old.removeAttribute(name);
+  }
   match(old, made);
-  if (!field || old.type === "file") return;
+  if (!old.matches("input:not([type=file]), select, textarea")) return;
   old.checked = made.checked;
   if (old.value !== made.value && !typed) old.value = made.value;
 }
 
-// Read the action of an element from its data attributes.
-function actionOf({ dataset: { keys, live, selected, clear, ...action } }) {
-  return selected === undefined ? action : { ...action, names: canvas.selected() };
+// Read the action of an element from its data attributes; one for so many selected, at least, names them.
+function actionOf({ dataset: { keys, live, least, ...action } }) {
+  return least ? { ...action, names: canvas.selected() } : action;
 }
 
 const valueOf = (field) => (field.type === "checkbox" ? field.checked : field.value);
@@ -151,9 +151,7 @@ document.addEventListener("click", ({ target }) => {
   if (button) act(actionOf(button), button);
 });
 document.addEventListener("change", ({ target }) => {
-  if (!target.dataset.do) return;
-  sent.set(target, target.value);
-  act({ ...actionOf(target), value: valueOf(target) }, target);
+  if (target.dataset.do) act({ ...actionOf(target), value: valueOf(target) }, target);
 });
 document.addEventListener("input", ({ target }) => {
   if ("live" in target.dataset) pass({ ...actionOf(target), value: valueOf(target), passing: true });
@@ -163,11 +161,10 @@ document.addEventListener("keydown", (event) => {
   const name = ["ctrl+", "alt+", "shift+"].filter((_, k) => modifiers[k]).join("") + event.key.toLowerCase();
   const typed = target.closest("input:not([type=range], [type=checkbox]), textarea");
   const button = document.querySelector(`[data-keys~="${CSS.escape(name)}"]`);
-  const aside = target.closest("header, aside");
   if (name === "escape" && typed) typed.value = typed.defaultValue;
   if (document.querySelector("dialog[open]") || (typed && name !== "ctrl+s")) return;
   if (name === "ctrl+s") [target.blur(), target.focus()]; // what is typed is sent before it is saved
-  if (!(button && name.startsWith("ctrl+")) && aside) return;
+  if (!(button && name.startsWith("ctrl+")) && target.closest("header, aside")) return;
   if (!button && !canvas.key(name, event)) return;
   event.preventDefault();
   if (button) [canvas.settle(), button.click()];
