@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from wirerope_mj.runs.board.documents import JOURNAL
 from wirerope_mj.runs.board.opened import from_template, opened
 from wirerope_mj.runs.board.room import overlapping
 from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.scenario import load_scenario
 
 JOB = """# two mounts more would do
 model = "."
@@ -283,3 +285,22 @@ def test_a_job_on_a_folder_of_tables_is_that_of_the_written_model(folder, tmp_pa
     (tmp_path / "deck.toml").write_text(text.replace("10 Hz 800 kg", "10 Hz"))
     with pytest.raises(ModelError, match="`deck`"):
         load_job(tmp_path / "deck.toml")
+
+
+def test_a_run_of_a_variant_is_shown_as_it_was_and_varied_again(tmp_path):
+    scenario = load_scenario("cabinet_shock").make()
+    heavier = wr.varied(wr.load_system(scenario.model_source()), masses={"rack": 1.2})
+    short = {**scenario.simulate, "duration": 0.1}
+    wr.run_scenario(replace(scenario, changes=heavier.changes, simulate=short, folder=None, model=heavier.mjcf,
+                            isolators=heavier.isolators), tmp_path / "run")  # fmt: skip
+    made = Board(opened(tmp_path / "run"))
+    stored = json.loads((tmp_path / "run" / "summary.json").read_text())["content"]["headline"]["text"]
+    assert stored.replace(" %", "\u00a0%") in act(made, do="judge")["html"]["verdict"]
+    act(made, do="slide", key="mass", value="1.1")
+    again = act(made, do="report")
+    assert again["open"] == "/files/report.html"
+    repeated = Board(opened(made.file("report.html").parent))  # what was written has both changes, once each
+    first = wr.load_system("cabinet").model.body("rack").mass[0]
+    assert repeated._loaded.system.model.body("rack").mass[0] == pytest.approx(1.32 * first, rel=1e-12)
+    repeated.close()
+    made.close()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import model_file, models_folder, shipped_models
 from wirerope_mj.foundation.toml_file import read_toml
@@ -68,7 +69,7 @@ def _documents(job: Path, folder: Path, model: str) -> Documents:
 def _job_of(scenario: Scenario) -> Job:
     """Make a job of a scenario alone."""
     scenario = scenario.on_its_floor()
-    system = load_system(scenario.model_source(), isolators=scenario.isolators)
+    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
     return Job(
         name=scenario.name, question=scenario.question.strip().split("\n", 1)[0], report=REPORTED[:7], document=None,
         cases=(LoadCase(name=scenario.name, folder=scenario.name, note="", scenario=scenario),), path=Path(), layout=None,

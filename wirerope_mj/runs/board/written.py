@@ -28,7 +28,7 @@ def written(asked: str, loaded: Loaded, folder: Path, *, governing: str) -> Path
     else:
         run, scenario = folder, loaded.job.cases[0].scenario
         system, motion = variant(loaded.job.system, scenario.motion, loaded.values)
-        write_run(replace(scenario, motion=motion, changes=[*scenario.changes, *system.changes]), folder, force=True)
+        write_run(replace(scenario, motion=motion, changes=system.changes), folder, force=True)
         if asked == "pdf":
             write_report(folder, pdf=True)
     name = FILES[asked][0] if loaded.texts else FILES[asked][-1]
