@@ -64,7 +64,8 @@ class Board:
     title = "genset"
 
     def __init__(self, scene):
-        self.scene, self.taken, self.answers, self.closed = scene, [], 0, Event()
+        self.scene, self.taken, self.answers, self.closed, self.go = scene, [], 0, Event(), Event()
+        self.go.set()
 
     def open(self):
         return {"scene": self.scene, "html": self.form()}
@@ -90,6 +91,7 @@ class Board:
         return scene
 
     def drag(self, action):
+        self.go.wait(PATIENCE)
         scene = self.moved(action)
         uses = {entry["name"]: {"used": 0.77, "tone": "good"} for entry in scene["mounts"]}
         return {"preview": {"mounts": uses, "centre": scene["centre"], "stiffness_centre": None, "collides": action["names"]}}
@@ -102,6 +104,9 @@ class Board:
 
     def slide(self, action):
         return {"html": self.form()}
+
+    def report(self, action):
+        return {"open": "/viewer?recording=a%20b.rrd#0.05"}
 
     def cell(self, action):
         return {"html": self.form()}
@@ -222,6 +227,26 @@ def test_escape_takes_a_drag_back_and_a_move_that_fails_is_not_drawn(page, serve
     page.wait_for_function("() => document.querySelector('#said').textContent === 'm4 stays'")
     until(page, lambda: middle(page, "plan", "mount/m4") == before)
     assert len(board.of("move")) == 1
+
+
+def test_one_drag_at_a_time_is_asked_for_and_then_the_newest(page, served):
+    board, _ = served
+    board.go.clear()
+    drag(page, "plan", "mount/m1", 98, 0)
+    until(page, lambda: board.of("drag"))
+    page.mouse.move(*middle(page, "plan", "mount/m2"))
+    board.go.set()
+    until(page, lambda: len(board.of("drag")) == 2)
+    page.mouse.up()
+    until(page, lambda: board.of("move"))
+    assert board.of("drag")[1]["by"] == board.of("move")[0]["by"] != board.of("drag")[0]["by"]
+
+
+def test_an_address_of_the_server_is_opened_beside_with_the_token(page, served):
+    with page.context.expect_page() as opening:
+        page.click("[data-do=report]")
+    token = served[1].token
+    assert opening.value.url.endswith(f"/viewer?recording=a+b.rrd&token={token}#0.05")
 
 
 def test_keys_step_through_the_items_move_and_edit_them(page, served):

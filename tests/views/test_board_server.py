@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 from threading import Event, Thread
@@ -70,9 +70,6 @@ class Board:
     def cell(self, action):
         self.taken.append(action["value"])
         yield False, {"said": str(action["value"])}
-
-    def show(self, action):
-        yield False, {"open": action["what"]}
 
     def fail(self, action):
         raise WireRopeError(f"{action['to']} does not stand")
@@ -210,23 +207,6 @@ def test_what_makes_no_verdict_void_is_done_between_its_steps(server, board):
         assert heard(first) == {"said": "report"}
 
 
-def test_a_newer_drag_overtakes_those_that_wait(server, board):
-    with window(server) as first, window(server) as second:
-        ask(first, "hold", "hold")
-        for number in range(5):
-            ask(first, "drag", f"drag{number}", by=[number, 0, 0], names=["m1"])
-        ask(second, "drag", "other", by=[9, 0, 0], names=["m1"])
-        for number in range(3):
-            ask(first, "cell", f"cell{number}", value=number, row="engine", passing=True)
-        ask(first, "cell", "entered", value=7, row="engine")
-        overtaken = [heard(first)["done"] for _ in range(6)]
-        assert overtaken == ["drag0", "drag1", "drag2", "drag3", "cell0", "cell1"]
-        board.go.set()
-        until(first, "entered")
-        until(second, "other")
-    assert sorted(map(str, board.taken)) == sorted(map(str, [[4, 0, 0], [9, 0, 0], 2, 7]))
-
-
 def test_an_action_that_comes_again_over_a_new_connection_is_not_taken_twice(server, board):
     with window(server) as first:
         ask(first, "cell", "a.1", value=1)
@@ -237,16 +217,6 @@ def test_an_action_that_comes_again_over_a_new_connection_is_not_taken_twice(ser
         ask(again, "cell", "a.2", value=2)
         assert until(again, "a.2") == [{"said": "2"}]
     assert board.taken == [1, 2]
-
-
-def test_what_is_opened_gets_the_token(server):
-    with window(server) as first:
-        for what, address in {
-            "/files/report.html": "/files/report.html?token=TOKEN",
-            "/viewer?recording=a%20b.rrd#0.05": "/viewer?recording=a%20b.rrd&token=TOKEN#0.05",
-        }.items():
-            ask(first, "show", what, what=what)
-            assert until(first, what) == [{"open": address.replace("TOKEN", server.token)}]
 
 
 def test_what_others_have_changed_is_told_to_every_window(server, board):
@@ -272,19 +242,6 @@ def test_a_bug_is_printed_and_the_board_goes_on(server, board, capfd):
     errors = capfd.readouterr().err
     assert "nobody meant this" in errors
     assert "this message cannot be written" in errors
-
-
-def test_a_ninth_window_is_refused_until_one_is_closed(server):
-    with ExitStack() as stack:
-        first, *_ = [stack.enter_context(window(server)) for _ in range(8)]
-        host = server.hosts[0]
-        with connect(f"ws://{host}/socket?token={server.token}", origin=f"http://{host}") as ninth:
-            assert "in 8 windows" in heard(ninth)["said"]
-        first.close()
-        while len(server.windows._open) > 7:  # else the test runs into the time that pytest allows
-            time.sleep(0.01)
-        with window(server):
-            pass
 
 
 def test_a_window_that_reads_nothing_is_given_up(server, board):

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -82,7 +82,7 @@ class Board:
         said = {"said": self._restored, "tone": "warn"} if self._restored else {}
         return {**self._placed(), **said}
 
-    def act(self, action: Entries) -> Iterator[tuple[bool, Message]]:
+    def act(self, action: Entries) -> Generator[tuple[bool, Message], None, None]:
         """Do what a window asks for, and yield messages with whether they are for every window.
 
         What cannot be done is refused in words, and nothing is changed then.

@@ -3,7 +3,6 @@
 import { createCanvas } from "./canvas.js";
 
 const [SOON, LATE] = [300, 3000]; // pauses before it connects again, the shortest and the longest [ms]
-const FULL = 1013; // the code with which a server ends a connection that it has told that there are too many
 const at = (id) => document.getElementById(id);
 const token = new URLSearchParams(location.search).get("token"), title = document.title;
 const client = crypto.getRandomValues(new Uint32Array(2)).join("-");
@@ -44,8 +43,8 @@ function connect() {
     transmit({ do: "judge" });
   });
   socket.addEventListener("message", ({ data }) => receive(JSON.parse(data)));
-  socket.addEventListener("close", ({ code }) => {
-    if (code !== FULL) say("Connection lost, trying again.", "bad");
+  socket.addEventListener("close", () => {
+    say("Connection lost, trying again.", "bad");
     setTimeout(connect, pause);
     pause = Math.min(2 * pause, LATE);
   });

@@ -32,7 +32,7 @@ from wirerope_mj.views.report.page import block_styles
 from wirerope_mj.views.share import VIEWER, viewer_pages
 
 _FOLDER = Path(__file__).parent
-_STATIC = ("board.css", "board.js", "canvas.js", "drawing.js")
+_STATIC = ("blocks.css", "board.css", "board.js", "canvas.js", "drawing.js")
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wasm": "application/wasm"}
 _CONNECTIONS = 32  # at once: a browser opens six beside its windows
 _LARGEST = 64 * 1024  # largest message of a window, and largest head of a request [bytes]
@@ -83,35 +83,25 @@ class _Guard:
                 headers.setdefault("Content-Security-Policy", self.policy)
             await send(message)
 
-        refused = self._refused(scope)
         try:
-            if refused is None:
-                await self.app(scope, receive, send_guarded)
-            elif scope["type"] == "http":
-                await refused(scope, receive, send_guarded)
-            else:
-                await send({"type": "websocket.close", "code": 1008})
+            await (self._refusal(scope) or self.app)(scope, receive, send_guarded)
         except Exception:
             traceback.print_exc()
             raise
 
-    def _refused(self, scope: Scope) -> Response | None:
-        headers, http = Headers(scope=scope), scope["type"] == "http"
+    def _refusal(self, scope: Scope) -> Response | None:
+        headers = Headers(scope=scope)
         origins = headers.getlist("origin")
         if headers.getlist("host") not in [[host] for host in self.hosts]:
             # a foreign name may have been made to point to this machine
-            return _text(403, "This page is for this machine only.")
-        if not all(origin in self.origins for origin in origins) or not (http or origins):
-            return _text(403, "This page is for its own windows only.")
-        if http and scope["method"] not in ("GET", "HEAD"):
-            return _text(405, "This page is only read.", Allow="GET, HEAD")
+            return PlainTextResponse("This page is for this machine only.", 403)
+        if not all(origin in self.origins for origin in origins) or not (origins or scope["type"] == "http"):
+            return PlainTextResponse("This page is for its own windows only.", 403)
+        if scope["type"] == "http" and scope["method"] not in ("GET", "HEAD"):
+            return PlainTextResponse("This page is only read.", 405, {"Allow": "GET, HEAD"})
         if headers.get("content-length", "0") != "0" or "transfer-encoding" in headers:
-            return _text(400, "A request has no body.", Connection="close")
+            return PlainTextResponse("A request has no body.", 400, {"Connection": "close"})
         return None
-
-
-def _text(status: int, reason: str, **headers: str) -> Response:
-    return PlainTextResponse(f"{reason}\n", status, headers)
 
 
 class _Connection(H11Protocol):
@@ -147,7 +137,7 @@ class BoardServer(uvicorn.Server):
 
     def __init__(self, board: Served, *, port: int = 0) -> None:
         self.token = token_urlsafe(24)
-        self.windows = Windows(board, self.token)
+        self.windows = Windows(board)
         self.listener = socket.create_server((LOCAL, port))
         self.port = self.listener.getsockname()[1]
         self.hosts = tuple(f"{name}:{self.port}" for name in (LOCAL, "localhost"))
@@ -178,7 +168,7 @@ class BoardServer(uvicorn.Server):
 
     def run(self, sockets: list[socket.socket] | None = None) -> None:
         """Answer until the server is ended."""
-        super().run(sockets or [self.listener])
+        super().run([self.listener])
 
     @asynccontextmanager
     async def _living(self, app: Starlette) -> AsyncIterator[None]:
@@ -209,11 +199,10 @@ class BoardServer(uvicorn.Server):
 
     async def _static(self, request: Request) -> Response:
         name = request.path_params["name"]
-        if name == "blocks.css":
-            return Response(block_styles(), media_type="text/css")
         if name not in _STATIC:
             raise HTTPException(404)
-        return Response((_FOLDER / name).read_bytes(), media_type=_TYPES[Path(name).suffix])
+        content = block_styles() if name == "blocks.css" else (_FOLDER / name).read_bytes()
+        return Response(content, media_type=_TYPES[Path(name).suffix])
 
     async def _file(self, request: Request) -> Response:
         self._require_token(request.query_params.get("token", ""))
