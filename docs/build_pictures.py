@@ -12,6 +12,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,6 +20,7 @@ import time
 from collections.abc import Callable
 from contextlib import chdir, redirect_stdout
 from dataclasses import dataclass
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -174,6 +176,50 @@ def first_model() -> Made:
     return Made(sorted(filter(None, texts)), lambda picture: save_plan(layout, picture))
 
 
+def board() -> Made:
+    """Place the genset on a drawing board, with two of its mounts moved below its engine, and judge it."""
+    from wirerope_mj.runs.board.board import Board
+    from wirerope_mj.runs.board.opened import from_template, opened
+    from wirerope_mj.views.board.columns import page_html
+
+    shown, fragments, scene = Board(opened(from_template("genset", Path("genset")))), dict[str, str](), dict[str, Any]()
+    for action in (
+        {"do": "add-limit", "value": "acceleration/turbocharger = 10 g"},
+        {"do": "move", "names": ["mount/m1", "mount/m4"], "by": [400, 0, 0]},
+    ):
+        for _, message in shown.act(action):
+            fragments |= message.get("html", {})
+            scene = message.get("scene", scene)
+    around, *_ = page_html(shown.title).partition("<dialog")
+    html = "".join([around, fragments["left"], fragments["verdict"], fragments["statics"]])
+    texts = re.findall(r">([^<>]*[a-z][^<>]*)<", html)
+    words = dict.fromkeys(" ".join(unescape(text).split()) for text in texts)
+    used = [f"{mount['label']} at {mount['position']}, {mount['used']:.0%}" for mount in scene["mounts"]]
+
+    def draw(picture: Path) -> None:
+        from threading import Thread
+
+        from playwright.sync_api import sync_playwright
+
+        from wirerope_mj.views.board.server import BoardServer
+
+        server = BoardServer(shown)
+        serving = Thread(target=server.run)
+        serving.start()
+        with sync_playwright() as playwright:
+            alike = ["--num-raster-threads=1", "--disable-partial-raster"]  # the same pixels each time
+            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox", *alike])
+            page = browser.new_page(viewport={"width": 1440, "height": 900}, color_scheme="light")
+            page.goto(server.address)
+            page.wait_for_selector("body[data-stale=false] #compared :first-child", state="attached")
+            page.screenshot(path=picture)
+            browser.close()
+        server.should_exit = True
+        serving.join()
+
+    return Made([*used, *words], draw)
+
+
 def frequency_response() -> Made:
     """Follow the motions of a mass on one mount at three levels."""
     command = ("frf", "sdof_shaker", "--acceleration", "1", "2", "5", "--method", "both", "--rate", "2", "--out", "frf")
@@ -204,7 +250,7 @@ def placement_plans() -> Made:
 PICTURES = {
     make.__name__: make
     for make in (
-        floating_floor, first_run, compare, damage_spectra, first_model, frequency_response, frequency_response_view,
+        floating_floor, first_run, board, compare, damage_spectra, first_model, frequency_response, frequency_response_view,
         placement_front, placement_plans,
     )
 }  # fmt: skip

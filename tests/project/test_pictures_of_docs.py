@@ -38,6 +38,7 @@ def test_every_picture_is_the_one_that_was_built_and_stands_in_a_page(pictures):
     [
         "floating_floor",
         "first_run",
+        "board",
         "compare",
         "damage_spectra",
         "first_model",
