@@ -93,7 +93,8 @@ def test_undone_to_the_beginning_the_files_are_those_of_before(board, folder):
     assert texts(folder) != before
     for _ in edits:
         act(board, do="undo")
-    assert act(board, do="undo")["said"] == "There is nothing to undo."
+    told = act(board, do="undo")
+    assert (told["said"], "refused" in told) == ("There is nothing to undo.", False)
     act(board, do="save")
     assert texts(folder) == before
     assert act(board, do="redo")["said"].startswith("redo: moved m1")
@@ -106,9 +107,51 @@ def test_a_mount_stands_as_it_was_turned_mirrored_and_lifted(board):
     assert mount(wall, "m2")["axial"] == [0.0, 1.0, 0.0]
     ceiling = act(board, do="stand", names=["mount/m2"], on="ceiling")
     np.testing.assert_allclose(mount(ceiling, "m2")["axial"], [0.0, 0.0, -1.0], atol=1e-9)
-    act(board, do="move", names=["mount/m1"], by=[30, 0, 0])
+    assert mount(wall, "m2")["position"][1] == round(mount(wall, "m2")["position"][1])
+    act(board, do="remove", names=["mount/m3"])
+    low, high = -1082.575, 1082.575  # of the frame's box along x
     mirrored = act(board, do="mirror", names=["mount/m1"], axis="x")
-    assert mirrored["said"] == "Mounts m1 and m3 would stand in each other."
+    assert mount(mirrored, "m1")["position"][0] == pytest.approx(low + high + 800.0, abs=0.01)
+
+
+def test_what_was_dragged_where_nothing_may_stand_shows_again_what_stands(board):
+    shown = act(board, do="judge")
+    act(board, do="drag", names=["mount/m1"], by=[750, 0, 0])
+    told = act(board, do="move", names=["mount/m1"], by=[750, 0, 0])
+    assert told["refused"] is None
+    for key in ("statics", "verdict"):
+        assert told["html"][key] == shown["html"][key]
+    assert (told["scene"], told["stale"]) == (shown["scene"], False)
+
+
+def test_an_absurd_level_is_given_up_with_the_statics_of_what_stands(board, monkeypatch):
+    monkeypatch.setattr("wirerope_mj.runs.board.loaded._LONGEST", 0.0)  # every finer step is too long
+    told = act(board, do="case", case="0", key="motions", value="half-sine 1e6 g 11 ms z")
+    assert "No verdict: steps down to" in told["html"]["verdict"]
+    assert "At rest" in told["html"]["statics"]
+    monkeypatch.undo()
+    assert "No verdict" not in act(board, do="undo")["html"]["verdict"]
+
+
+def test_a_limit_may_lack_its_sign_and_one_that_limits_nothing_is_refused(board):
+    assert "acceleration/equipment" in act(board, do="add-limit", value="acceleration/equipment 4 g")["html"]["left"]
+    assert act(board, do="judge")["html"]["verdict"] != ""
+    for text in ("4 g", "acceleration", "acceleration/rack"):
+        assert act(board, do="add-limit", value=text, id="1")["refused"] == "1"
+
+
+def test_parts_are_found_and_tried_in_all_places(board):
+    assert "CB1400-10" in act(board, do="find", value="cb1400")["html"]["found"]
+    assert "No part" in act(board, do="find", value="WR99")["html"]["found"]
+    assert "<svg" in act(board, do="loops", value="WR12-400")["html"]["loops"]
+    tried = act(board, do="try-parts", value="WR16-[46]00")["html"]["found"]
+    assert "WR16-400" in tried
+    assert tried in act(board, do="move", names=["mount/m1"], by=[10, 0, 0])["html"]["left"]
+    assert "no part" in act(board, do="loops", value="x")["said"]
+
+
+def test_what_a_page_selects_is_its_own_and_nothing_to_say(board):
+    assert list(board.act({"do": "select", "names": ["mount/m1"]})) == []
 
 
 def test_where_two_mounts_would_stand_in_each_other_nothing_moves(board, folder):

@@ -51,6 +51,7 @@ def simulate(
     system: System, motion: BaseMotion, *, duration: float, initial: str | State | None = None, timestep: float | None = None,
     accuracy: float = 1e-4, sample_rate: float = 1000.0, corners: Sequence[float] | Array = (), callback: Kind = "native",
     engine: Engine = "auto", out: str | Path | None = None, progress: bool = False, estimate: bool = True,
+    longest: float = math.inf,
 ) -> Response:  # fmt: skip
     """Return the response of `system` to a base motion.
 
@@ -71,13 +72,14 @@ def simulate(
             "kernel"; `numerics.engine` says who computed it, and `numerics.why` why it was not the kernel.
         out: folder to which samples are streamed as `response.parquet`; the response then reads them when asked.
         progress: whether a progress bar is shown on standard error.
+        longest: time of computing [s] after which no finer step is tried.
         estimate: whether the error of a given `timestep` is estimated, which takes another run.
 
     Raises:
         ValueError: an argument is out of range.
         ModelError: the motion needs a slide that the base does not have.
         RecordError: `out` already holds a response, which an open `Response` may be reading.
-        BudgetError: the samples take more memory or disk, or the steps more time, than there is.
+        BudgetError: the samples take more memory or disk, or the steps more time, than there is, or than `longest`.
         SimulationError: the step is too large, a mount went to where its law does not hold, or the engine reported that the
             state is not valid any more.
         ConvergenceError: there is no equilibrium to start from.
@@ -99,7 +101,14 @@ def simulate(
     start = initial_state(system, motion, initial)
     if timestep is None:
         step = choose_timestep(
-            system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy, engine=engine
+            system,
+            motion,
+            start,
+            duration=duration,
+            sample_rate=sample_rate,
+            accuracy=accuracy,
+            engine=engine,
+            longest=longest,
         )
     else:
         stated_step = checked_step(system, timestep, duration)

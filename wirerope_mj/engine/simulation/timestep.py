@@ -1,7 +1,9 @@
 """Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from time import perf_counter
 
 import numpy as np
 
@@ -16,7 +18,7 @@ from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.budget import require_memory
-from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.errors import BudgetError, SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
@@ -86,16 +88,18 @@ def error_of_given(
 
 def choose_timestep(
     system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, accuracy: float,
-    engine: Engine = "auto",
+    engine: Engine = "auto", longest: float = math.inf,
 ) -> ChosenStep:  # fmt: skip
     """Halve the step until pilot runs keep samples and refined peaks within `accuracy`, and return it with its error.
 
     The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that
     is short, else windows of it that start from `start`. Of two pilots that differ by d the error of the finer is at most
     d / `FINER`, and it is taken where that is enough. Where bodies touch, `accuracy` may not be reached: refining ends as soon
-    as that shows, and the error says what was reached.
+    as that shows, and the error says what was reached. BudgetError if a finer step would take more than `longest` [s] of
+    computing in all.
     """
     pilots = _Pilots(system, motion, start, duration=duration, sample_rate=sample_rate, engine=engine)
+    pilots.longest = longest
     windows = pilots.windows
     seconds, values = sum(length for _, length in windows), system.model.nsensordata - system.assembly.sensor
     require_memory(
@@ -245,6 +249,7 @@ class _Pilots:
         self.sample_rate, self.engine = sample_rate, engine
         self.windows = _windows(system, motion, start, duration, sample_rate)
         self.failures: list[str] = []
+        self.longest, self.began, self.last = math.inf, perf_counter(), 0.0  # times of computing [s], the last of a pilot's
 
     @cached_property
     def starts(self) -> list[State]:
@@ -256,6 +261,12 @@ class _Pilots:
 
     def at(self, step: float) -> list[_Pilot] | None:
         """Run the pilots of all windows with one step; None, with the reason in `failures`, if it was too large."""
+        began = perf_counter()
+        if began - self.began + 2.0 * self.last > self.longest:  # half a step takes twice as long
+            raise BudgetError(
+                f"steps down to {2.0 * step:.2g} s are not fine enough, and finer ones take more than {self.longest:g} s of "
+                "computing. Is the motion meant to be as large as that?"
+            )
         several = len(self.windows) > 1 and self.engine != "mujoco" and not unsupported_run(self.system, self.motion)
         try:
             together = self._side_by_side(step) if several else None
@@ -263,6 +274,8 @@ class _Pilots:
         except SimulationError as failure:
             self.failures.append(str(failure))
             return None
+        finally:
+            self.last = perf_counter() - began
 
     def _side_by_side(self, step: float) -> list[_Pilot] | None:
         """Run windows of equal length, which begin at samples, by the kernel in lanes; None if it gave one up."""

@@ -59,6 +59,7 @@ class Board:
         self._judged: dict[str, JudgedRun] = {}
         self._steps: dict[str, float] = {}  # of the last run of each case [s]
         self._used: dict[str, float] = {}  # of the last verdict
+        self._found = {"found": "", "loops": ""}  # parts, as HTML
         self._temporary = TemporaryDirectory(prefix="wirerope-board-")
         self._governing = ""  # load case of the last verdict
         self._shown: list[JudgedRun] = []  # runs of the case that governs: of the last verdict, and of the one before it
@@ -93,6 +94,8 @@ class Board:
             typed = str(action.get("value", "")).split()
             word = next((quoted for quoted in re.findall(r'"([^"]+)"', str(error)) if quoted in typed), "")
             yield False, {"refused": action.get("id"), "said": _sentence(str(error)), "tone": "bad", "word": word}
+            if action.get("do") in EDITS:  # what was shown while it was dragged is not so
+                yield from self._verdict()
 
     def _answers(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message]]:
         passing = action.get("passing") is True
@@ -101,6 +104,8 @@ class Board:
             # dragged back to where it was, the verdict of before is due again
             verdict = {"stale": True} if by.any() else {"ask": {"do": "judge"}}
             yield False, {"preview": self._preview(_names(action), by), **verdict}
+        elif asked == "select":
+            pass  # of the page alone
         elif asked == "judge":
             yield from self._verdict()
         elif asked == "save":
@@ -109,13 +114,15 @@ class Board:
         elif asked in FILES:
             yield from self._written(asked)
         elif asked == "find":
-            yield False, {"html": {"found": found_html(str(action.get("value", "")))}}
+            self._found["found"] = found_html(str(action.get("value", "")))
+            yield True, {"html": dict(self._found)}
         elif asked == "loops":
-            yield False, {"html": {"loops": chart_html(loops_of(str(action.get("value"))))}}
+            self._found["loops"] = chart_html(loops_of(str(action.get("value"))))
+            yield True, {"html": dict(self._found)}
         elif asked == "try-parts":
             yield False, {"said": "Simulating every part in all places ...", "tone": ""}
-            html = tried_html(self._loaded, str(action.get("value", "")))
-            yield False, {"html": {"found": html}, "said": "Parts are listed by what they use.", "tone": "good"}
+            self._found["found"] = tried_html(self._loaded, str(action.get("value", "")))
+            yield True, {"html": dict(self._found), "said": "Parts are listed by what they use.", "tone": "good"}
         else:
             said, selected = self._done(asked, action)
             yield True, {**self._placed(sliders=asked == "slide"), "said": _sentence(said), "tone": "", **selected}
@@ -131,7 +138,7 @@ class Board:
             files = self._edited_files
             said = files.undo() if asked == "undo" else files.redo()
             if not said:
-                raise ModelError(f"there is nothing to {asked}.")
+                return f"there is nothing to {asked}", {}
             self._loaded = self._load(files.texts)
             return f"{asked}: {said}", {}
         texts, said, selected = self._edited(asked, action)
@@ -243,6 +250,7 @@ class Board:
         """
         loaded, files = self._loaded, self._documents
         form = form_of(loaded.tables, loaded.texts.get("job", ""), loaded.system, loaded.sliders, loaded.values)
+        form = replace(form, found=self._found["found"], loops=self._found["loops"])
         return {
             "scene": self._scene(), "dirty": files is not None and files.unsaved, "stale": True,
             "html": {"sliders": sliders_html(form)} if sliders else {"left": left_column(form)},
@@ -263,9 +271,11 @@ class Board:
         known = result_or_absent(lambda: modes(built.system))
         sag = None if isinstance(statics, Absent) else statics.virgin
         centre, stiffness = centres(scene_of(built.system), built.layout, sag)
-        loads = {f"mount/{name}": use(row.utilisation) for name, row in sag.mounts.items() if not row.stop} if sag else {}
+        # use of the rated static load alone, which is not that of the verdict: shown where it is too much
+        over = {name: row.utilisation for name, row in (sag.mounts if sag else {}).items() if (row.utilisation or 0.0) > 1.0}
         return {
-            "mounts": loads, "centre": centre, "stiffness_centre": stiffness,
+            "mounts": {f"mount/{name}": use(used) for name, used in over.items()},
+            "centre": centre, "stiffness_centre": stiffness,
             "collides": sorted({f"mount/{name}" for pair in overlapping(built.system) for name in pair}),
             "html": {"statics": statics_html(statics, known)},
         }  # fmt: skip
@@ -275,7 +285,10 @@ class Board:
         try:
             yield from self._judgements(exact=exact)
         except (WireRopeError, ValueError) as error:
-            yield True, {"html": {"verdict": failure_html(str(error))}, "stale": False}
+            self._used = {}
+            loaded = self._loaded
+            html = {"verdict": failure_html(str(error)), "statics": statics_html(loaded.statics, loaded.modes), "compared": ""}
+            yield True, {"html": html, "scene": self._scene(), "stale": False}
 
     def _judgements(self, *, exact: bool) -> Iterator[tuple[bool, Message]]:
         """Judge the load cases, at first with the steps of the last positions, and yield what is known of them."""

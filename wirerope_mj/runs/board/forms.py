@@ -45,7 +45,7 @@ def form_of(
         limits={key: str(value) for key, value in content.get("limits", {}).items()},
         document=[(key, str(document.get(key, "")), key.capitalize(), "") for key in texts],
         parts=part_names(), subjects=[f"{kind}/{name}" for kind, names in subjects_of(system).items() for name in names],
-        motions={kind: form.example for kind, form in SPOKEN_MOTIONS.items()}, edited=bool(job),
+        motions={kind: form.example for kind, form in SPOKEN_MOTIONS.items()}, edited=bool(job), found="", loops="",
         sliders=[
             (each.key, each.label, each.note, each.minimum, each.maximum, value, each.text(value), value != each.nominal)
             for each in sliders for value in [values.get(each.key, each.nominal)]

@@ -1,9 +1,11 @@
 """Edits of a board's job: load cases, limits, deck, temperature and the data of the document."""
 
+import re
 from collections.abc import Callable
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.runs.board.job_text import parsed, with_case, with_motions, with_value
 
 
@@ -39,12 +41,16 @@ def _limit(text: str, action: Entries) -> tuple[str, str]:
     key, value = str(action.get("key", "")).strip(), str(action.get("value", "")).strip()
     if not key:
         raise ModelError('name what is limited, such as "acceleration/equipment".')
+    if not value and key not in parsed(text).get("limits", {}):
+        raise ModelError(
+            f'"{short(key)}" is no limit; one is written like acceleration/equipment = 4 g, or acceleration/* = 4 g.'
+        )
     return with_value(text, ["limits", key], value), f"limit {key} {value or 'taken away'}"
 
 
 def _add_limit(text: str, action: Entries) -> tuple[str, str]:
-    """Add a limit that is said in one line, as `--limit` takes it."""
-    key, _, value = str(action.get("value", "")).partition("=")
+    """Add a limit that is said in one line, as `--limit` takes it; the sign may be missing."""
+    key, _, value = re.sub(r"^(\S+/\S+)\s+(?=[-+.\d])", r"\1 = ", str(action.get("value", "")).strip()).partition("=")
     return _limit(text, {"key": key, "value": value})
 
 

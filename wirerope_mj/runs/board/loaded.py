@@ -19,6 +19,8 @@ from wirerope_mj.runs.job_file import Job, LoadCase
 from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.write import checked_arguments
 
+_LONGEST = 10.0  # time of computing after which no finer step is tried [s]: what is typed may be absurd
+
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
@@ -64,5 +66,5 @@ def judged_case(case: LoadCase, loaded: Loaded, timestep: float | None = None) -
     system, motion = variant(system, scenario.motion, loaded.values)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the verdict's own text has what the model lacks
-        response = simulate(system, motion, **arguments)
+        response = simulate(system, motion, **arguments, longest=_LONGEST)
     return judged_run(system, motion, response, {"name": scenario.name, "options": dict(scenario.options)})

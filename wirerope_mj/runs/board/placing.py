@@ -59,9 +59,9 @@ class Placing:
                 self._turn_mass(name, rotation)
 
     def mirror(self, names: Sequence[str], axis: str) -> None:
-        """Mirror things along a horizontal axis about the middle of the payload's boxes and mounts."""
+        """Mirror things along a horizontal axis about the middle of the equipment."""
         along = "xyz".index(axis)
-        ends = [position[along] for position in self._positions.values()]
+        ends = [corner[along] for corner in self._box()]
         flip = np.ones(3)
         flip[along] = -1.0
         for name in names:
@@ -110,7 +110,7 @@ class Placing:
             else:
                 direction = _UP if on == "floor" else _DOWN
                 position[2] = low[2] - half if on == "floor" else high[2] + half
-            self._put(name, position)
+            self._put(name, position.round(3))
             self._direct(name, direction, None)
 
     def duplicate(self, names: Sequence[str]) -> list[str]:
@@ -126,7 +126,9 @@ class Placing:
                 raise ModelError(f"{name} stands at mounts by a row for several; edit the table of stops.")
             if (rest := table.without_row(row)).rows:
                 self.tables[TABLE_OF[kind]] = rest
-            else:  # mounts and masses are missed where the model is made anew
+            elif kind in ("mount", "mass"):
+                raise ModelError(f"one {kind} at least must stay.")
+            else:
                 del self.tables[TABLE_OF[kind]]
 
     def _copy(self, name: str) -> str:
@@ -244,7 +246,7 @@ EDITS: dict[str, tuple[Callable[[Placing, list[str], Entries], list[str] | None]
     "align": (lambda placing, names, action: placing.align(names, _one_of(action, "axis", *"xyz")), "aligned"),
     "distribute": (lambda placing, names, action: placing.distribute(names, _one_of(action, "axis", *"xyz")), "distributed"),
     "stand": (
-        lambda placing, names, action: placing.stand(names, _one_of(action, "on", "floor", "wall", "ceiling")), "stood",
+        lambda placing, names, action: placing.stand(names, _one_of(action, "on", "floor", "wall", "ceiling")), "put elsewhere",
     ),
     "duplicate": (lambda placing, names, action: placing.duplicate(names), "copied"),
     "remove": (lambda placing, names, action: placing.remove(names), "taken away"),

@@ -34,7 +34,7 @@ def _part(tables: Tables, action: Entries) -> tuple[Changed, str]:
         raise ModelError("select mounts, and name a part.")
     for row in rows:
         table = table.with_cells(row, {"isolator": part})
-    return {"mounts": table.text}, f"{len(rows)} mounts are {part}"
+    return {"mounts": table.text}, f"part of {', '.join(rows) if len(rows) < 4 else f'{len(rows)} mounts'}: {part}"
 
 
 def _add(tables: Tables, action: Entries) -> tuple[Changed, str]:
@@ -58,6 +58,8 @@ def _remove_row(tables: Tables, action: Entries) -> tuple[Changed, str]:
     if row not in table.rows:
         raise ModelError(f"there is no row {row[:40]!r} in the table of {table.kind}.")
     rest = table.without_row(row)
+    if not rest.rows and table.kind in ("mounts", "masses"):
+        raise ModelError(f"one row of {table.kind} at least must stay.")
     return {table.kind: rest.text if rest.rows else None}, f"{row} taken away"
 
 

@@ -56,6 +56,9 @@ class Form:
     parts: Sequence[str]
     subjects: Sequence[str]
     motions: Mapping[str, str]
+    # parts that were found, and the loops of one, as HTML that was written here
+    found: str
+    loops: str
     edited: bool  # whether there are files to edit, not a scenario or a run alone
     # key, label, note, minimum, maximum, value, its text, and whether it changes anything
     sliders: Sequence[tuple[str, str, str, float, float, float, str, bool]]
@@ -117,15 +120,15 @@ def _at_rest(statics: StaticTable | Absent, known: Modes | Absent) -> Iterator[B
         yield Statement("statics", f"At rest: {reason}", tone="exceeded")
     else:
         rows = [
-            (name, -1e3 * float(mount.deflection[2]) + 0.0, mount.carries, used_mark(mount.utilisation))
+            (name, -float(mount.deflection[2]) + 0.0, mount.carries, used_mark(mount.utilisation))
             for name, mount in statics.virgin.listed.items()
         ]
         used = [mount.utilisation for mount in statics.virgin.mounts.values() if mount.utilisation is not None]
-        columns = [*left("mount"), Column("down", "", "z.1f"), Column("carries", "kN", "z.3f"), Column("of rated", "%", "z.0f")]
+        figures = (("down", "mm", "z.1f"), ("carries", "kN", "z.3f"), ("of rated", "%", "z.0f"))
+        columns = [*left("mount"), *(Column(*figure) for figure in figures)]
         title = "At rest" + (f": up to {100.0 * max(used):.0f} % of the rated static load" if used else "")
         yield Table("at-rest", title, columns, rows, shown=4)
-    if isinstance(known, Absent):
-        yield Statement("modes", f"Modes: {known.reason}", tone="unjudged")
+    if isinstance(known, Absent):  # as a rule for the same reason
         return
     yield Table(
         "modes", "Natural frequencies, small amplitude", [Column("frequency", "Hz", "z.2f"), Column("shape", align="text")],
