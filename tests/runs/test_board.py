@@ -97,7 +97,7 @@ def test_undone_to_the_beginning_the_files_are_those_of_before(board, folder):
     assert (told["said"], "refused" in told) == ("There is nothing to undo.", False)
     act(board, do="save")
     assert texts(folder) == before
-    assert act(board, do="redo")["said"].startswith("redo: moved m1")
+    assert act(board, do="redo")["said"].startswith("Done again: moved m1")
 
 
 def test_a_mount_stands_as_it_was_turned_mirrored_and_lifted(board):

@@ -133,14 +133,14 @@ class Board:
         if asked == "slide":
             values = checked_values(self._loaded.sliders, {**self._loaded.values, str(action.get("key")): _value(action)})
             self._loaded = replace(self._loaded, values=values)
-            return "what-if, which no file has", {}
+            return "what-if, which no file has" if self._moved else "every slider stands as the files say", {}
         if asked in ("undo", "redo"):
             files = self._edited_files
             said = files.undo() if asked == "undo" else files.redo()
             if not said:
                 return f"there is nothing to {asked}", {}
             self._loaded = self._load(files.texts)
-            return f"{asked}: {said}", {}
+            return f"{'Undone' if asked == 'undo' else 'Done again'}: {said}", {}
         texts, said, selected = self._edited(asked, action)
         self._take(texts, said)
         return said, selected

@@ -12,7 +12,7 @@ from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 from wirerope_mj.runs.said_motion import listed_phrases
 
-_BLANK = """# A job of load cases, as `wirerope cases` takes it; its model are the tables beside it.
+_BLANK = """# A job of load cases, as `wirerope cases` takes it.
 model = {model}
 name = {name}
 
@@ -84,9 +84,10 @@ def with_value(text: str, keys: Sequence[str | int], value: str | float | bool |
 
 
 def with_case(text: str, name: str, line: str) -> str:
-    """Add a case below the others."""
-    job = parsed(text)
+    """Add a case below the others, with a line left empty around it."""
+    job = parsed(f"{text.rstrip()}\n\n")
     case = tomlkit.table()
     case["name"] = name
+    case.add(tomlkit.nl())
     job.setdefault("case", tomlkit.aot()).append(case)
-    return with_motions(tomlkit.dumps(job), len(job["case"]) - 1, line)
+    return with_motions(f"{tomlkit.dumps(job).rstrip()}\n", len(job["case"]) - 1, line)
