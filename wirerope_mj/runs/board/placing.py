@@ -246,7 +246,7 @@ EDITS: dict[str, tuple[Callable[[Placing, list[str], Entries], list[str] | None]
     "align": (lambda placing, names, action: placing.align(names, _one_of(action, "axis", *"xyz")), "aligned"),
     "distribute": (lambda placing, names, action: placing.distribute(names, _one_of(action, "axis", *"xyz")), "distributed"),
     "stand": (
-        lambda placing, names, action: placing.stand(names, _one_of(action, "on", "floor", "wall", "ceiling")), "put elsewhere",
+        lambda placing, names, action: placing.stand(names, _one_of(action, "on", "floor", "wall", "ceiling")), "placed",
     ),
     "duplicate": (lambda placing, names, action: placing.duplicate(names), "copied"),
     "remove": (lambda placing, names, action: placing.remove(names), "taken away"),
