@@ -26,6 +26,7 @@ class Documents:
         self.files = {kind: Path(os.path.abspath(file)) for kind, file in files.items()}
         self._encodings = {kind: encoding_of(file) for kind, file in self.files.items() if file.is_file()}
         self._saved = self._on_disk()
+        self._edited = dict(self._saved)  # what was on disk as the texts were last the same
         self._states: list[tuple[Texts, str]] = [({**new, **self._saved}, "")]  # texts, and what made them so
         self._now = 0
         self._temporary = TemporaryDirectory(prefix="wirerope-board-")
@@ -71,6 +72,7 @@ class Documents:
         if texts != self.texts:
             self._states[self._now + 1 :] = [(dict(texts), said)]
             self._step(1)
+            self._edited |= {kind: text for kind, text in self._saved.items() if texts.get(kind) == text}
 
     def undo(self) -> str:
         """Go back to the texts before the last edit, and return what that was; "" if there is none."""
@@ -94,7 +96,7 @@ class Documents:
                     beside.write_bytes(self.texts[kind].encode(self._encodings.get(kind, "utf-8")))
             else:
                 self.files[kind].unlink(missing_ok=True)
-        self._saved = dict(self.texts)
+        self._saved, self._edited = dict(self.texts), dict(self.texts)
         self._journal.unlink(missing_ok=True)
         return [self.files[kind].name for kind in names]
 
@@ -102,7 +104,7 @@ class Documents:
         """Return the texts with those that others have written, and the names of files that were changed here, too."""
         disk = self._on_disk()
         changed = [kind for kind in self.files if disk.get(kind) != self._saved.get(kind)]
-        both = [kind for kind in changed if self.texts.get(kind) not in (self._saved.get(kind), disk.get(kind))]
+        both = [kind for kind in changed if self.texts.get(kind) not in (self._edited.get(kind), disk.get(kind))]
         taken = {kind: disk.get(kind) for kind in changed if kind not in both}
         self._saved = disk
         texts = {kind: text for kind, text in {**self.texts, **taken}.items() if text is not None}
