@@ -88,7 +88,7 @@ function answer(id, reason, word) {
     return;
   }
   const refusal = document.createElement("p");
-  element.after(Object.assign(refusal, { className: "refusal", role: "alert", textContent: reason }));
+  element.after(Object.assign(refusal, { className: "refusal", role: "alert", tabIndex: 0, textContent: reason }));
   const start = element.type === "text" && word ? element.value.indexOf(word) : -1;
   if (start >= 0) element.setSelectionRange(start, start + word.length);
 }
