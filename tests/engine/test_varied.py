@@ -361,7 +361,8 @@ def test_a_variant_of_the_floor_costs_a_fraction_of_loading_it():
     vary = house.calls(lambda: wr.varied(floor, isolators=stiffer, masses={"rack_1": 1.1}, positions={"m01": (0.01, 0, 0)}))
     assert load["from_file"] == 1 <= load["compile"]
     assert vary["from_file"] == vary["compile"] == 0  # which take a tenth of a second
-    assert vary["call"] < 0.6 * load["call"]  # measured: 9,400 of 19,300
+    # measured: 8,900 of 10,800, since isolators that were read before are not read again; of 19,300 the first time
+    assert vary["call"] < 0.9 * load["call"]
 
 
 def test_a_variant_of_the_floor_is_the_floor_as_far_as_it_is_not_varied():
