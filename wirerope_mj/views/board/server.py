@@ -199,6 +199,8 @@ class BoardServer(uvicorn.Server):
 
     async def _static(self, request: Request) -> Response:
         name = request.path_params["name"]
+        if name == "favicon.ico":  # browsers ask for it where a file has none, as a film
+            return Response(status_code=204)
         if name not in _STATIC:
             raise HTTPException(404)
         content = block_styles() if name == "blocks.css" else (_FOLDER / name).read_bytes()
