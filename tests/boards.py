@@ -81,7 +81,8 @@ def window(browser, address, *, parted=False, route=None, **options):
     origin = address.partition("/?")[0]
     ours = tuple(origin.replace("127.0.0.1", host) + "/" for host in ("127.0.0.1", "localhost"))
     errors, asked = [], []
-    context.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    where = "{0.text} {0.location[url]}".format
+    context.on("console", lambda message: errors.append(where(message)) if message.type == "error" else None)
     context.on("weberror", lambda error: errors.append(str(error.error)))
     context.on("request", lambda request: asked.append(request.url))
     page = context.new_page()
@@ -94,7 +95,8 @@ def window(browser, address, *, parted=False, route=None, **options):
     yield page
     context.close()
     errors = [error for error in errors if not (parted and "WebSocket" in error)]
-    foreign = [url for url in asked if not url.startswith((*ours, "data:", "blob:", "about:"))]
+    ours += ("data:", "blob:", "about:", "chrome:", "chrome-extension:")  # the last two are of the browser's viewer of PDF
+    foreign = [url for url in asked if not url.startswith(ours)]
     assert not errors, errors
     assert not foreign, foreign
 

@@ -246,3 +246,23 @@ def test_scripts_are_texts_in_every_field(browser, tmp_path):
         expect(page.locator(".refusal").first).to_contain_text("<img/src=x/onerror")
         assert page.locator("img").count() == 0
         assert SCRIPT in page.evaluate("[...document.querySelectorAll('input')].map(field => field.value).join()")
+
+
+def test_buttons_write_what_they_open(browser, tmp_path):
+    folder = genset(tmp_path / "genset")
+    with served(folder) as address, window(browser, address) as page:
+        for asked, name in {"report": "report.html", "timeline": "job.rrd"}.items():
+            with page.expect_popup() as popup:
+                page.locator(f"[data-do={asked}]").click()
+            shown = popup.value
+            if asked == "report":
+                expect(shown.locator("#headline").first).to_contain_text("FAIL")
+            else:
+                expect(shown).to_have_title(re.compile("^Timeline"))
+                assert "/viewer/" in shown.url
+            shown.close()
+            assert (folder / "runs" / "job" / name).stat().st_size > 1000
+        for asked, name in {"pdf": "report.pdf", "film": "film.mp4", "tables": "tables.xlsx"}.items():
+            page.locator(f"[data-do={asked}]").click()
+            told(page, f"^Written: .*{name}")
+            assert (folder / "runs" / "job" / name).stat().st_size > 1000
