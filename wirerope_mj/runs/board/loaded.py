@@ -19,7 +19,7 @@ from wirerope_mj.runs.job_file import Job, LoadCase
 from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.write import checked_arguments
 
-_LONGEST = 10.0  # time of computing after which no finer step is tried [s]: what is typed may be absurd
+_LONGEST = 30.0  # time of computing after which no finer step is tried [s]: what is typed may be absurd
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,7 +44,7 @@ function connect() {
   });
   socket.addEventListener("message", ({ data }) => receive(JSON.parse(data)));
   socket.addEventListener("close", () => {
-    say("Connection lost, trying again.", "bad");
+    say("Connection lost, trying again. A board that was started anew has the address that it printed.", "bad");
     setTimeout(connect, pause);
     pause = Math.min(2 * pause, LATE);
   });
