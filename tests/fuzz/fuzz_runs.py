@@ -1,5 +1,6 @@
 """Runs: folders that were edited or damaged on their way, scenarios and their files, actions of a board."""
 
+import atexit
 import contextlib
 import io
 import json
@@ -356,7 +357,9 @@ def board():
     folder = from_template("genset", Path(tempfile.mkdtemp(prefix="fuzz-board-")) / "genset")
     job = 'model = "."\n[[case]]\nname = "a"\nhalf-sine = "5 g 11 ms z"\nduration = 0.02\ntimestep = 1e-3\n'
     (folder / "job.toml").write_text(job, encoding="utf-8")
-    return Board(opened(folder))
+    made = Board(opened(folder))
+    atexit.register(made.close)
+    return made
 
 
 ACTED = (
@@ -398,5 +401,5 @@ def actions(rng, folder):
             raise ValueError(refusals[0])
         return None
 
-    words = ("selected", "load case", "limited", "table", "here", "numbers", "degrees", "this is done", "mount", "slider")
-    return Case(json.dumps(action)[:150], use, (*words, *(str(value) for value in action.values())))
+    words = ("selected", "load case", "limited", "table", "here", "numbers", "degrees", "mount", "slider")
+    return Case(json.dumps(action)[:150], use, (*words, *action, *(str(value) for value in action.values())))

@@ -233,7 +233,7 @@ def _degrees(action: Entries) -> float:
 
 def _one_of(action: Entries, key: str, *known: str) -> str:
     if action.get(key) not in known:
-        raise ModelError(f"this is done {key} {', '.join(known[:-1])} or {known[-1]}.")
+        raise ModelError(f"`{key}` must be {', '.join(known[:-1])} or {known[-1]}.")
     return str(action[key])
 
 
