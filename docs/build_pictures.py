@@ -6,6 +6,7 @@ a test makes the texts anew, and says which picture is older than what it shows.
 """
 
 import argparse
+import atexit
 import hashlib
 import io
 import json
@@ -183,6 +184,7 @@ def board() -> Made:
     from wirerope_mj.views.board.columns import page_html
 
     shown, fragments, scene = Board(opened(from_template("genset", Path("genset")))), dict[str, str](), dict[str, Any]()
+    atexit.register(shown.close)  # whether it is drawn or not
     for action in (
         {"do": "add-limit", "value": "acceleration/turbocharger = 10 g"},
         {"do": "move", "names": ["mount/m1", "mount/m4"], "by": [400, 0, 0]},
