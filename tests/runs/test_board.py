@@ -171,6 +171,27 @@ def test_the_preview_of_a_drag_is_the_statics_of_where_it_ends(board):
     assert preview["stiffness_centre"] == moved["scene"]["stiffness_centre"]
 
 
+@pytest.mark.parametrize("names", [["mount/m1"], ["mass/engine"]])
+def test_the_preview_has_deck_and_sliders_of_what_stands(board, names):
+    act(board, do="job", key="deck", value="10 Hz 800 kg 4 %")
+    act(board, do="slide", key="mass", value="1.2")
+    still = act(board, do="drag", names=names, by=[0.0, 0.0, 0.0])["preview"]
+    assert still["html"]["statics"] == act(board, do="judge")["html"]["statics"]
+    assert act(board, do="drag", names=names, by=[100.0, 0.0, 0.0])["preview"]["html"]["statics"] != still["html"]["statics"]
+
+
+def test_inertia_turns_and_mirrors_with_its_mass(board):
+    def inertia():
+        mass = next(mass for mass in board._loaded.layout.masses if mass.name == "engine")
+        return mass.properties.inertia
+
+    np.testing.assert_allclose(inertia(), [[50.0, 0.0, 4.0], [0.0, 90.0, 0.0], [4.0, 0.0, 80.0]])
+    act(board, do="turn", names=["mass/engine"], degrees=90)  # x goes to y, y to -x
+    np.testing.assert_allclose(inertia(), [[90.0, 0.0, 0.0], [0.0, 50.0, 4.0], [0.0, 4.0, 80.0]], atol=1e-9)
+    act(board, do="mirror", names=["mass/engine"], axis="y")
+    np.testing.assert_allclose(inertia(), [[90.0, 0.0, 0.0], [0.0, 50.0, -4.0], [0.0, -4.0, 80.0]], atol=1e-9)
+
+
 def test_the_centre_of_stiffness_is_over_the_mean_of_equal_mounts_with_equal_loads(tmp_path):
     for name, text in {
         "mounts": "\n".join(["name, x [mm], y [mm], z [mm], isolator"] + [

@@ -9,11 +9,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from wirerope_mj.content.job import JudgedCase, JudgedJob
-from wirerope_mj.content.judged_run import JudgedRun, result_or_absent
-from wirerope_mj.dynamics.modes import modes
+from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.simulation.recorder import scene_of
-from wirerope_mj.engine.statics import static_table
 from wirerope_mj.engine.statics.payloads import point_positions
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import Absent, ModelError, SimulationError, WireRopeError
@@ -24,13 +22,12 @@ from wirerope_mj.runs.board.loaded import Loaded, judged_case
 from wirerope_mj.runs.board.opened import Opened
 from wirerope_mj.runs.board.parts import found_html, loops_of, tried_html
 from wirerope_mj.runs.board.placing import EDITS, Placing, shift_of
-from wirerope_mj.runs.board.room import overlapping, shifted
+from wirerope_mj.runs.board.room import overlapping, with_shifted
 from wirerope_mj.runs.board.table_edits import TABLE_EDITS
 from wirerope_mj.runs.board.table_text import TableText
 from wirerope_mj.runs.board.what_if import Slider, checked_values, frequency_ratio
 from wirerope_mj.runs.board.written import FILES, written
 from wirerope_mj.runs.job_file import LoadCase, load_job
-from wirerope_mj.runs.new_model import model_of
 from wirerope_mj.views.board.columns import (
     chart_html,
     compared_html,
@@ -266,19 +263,30 @@ class Board:
 
     def _preview(self, names: Sequence[str], by: Array) -> Message:
         """Return statics and modes of what is on its way, as use of the rated static loads."""
-        built = model_of(shifted(self._movable, names, by))
-        statics = result_or_absent(lambda: static_table(built.system))
-        known = result_or_absent(lambda: modes(built.system))
-        sag = None if isinstance(statics, Absent) else statics.virgin
-        centre, stiffness = centres(scene_of(built.system), built.layout, sag)
+        moved = self._dragged(names, by)
+        sag = None if isinstance(moved.statics, Absent) else moved.statics.virgin
+        centre, stiffness = centres(scene_of(moved.system), moved.layout, sag)
         # use of the rated static load alone, which is not that of the verdict: shown where it is too much
         over = {name: row.utilisation for name, row in (sag.mounts if sag else {}).items() if (row.utilisation or 0.0) > 1.0}
         return {
             "mounts": {f"mount/{name}": use(used) for name, used in over.items()},
             "centre": centre, "stiffness_centre": stiffness,
-            "collides": sorted({f"mount/{name}" for pair in overlapping(built.system) for name in pair}),
-            "html": {"statics": statics_html(statics, known)},
+            "collides": sorted({f"mount/{name}" for pair in overlapping(moved.system) for name in pair}),
+            "html": {"statics": statics_html(moved.statics, moved.modes)},
         }  # fmt: skip
+
+    def _dragged(self, names: Sequence[str], by: Array) -> Loaded:
+        """Return the model with things where they are on their way, on its deck, at its temperature, with its sliders."""
+        loaded = self._loaded
+        if all(name.startswith(("mount/", "stop/")) for name in names):
+            return replace(loaded, job=replace(loaded.job, system=with_shifted(loaded.job.system, loaded.tables, names, by)))
+        placing = Placing(loaded.tables, self._movable)
+        placing.move(names, by)
+        try:
+            texts = {**loaded.texts, **{kind: table.text for kind, table in placing.tables.items()}}
+            return replace(self._load(texts), values=loaded.values)
+        finally:
+            self._edited_files.write_copies(self._texts)
 
     def _verdict(self, *, exact: bool = True) -> Iterator[tuple[bool, Message]]:
         """Judge the load cases and yield what is known of them, or why they cannot be simulated."""

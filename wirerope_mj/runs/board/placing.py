@@ -135,8 +135,7 @@ class Placing:
         position = self.position(name)
         kind, _, row = name.partition("/")
         table = self.tables[TABLE_OF[kind]]
-        stem = row.rstrip("0123456789")
-        new = next(text for n in range(1, 10_000) if (text := f"{stem}{n}") not in table.rows)
+        new = table.free_name(row)
         aside = self._height(name) if name in self._placed else 0.0
         self.tables[TABLE_OF[kind]] = table.with_row(new, {}, like=row)
         copy = f"{kind}/{new}"

@@ -1,30 +1,30 @@
 """Where things stand on a board while they are dragged, and which mounts would stand in each other."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
 
-from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.runs.board.table_text import TableText
 
 _TOUCH = 1e-4  # by how much mounts may overlap [m]
 
 
-def shifted(layout: Layout, names: Sequence[str], by: Array) -> Layout:
-    """Return a layout in which things stand elsewhere."""
-    held = set(names)
-    return replace(
-        layout,
-        mounts=tuple(replace(m, position=m.position + by) if f"mount/{m.name}" in held else m for m in layout.mounts),
-        stops=tuple(replace(s, position=s.position + by) if f"stop/{s.name}" in held else s for s in layout.stops),
-        masses=tuple(
-            replace(m, properties=replace(m.properties, centre=m.properties.centre + by)) if f"mass/{m.name}" in held else m
-            for m in layout.masses
-        ),
-    )
+def with_shifted(system: System, tables: Mapping[str, TableText], names: Sequence[str], by: Array) -> System:
+    """Return a variant in which mounts and stops of tables stand elsewhere by a shift [m], (3,), with all that stands at them.
+
+    At a mount stand the stop where it goes solid, and those of a row of stops for several mounts. ModelError: there is none.
+    """
+    held = {name.partition("/")[2] for name in names}
+    rows = tables["stops"].rows if "stops" in tables else {}
+    at_mounts = tuple(f"_{name.partition('/')[2]}" for name in names if name.startswith("mount/"))
+    joined = {
+        name for name in system.mounts if name not in rows and name not in tables["mounts"].rows and name.endswith(at_mounts)
+    }
+    return varied(system, positions=dict.fromkeys([*held, *sorted(joined)], by))
 
 
 def overlapping(system: System) -> list[tuple[str, str]]:

@@ -45,8 +45,7 @@ def _add(tables: Tables, action: Entries) -> tuple[Changed, str]:
         return {kind: blank_table(kind)}, f"table of {kind} added"
     table = tables[kind]
     last = list(table.rows)[-1]
-    stem = last.rstrip("0123456789")
-    new = next(text for n in range(1, 10_000) if (text := f"{stem}{n}") not in table.rows)
+    new = table.free_name(last)
     # beside the last one: nothing can stand where something stands
     x = table.rows[last].get("x", "")
     cells = {"x": table.written("x", table.value(last, "x") + 0.2)} if x else {}

@@ -89,6 +89,11 @@ class TableText:
         lines = (*self.lines[:last], self.lines[last] + end, copied, *self.lines[last + 1 :])
         return replace(self, lines=lines).with_cells(name, cells)
 
+    def free_name(self, row: str) -> str:
+        """Return the first name with the letters of a row's that no row has."""
+        stem = row.rstrip("0123456789")
+        return next(name for n in range(1, len(self.rows) + 2) if (name := f"{stem}{n}") not in self.rows)
+
     def without_row(self, name: str) -> "TableText":
         numbers = {number for number, known in self._numbered() if known["name"] == name}
         return replace(self, lines=tuple(line for number, line in enumerate(self.lines) if number not in numbers))
