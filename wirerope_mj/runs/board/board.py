@@ -28,15 +28,7 @@ from wirerope_mj.runs.board.table_text import TableText
 from wirerope_mj.runs.board.what_if import Slider, checked_values, frequency_ratio
 from wirerope_mj.runs.board.written import FILES, written
 from wirerope_mj.runs.job_file import LoadCase, load_job
-from wirerope_mj.views.board.columns import (
-    chart_html,
-    compared_html,
-    failure_html,
-    left_column,
-    sliders_html,
-    statics_html,
-    verdict_html,
-)
+from wirerope_mj.views.board import columns
 from wirerope_mj.views.board.scene import board_scene, centres, use
 
 _KEPT = 40  # judged cases of earlier positions, which undoing shows again
@@ -114,7 +106,7 @@ class Board:
             self._found["found"] = found_html(str(action.get("value", "")))
             yield True, {"html": dict(self._found)}
         elif asked == "loops":
-            self._found["loops"] = chart_html(loops_of(str(action.get("value"))))
+            self._found["loops"] = columns.chart_html(loops_of(str(action.get("value"))))
             yield True, {"html": dict(self._found)}
         elif asked == "try-parts":
             yield False, {"said": "Simulating every part in all places ...", "tone": ""}
@@ -250,7 +242,7 @@ class Board:
         form = replace(form, found=self._found["found"], loops=self._found["loops"])
         return {
             "scene": self._scene(), "dirty": files is not None and files.unsaved, "stale": True,
-            "html": {"sliders": sliders_html(form)} if sliders else {"left": left_column(form)},
+            "html": {"sliders": columns.sliders_html(form)} if sliders else {"left": columns.left_column(form)},
         }  # fmt: skip
 
     def _scene(self) -> Message:
@@ -272,7 +264,7 @@ class Board:
             "mounts": {f"mount/{name}": use(used) for name, used in over.items()},
             "centre": centre, "stiffness_centre": stiffness,
             "collides": sorted({f"mount/{name}" for pair in overlapping(moved.system) for name in pair}),
-            "html": {"statics": statics_html(moved.statics, moved.modes)},
+            "html": {"statics": columns.statics_html(moved.statics, moved.modes)},
         }  # fmt: skip
 
     def _dragged(self, names: Sequence[str], by: Array) -> Loaded:
@@ -295,7 +287,11 @@ class Board:
         except (WireRopeError, ValueError) as error:
             self._used = {}
             loaded = self._loaded
-            html = {"verdict": failure_html(str(error)), "statics": statics_html(loaded.statics, loaded.modes), "compared": ""}
+            html = {
+                "verdict": columns.failure_html(str(error)),
+                "statics": columns.statics_html(loaded.statics, loaded.modes),
+                "compared": "",
+            }
             yield True, {"html": html, "scene": self._scene(), "stale": False}
 
     def _judgements(self, *, exact: bool) -> Iterator[tuple[bool, Message]]:
@@ -313,7 +309,7 @@ class Board:
                 pass  # these steps are too long for what stands there now
             else:
                 yield True, self._told(quick)
-        yield True, {"html": {"statics": statics_html(loaded.statics, loaded.modes)}, "scene": self._scene()}
+        yield True, {"html": {"statics": columns.statics_html(loaded.statics, loaded.modes)}, "scene": self._scene()}
         if not exact:
             return
         runs = list[JudgedRun]()
@@ -331,7 +327,7 @@ class Board:
         if not self._shown or self._shown[-1] is not governing:
             self._shown = [*self._shown[-1:], governing]
         names = ["before", "now"][-len(self._shown) :]
-        compared = compared_html(dict(zip(names, self._shown, strict=True)), self._opened.tests)
+        compared = columns.compared_html(dict(zip(names, self._shown, strict=True)), self._opened.tests)
         yield True, {"html": {"compared": compared}}
 
     def _told(self, runs: Sequence[JudgedRun]) -> Message:
@@ -350,7 +346,7 @@ class Board:
             self._used[row.subject] = max(row.utilisation or 0.0, self._used.get(row.subject, 0.0))
         left = len(job.cases) - len(cases)
         what_if = [f"{each.label} {each.text(value)}" for each, value in self._moved]
-        html = verdict_html(judged, left, what_if)
+        html = columns.verdict_html(judged, left, what_if)
         return {"html": {"verdict": html}, "scene": self._scene(), "stale": bool(left)}
 
     @property
