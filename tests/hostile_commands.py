@@ -35,7 +35,7 @@ COMMANDS = (
     ["flexible", "modes.csv", "shapes.csv", "--points", "points.csv", "--units", "m,kg,s", "--out", "p"],
     ["export", ".", "o.xlsx"], ["export", ".", "o.png"], ["isolators", "fit", "sheet.toml", "fit.toml"],
     ["durability", ".", "--exponent", "8", "--equivalent-psd", "block 60 s 5 to 80 Hz z", "--out", "d.csv"],
-    ["film", ".", "o.mp4", "--at", "30 ms"],
+    ["film", ".", "o.mp4", "--at", "30 ms"], ["check", "."],
 )  # fmt: skip
 
 

@@ -28,6 +28,7 @@ WRITING = {
     "compare .rrd": ["compare", "run", "other", "--out", "c.rrd", "--force"],
     "compare --map": ["compare", "run", "drop.csv", *MAP, "--out", "with_tests", "--force"],
     "durability": ["durability", "run", "--exponent", "8", "--equivalent-psd", "block 60 s 5 to 80 Hz z", "--out", "d.csv"],
+    "check": ["check", "job.toml", "--json", "checked.json"],
     **EXPORTS,
     "film": ["film", "run", "o.mp4", "--at", "50 ms", "--force"],
     "flexible": ["flexible", "modes.csv", "shapes.csv", "--points", "points.csv", "--units", "m,kg,s",

@@ -164,6 +164,8 @@ from .runs import load_job as load_job
 from .runs import replay as replay
 from .runs import run_job as run_job
 from .runs import run_scenario as run_scenario
+from .runs.check import Finding as Finding
+from .runs.check import check as check
 from .runs.report import write_report as write_report
 from .runs.scenario import Scenario as Scenario
 from .runs.scenario import load_scenario as load_scenario

@@ -36,9 +36,9 @@ from wirerope_mj.foundation.plain_text import plain_lines, short
 from wirerope_mj.foundation.processes import allow_one_beside
 
 _NAMES = (
-    "new", "run", "cases", "study", "show", "replay", "loops", "identify", "calibrate", "laws", "frf", "report", "study-report",
-    "compare", "share", "film", "board", "explore", "shock", "fmu", "export", "durability", "comfort", "flexible", "levels",
-    "schemas", "select", "modes", "statics", "isolators", "compile",
+    "new", "check", "run", "cases", "study", "show", "replay", "loops", "identify", "calibrate", "laws", "frf", "report",
+    "study-report", "compare", "share", "film", "board", "explore", "shock", "fmu", "export", "durability", "comfort",
+    "flexible", "levels", "schemas", "select", "modes", "statics", "isolators", "compile",
 )  # fmt: skip
 # Where a command stands in this folder if it is not called as its file is; it is imported when it is asked for.
 _PLACES = {

@@ -129,6 +129,18 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
     return layout
 
 
+def read_table(kind: str, path: Path) -> object:
+    """Read one table of a model, as `read_layout` does; a table of stops with that of the mounts beside it, if there is one."""
+    if kind == "masses":
+        return read_masses(path)
+    if kind == "mounts":
+        return _read_mounts(path, {})
+    if kind == "stops":
+        mounts = next(path.parent.glob("mounts.*"), None)
+        return _read_stops(path, {}, _read_mounts(mounts, {}) if mounts is not None else ())
+    return _read_envelope({kind: path}) if kind == "envelope" else _read_points({kind: path}, kind)
+
+
 def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
     needed, further = COLUMNS["mounts"]
     rows = read_sheet(path, kind="table of mounts", needed=needed, further=further)

@@ -355,6 +355,11 @@ def _fill_gaps(header: Header, columns: Sequence[int], blocks: list[Array]) -> t
     return [numbers], messages
 
 
+def moves_a_base(header: Header) -> bool:
+    """Tell whether a record has a column that is called after an axis, so that a base is moved by it without `channels`."""
+    return any(_AXIS_COLUMN.fullmatch(underscored_unit(name, ACCELERATION_UNITS)[0]) for name in header.names)
+
+
 def _axis_columns(header: Header, time: int, *, required: bool = True) -> dict[int, Direction]:
     """Return the indices of the columns that are named after an axis, with their directions; {} if none is `required`."""
     columns: dict[int, Direction] = {}

@@ -1,0 +1,67 @@
+"""`wirerope check`: several faults in several files at once, exit codes for scripts, the same as JSON and from Python."""
+
+import json
+import shutil
+
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.foundation.resources import models_folder
+
+GENSET = models_folder() / "templates" / "genset"
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def said(capsys, *arguments):
+    """Return the exit code and the lines that the command prints."""
+    code = main(["check", *map(str, arguments)])
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    return code, shown.out.splitlines()
+
+
+def test_faults_of_all_files_are_said_at_once_by_file_and_line(here, capsys):
+    (here / "soft.toml").write_text('name = "Soft"\n[axial]\nlaw = "kelvin-voigt"\nk = -1e5\nc = 0.0\n')
+    (here / "levels.toml").write_text('[[motion]]\nhalf-sine = "15 g 11 mm z"\n')
+    (here / "deck.csv").write_text("time [s], z [g]\n0, 0\n0.001, what\n")
+    (here / "notes.csv").write_text("colour, taste\nred, sweet\n")
+    code, lines = said(capsys, *sorted(path.name for path in here.iterdir()), "absent.xml", "--json", "found.json")
+    assert code == 2
+    assert [line.split(":")[:2] for line in lines[:-1]] == [
+        ["refused", " deck.csv, line 3"], ["refused", " levels.toml, line 1"], ["refused", " notes.csv"],
+        ["refused", " soft.toml, line 4"], ["refused", " absent.xml"],
+    ]  # fmt: skip
+    assert "cyclic test (table of deflection [mm] and force [N])" in lines[2]  # what kinds there are, and how one is told
+    assert lines[-1] == "5 refused, 0 implausible; checked: record 1, levels 1, unknown 2, isolator 1"
+    found = json.loads((here / "found.json").read_text())
+    assert (found["refused"], found["implausible"]) == (5, 0)
+    assert found["findings"][3]["where"] == "line 4"
+    assert [str(finding) for finding in wr.check("deck.csv")] == [lines[0].removeprefix("refused: ")]
+
+
+def test_what_is_only_implausible_exits_1_and_a_clean_file_0(here, capsys):
+    text = (models_folder() / "shock_table.xml").read_text().replace('gravity="0 0 -9.80665"', 'gravity="0 0 9.80665"')
+    (here / "sky.xml").write_text(text)
+    code, lines = said(capsys, "sky.xml")
+    assert code == 1
+    assert lines[0].startswith("implausible: sky.xml: ")
+    assert "gravity points upwards" in lines[0]
+    assert said(capsys, "shock_table") == (0, ["0 refused, 0 implausible; checked: model 1"])
+
+
+def test_folder_of_tables_is_checked_as_a_model_beside_the_files_in_it(here, capsys):
+    shutil.copytree(GENSET, here / "genset")
+    assert said(capsys, "genset") == (0, ["0 refused, 0 implausible; checked: folder of tables 1"])
+    masses = here / "genset" / "masses.csv"
+    masses.write_text(masses.read_text().replace(", 600,", ", -600,", 1))
+    (here / "genset" / "job.toml").write_text('model = "."\n[[case]]\nname = "a"\nhalf-sine = "9 z"\n')
+    code, lines = said(capsys, "genset")
+    assert code == 2
+    assert all(line.startswith("refused: genset/") for line in lines[:-1])
+    assert "must be > 0" in lines[0]

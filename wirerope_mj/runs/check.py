@@ -1,0 +1,237 @@
+"""What is wrong or implausible in files, all of it at once: what commands refuse, and what they warn of.
+
+Nothing is judged here: each file is read as the commands read it, and what they say is collected.
+"""
+
+import re
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from wirerope_mj.assessment.criteria import EXCEEDED, rest_travel_verdicts, rested_verdicts, static_load_verdicts
+from wirerope_mj.assessment.criteria.summary import pressed_lines, rested_lines
+from wirerope_mj.assessment.criteria.verdict import BOTTOMING, RESTED, against_limit, largest_each
+from wirerope_mj.assessment.durability.mission import read_mission
+from wirerope_mj.engine.from_tables.layout import NAME
+from wirerope_mj.engine.from_tables.read import read_table
+from wirerope_mj.engine.simulation.run import missing_modes
+from wirerope_mj.engine.statics import model_warnings, static_table
+from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.errors import (
+    AccuracyWarning,
+    ModelError,
+    ModelWarning,
+    RecordWarning,
+    StudyWarning,
+    WireRopeError,
+    error_text,
+)
+from wirerope_mj.foundation.resources import model_file
+from wirerope_mj.foundation.structure import Place
+from wirerope_mj.foundation.table_files import read_header
+from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.motions import BaseMotion, load_measured, load_record
+from wirerope_mj.motions.psd_lines import force_rows, psd_points, spectrum_points, table_lines
+from wirerope_mj.motions.records.measured import parse_channel, quantity_of
+from wirerope_mj.motions.records.table import moves_a_base
+from wirerope_mj.motions.records.uff import is_uff, uff_channels
+from wirerope_mj.motions.registry import motion_of_levels
+from wirerope_mj.mounts.identification.records import read_tests
+from wirerope_mj.mounts.isolator import read_law
+from wirerope_mj.mounts.isolator.tables import read_curve
+from wirerope_mj.mounts.test_rig.faults import checked_file
+from wirerope_mj.mounts.vendor_parts import load_isolator
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
+from wirerope_mj.mounts.vendor_parts.short_sheet import read_short_sheet
+from wirerope_mj.runs.file_kinds import KINDS, kind_of
+from wirerope_mj.runs.folder import warn_of_alterations
+from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.measured import read_map
+from wirerope_mj.runs.new_model import TABLES, build_model, is_folder_of_tables, tables_in
+from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.runs.scenario_file import is_run, scenario_content, stored_scenario
+from wirerope_mj.runs.study import load_study_file
+
+_OURS = (ModelWarning, RecordWarning, AccuracyWarning, StudyWarning)
+_LOCATION = re.compile(r"(.+?)(?:, ((?:sheet|lines?|row) [^:]+))?: (.+)", re.DOTALL)  # as messages begin
+_KNOWN = "; ".join(f"{kind} ({sign})" for kind, sign in KINDS.items())
+
+Texts = Iterator[str]  # what is implausible, a sentence each; what is refused is raised
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """What is wrong or implausible at one place of a file."""
+
+    file: str  #: in which it stands
+    where: str  #: line, row or sheet in it; "" where it is about the file as a whole
+    text: str  #: what is wrong, of which element, and the remedy
+    refused: bool  #: whether commands refuse the file for it; else they take it and warn
+
+    def __str__(self) -> str:
+        return f"{', '.join(filter(None, (self.file, self.where)))}: {self.text}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckedFile:
+    """A file or folder that was checked: its kind, "" where it cannot be told, and what was found in it."""
+
+    path: Path
+    kind: str
+    findings: tuple[Finding, ...]
+
+
+def check(*paths: str | Path) -> tuple[Finding, ...]:
+    """Collect what is wrong or implausible in files and folders, of any kind that commands take.
+
+    What a command would refuse, and what it would warn of, by file, line and element, with the remedy; a fault in one
+    file hides none in another. Python files of scenarios and studies are executed, as `wirerope run` does.
+
+    Args:
+        paths: files, folders of tables or of runs, folders with such files in them, and names of shipped models.
+    """
+    return tuple(dict.fromkeys(finding for checked in checked_files(paths) for finding in checked.findings))
+
+
+def checked_files(paths: Iterable[str | Path]) -> Iterator[CheckedFile]:
+    """Yield each file that was checked, one after the other; in folders, those whose kind can be told."""
+    for path in map(Path, paths):
+        yield from _in_folder(path) if path.is_dir() else [_checked(path)]
+
+
+def _in_folder(folder: Path) -> Iterator[CheckedFile]:
+    if is_run(folder):
+        yield _checked(folder, "run")
+        return
+    tables = is_folder_of_tables(folder)
+    if tables:
+        yield _checked(folder, "folder of tables")
+    for path in sorted(folder.glob("[!._]*")):
+        if path.is_dir():
+            yield from _in_folder(path)
+        elif not (tables and path.stem.lower() in TABLES) and (checked := _checked(path)).kind:
+            yield checked
+
+
+def _checked(path: Path, kind: str = "") -> CheckedFile:
+    """Read a file as a command does, and collect what it says; its kind is told unless it is given."""
+    said: list[tuple[str, bool]] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            file = path if path.exists() else model_file(path) or path
+            if not file.exists():
+                raise ModelError(f"{path}: there is no such file, nor a model of that name that ships.")
+            kind = kind or kind_of(file) or ""
+            if not kind:
+                raise ModelError(f"{path}: of what kind this file is cannot be told. There are {_KNOWN}.")
+            texts = _READERS[kind](file)
+            said += [(text, False) for text in texts] if isinstance(texts, Iterator) else []
+        except (WireRopeError, ValueError, OSError) as error:
+            said += [(text, True) for text in (error_text(error), *getattr(error, "__notes__", ()))]
+    said += [(str(one.message), False) for one in caught if issubclass(one.category, _OURS)]
+    findings = tuple(dict.fromkeys(_finding(path, text, refused) for text, refused in said))
+    return CheckedFile(path=path, kind=kind, findings=findings)
+
+
+def _finding(path: Path, text: str, refused: bool) -> Finding:
+    """Split a message into file, place and what it says."""
+    located = _LOCATION.fullmatch(text)
+    file = Path(located[1]) if located else path
+    if located is None or not (file == path or file.exists()):
+        return Finding(file=str(path), where="", text=text, refused=refused)
+    here = path.parent.resolve()  # from which others are called as this one is, whoever made their names absolute
+    if file != path and file.resolve().is_relative_to(here):
+        file = path.parent / file.resolve().relative_to(here)
+    return Finding(file=str(file), where=located[2] or "", text=located[3], refused=refused)
+
+
+def _of_system(system: System, motions: Iterable[BaseMotion] = ()) -> Texts:
+    """Yield what is implausible in a model, and at its rest; ConvergenceError where it has no equilibrium."""
+    falls = any(motion.up is not None for motion in motions)
+    yield from model_warnings(system, turned=falls)
+    for motion in motions:
+        yield from missing_modes(system, motion)
+    if falls or not system.model.opt.gravity.any():
+        return
+    table = static_table(system)
+    for history, reason in table.missing.items():
+        yield f"{history}: {reason}"
+    isolators = {name: mount.isolator for name, mount in system.mounts.items()}
+    rest = rested_verdicts(table), rest_travel_verdicts(isolators, table, system.bottoms)
+    verdicts = [row for row in (*static_load_verdicts(table), *rest[0], *rest[1]) if row.verdict == EXCEEDED]
+    yield from (*rested_lines(verdicts), *pressed_lines(verdicts))
+    for row in largest_each(row for row in verdicts if row.criterion.kind not in (RESTED, BOTTOMING)):
+        yield f"mount {against_limit(row)}: take isolators that are rated for it, or more of them."
+
+
+def _tables(source: Path) -> Texts:
+    yield from _of_system(build_model(NAME, tables_in(source)).system)
+
+
+def _scenario(scenario: Scenario) -> Texts:
+    scenario = scenario.on_its_floor()
+    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
+    yield from _of_system(system, [scenario.motion])
+
+
+def _run(folder: Path) -> Texts:
+    warn_of_alterations(folder)
+    return _scenario(stored_scenario(folder).make())
+
+
+def _job(path: Path) -> Texts:
+    job = load_job(path)
+    return _of_system(job.system, [case.scenario.motion for case in job.cases])
+
+
+def _datasheet(path: Path) -> None:
+    if read_short_sheet(path) is None:
+        fit_datasheet(path)
+
+
+def _mission(path: Path) -> None:
+    for stage in read_mission(path).stages:
+        scenario_content(stage.run)
+
+
+def _cyclic_test(path: Path) -> Texts:
+    read_tests([path])
+    yield from checked_file(path).faults
+
+
+def _record(path: Path) -> None:
+    """Read a record as a base motion where its columns are called x, y or z, else each column as a measured response."""
+    if is_uff(path):
+        names = uff_channels(path)
+        played, subjects = len({name.partition(":")[0] for name in names}) == 1, dict.fromkeys(names, "point")
+    else:
+        header = read_header(path, kind="record", example='"time [s], z [g]"')
+        known = {name: unit or "" for name, unit in zip(header.names, header.units, strict=True)}
+        subjects = {name: "point" for name, unit in known.items() if quantity_of(unit, mount=False)}
+        subjects |= {name: "mount" for name, unit in known.items() if quantity_of(unit, mount=True) == "force"}
+        played = moves_a_base(header)
+    if played or not subjects:
+        load_record(path)
+        return
+    axes = {"point": "z", "mount": "axial"}
+    load_measured(path, channels={name: f"{of}/{n} {axes[of]}" for n, (name, of) in enumerate(subjects.items())})
+
+
+def _map(path: Path) -> None:
+    for column, phrase in read_map([str(path)])["channels"].items():
+        parse_channel(column, phrase)
+
+
+# What reads each kind: what it raises is refused; what it warns of, or yields as sentences, is implausible.
+_READERS: dict[str, Callable[[Path], object]] = {
+    "model": lambda path: _of_system(load_system(path)), "scenario": lambda path: _scenario(load_scenario(path).make()),
+    "study": lambda path: _of_system(load_study_file(path).make().base), "isolator": load_isolator, "datasheet": _datasheet,
+    "law": lambda path: read_law(read_toml(path, "law file"), Place(path)), "levels": motion_of_levels, "job": _job,
+    "life": _mission, "map": _map, "density": psd_points, "spectrum": spectrum_points, "amplitudes": table_lines,
+    "curve": read_curve, "forces over time": force_rows, "cyclic test": _cyclic_test, "record": _record, "run": _run,
+    "folder of tables": _tables, **{kind: partial(read_table, kind) for kind in TABLES},
+}  # fmt: skip
