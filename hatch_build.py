@@ -11,6 +11,9 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
+REPEATABLE = {"WIREROPE_KERNEL_NUMBER": "0", "PYTHONHASHSEED": "0"}
+"""Names in compiled code, and the order of sets while compiling: two builds give the same bytes."""
+
 LEVELS = ("x86-64-v3", "x86-64-v2")
 """Of processors since 2013 and since 2009, one process each. Others compile when a kernel is first called."""
 
@@ -41,6 +44,7 @@ class CompiledKernels(BuildHookInterface):
             subprocess.Popen(
                 [sys.executable, "-c", code, str(self._scratch / "kernels")],
                 env=os.environ
+                | REPEATABLE
                 | {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": str(self._scratch / level)},
                 cwd=self.root,
             )

@@ -53,7 +53,7 @@ WRITING = {
     "share": ["share", "run", "shared", "--force"],
     "statics": ["statics", "shock_table", "--json", "statics.json"],
 }  # fmt: skip
-NOTHING = {"board", "comfort", "compile", "explore", "laws", "replay", "show"}
+NOTHING = {"board", "comfort", "compile", "laws", "replay", "show"}
 """Commands that leave no file where the user asks for one."""
 
 GOES_ON = {"cases"}

@@ -1,5 +1,6 @@
 """Compiled kernels on disk: right code or a compilation, whatever was changed, cut off, forbidden, or done at the same time."""
 
+import ast
 import math
 import os
 import re
@@ -189,6 +190,17 @@ def test_what_a_package_brings_along_is_found_with_no_cache_at_all(use, tmp_path
     shipped = "import pathlib; from wirerope_mj.foundation import kernel_files; kernel_files.SHIPPED = pathlib.Path('shipped')"
     assert use(before=shipped) == (7.0, 2.5, [])
     assert not (tmp_path / "cache").exists()
+
+
+@pytest.mark.slow
+def test_a_wheel_that_is_built_twice_brings_the_same_kernels(use, tmp_path):
+    text = (ROOT / "hatch_build.py").read_text(encoding="utf-8")
+    repeatable = ast.literal_eval(re.search(r"^REPEATABLE = (.*)$", text, re.MULTILINE)[1])
+    for place in ("first", "second"):
+        assert use(NUMBA_CACHE_DIR=str(tmp_path / place), **repeatable) == (7.0, 2.5, ALL)
+    first, second = ({file.name: file.read_bytes() for file in (tmp_path / p).glob("*.kernel")} for p in ("first", "second"))
+    assert len(first) == len(ALL)
+    assert first == second
 
 
 def test_settings_of_the_current_folder_say_nothing_of_where_kernels_are(use, tmp_path):

@@ -3,6 +3,7 @@
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj.cli import main
 
 EARLIER = {
     "EN1998_TYPE_1": "motions.EN1998_TYPE_1", "banded_lines": "motions.banded_lines", "psd_from_g": "motions.psd_from_g",
@@ -26,3 +27,10 @@ def test_earlier_names_of_the_front_door_lead_to_todays(name):
 def test_a_name_that_never_was_is_an_attribute_error():
     with pytest.raises(AttributeError, match="nothing_of_the_kind"):
         wr.nothing_of_the_kind  # noqa: B018
+
+
+def test_earlier_names_of_commands_lead_to_todays(capsys):
+    assert main(["explore", "--port", "-1"]) == 2  # as the board says it
+    said = capsys.readouterr().err
+    assert "`wirerope explore` is called `wirerope board`" in said
+    assert "`--port` must be from 0 to 65535" in said

@@ -37,16 +37,18 @@ from wirerope_mj.foundation.processes import allow_one_beside
 
 _NAMES = (
     "new", "check", "run", "cases", "study", "show", "replay", "loops", "identify", "calibrate", "laws", "frf", "report",
-    "study-report", "compare", "share", "film", "board", "explore", "shock", "fmu", "export", "durability", "comfort",
+    "study-report", "compare", "share", "film", "board", "shock", "fmu", "export", "durability", "comfort",
     "flexible", "levels", "schemas", "select", "modes", "statics", "isolators", "compile",
 )  # fmt: skip
 # Where a command stands in this folder if it is not called as its file is; it is imported when it is asked for.
 _PLACES = {
     "identify": "identify:identify_records", "laws": "loops:laws", "study-report": "report:study_report",
     "share": "exports:share", "film": "exports:film", "fmu": "exports:fmu", "export": "exports:export",
-    "explore": "board:board", "levels": "levels:levels_app", "schemas": "new:schemas", "select": "select:select_app",
+    "levels": "levels:levels_app", "schemas": "new:schemas", "select": "select:select_app",
     "isolators": "isolators:isolators_app", "compile": "compile:compile_kernels",
 }  # fmt: skip
+# Earlier names of commands: each works for one more minor version and says what it is called now.
+_RENAMED = {"explore": "board"}
 COMMANDS = {name: _PLACES.get(name, f"{name}:{name}") for name in _NAMES}
 
 # A word that a message quotes is cut where no path is that long; so is a message that no screen holds.
@@ -137,6 +139,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             os.mkdir(scratch, 0o700)
             tempfile.tempdir = scratch
     given = list(sys.argv[1:] if arguments is None else arguments)
+    if given and given[0] in _RENAMED:
+        _say(f"`wirerope {given[0]}` is called `wirerope {_RENAMED[given[0]]}` since version 0.2, and leaves with 0.3.")
+        given[0] = _RENAMED[given[0]]
     try:
         with _warnings_shown():
             if given and given[0] in COMMANDS:

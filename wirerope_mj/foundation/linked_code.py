@@ -32,8 +32,9 @@ from wirerope_mj.foundation.kernel_files import LOADED, SHIPPED, cache_folder, k
 
 _ENVIRONMENT = "_ZN08NumbaEnv"  # begins the names under which code finds what a function raises
 # Names of compiled functions end in a number: processes that read each other's files count from numbers of their own, for LLVM
-# takes what it has read for what it is to compile where the names are one.
-FunctionIdentity._unique_ids = itertools.count(os.getpid() << 16)
+# takes what it has read for what it is to compile where the names are one. The kernels of a wheel, which one process compiles,
+# count from 0, as no other process does, so that two builds give the same bytes (`hatch_build.py`).
+FunctionIdentity._unique_ids = itertools.count(int(os.environ.get("WIREROPE_KERNEL_NUMBER", os.getpid() << 16)))
 
 
 class LinkedCode(JITCodeLibrary):
