@@ -9,7 +9,7 @@ from house import deck, mjcf, rack_on_floor_text, sdof
 from scipy.optimize import brentq
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.modes import modes
+from wirerope_mj.dynamics.modes import modes, natural_frequencies
 from wirerope_mj.dynamics.modes.rest import linearise
 from wirerope_mj.engine.control import installed
 
@@ -435,3 +435,14 @@ def test_a_law_without_elastic_part_has_modes_but_no_relaxed_ones():
     assert modes(s).frequencies[0] == pytest.approx(np.sqrt(1e5 / 3.5) / (2 * np.pi), rel=1e-7)
     with pytest.raises(wr.ConvergenceError, match="no relaxed equilibrium"):
         modes(s, history="relaxed")
+
+
+@pytest.mark.parametrize("loss", [0.0, 4e4])  # of laws that depend on the rate the stiffness depends on the frequency
+def test_natural_frequencies_are_those_of_modes(loss):
+    zener = wr.Zener(k0=4e4, k1=loss, c=300.0) if loss else wr.KelvinVoigt(k=4e4, c=0.0)
+    rope = wr.load_isolator("enidine_wr16_400").axes["axial"]
+    isolators = {"a": wr.Isolator(name="a", roll=zener, shear=wr.KelvinVoigt(k=3e4, c=0.0), axial=rope)}
+    system = wr.load_system(box_text(places=PLACES, height=0.2), isolators=isolators)
+    alone, whole = natural_frequencies(system), modes(system)
+    np.testing.assert_allclose(alone.frequencies, whole.frequencies, rtol=1e-12)  # rounding of the same eigenvalues
+    assert alone.descriptions == whole.descriptions

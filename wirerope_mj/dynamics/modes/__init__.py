@@ -1,4 +1,4 @@
 """Modes of a system about its sagged position, and how far it is from tipping over."""
 
-from wirerope_mj.dynamics.modes.find import modes
-from wirerope_mj.dynamics.modes.result import Modes, TippingStability
+from wirerope_mj.dynamics.modes.find import modes, natural_frequencies
+from wirerope_mj.dynamics.modes.result import Modes, NaturalFrequencies, TippingStability

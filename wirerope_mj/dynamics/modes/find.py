@@ -18,8 +18,8 @@ from wirerope_mj.dynamics.modes.rest import (
     participation_of,
     payload_shapes,
 )
-from wirerope_mj.dynamics.modes.result import Modes, TippingStability, paired
-from wirerope_mj.engine.statics import History, equilibrium
+from wirerope_mj.dynamics.modes.result import Modes, NaturalFrequencies, TippingStability, paired
+from wirerope_mj.engine.statics import Equilibrium, History, equilibrium
 from wirerope_mj.engine.statics.linear import GIVES_WAY
 from wirerope_mj.engine.statics.payloads import movers_of
 from wirerope_mj.engine.system import System
@@ -178,15 +178,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     for part in tangents:  # frequencies in the order of the modes, paired by shape
         squares, others = solve(rest.other + rest.weight + part, rest.mass, rest.motions)
         bracket.append(frequency_of(squares[paired((shapes.T @ rest.mass @ others) ** 2)]))
-    sizes = [0.0] if amplitude is None else [amplitude * 0.5**step for step in range(STEPS - 1, -1, -1)]
-    complexes = np.zeros((values.size, *held.shape), dtype=np.complex128)
-    known = shapes.copy()
-    for mode in range(values.size):
-        for size in sizes:
-            start = float(values[mode]), shapes[:, mode]
-            tolerance = TOLERANCE if size == sizes[-1] else LEADING
-            mode_found = iterate(partial(springs.at, size), rest, known, mode, start, tolerance)
-            values[mode], shapes[:, mode], complexes[mode] = mode_found
+    values, shapes, complexes = springs.iterated(values, shapes, amplitude)
     damping = np.full(values.size, math.nan)
     for i in np.flatnonzero(values > 0.0):  # loss over twice the stiffness, and of joint dampers
         shape, value = shapes[:, i], float(values[i])
@@ -198,18 +190,44 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     whole[rest.free] = scaled
     participation, moving_mass = participation_of(system, rest, scaled)
     return Modes(
-        frequencies=np.where((values[order] < 0.0) & bool(static.free), 0.0, frequency_of(values[order])),
+        frequencies=_frequencies(values[order], static),
         damping_ratio=damping[order], loading=bracket[0][order], unloading=bracket[1][order],
         shapes=whole, payloads=payload_shapes(system, rest, scaled),
         mounts={name: (mount.jacobian @ scaled).T for name, mount in rest.mounts.items()},
         participation=participation, moving_mass=moving_mass,
-        descriptions=tuple(
-            description_of(system, rest, shape) + ("" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)")
-            for shape, value in zip(scaled.T, values[order], strict=True)
-        ),
+        descriptions=_descriptions(system, rest, values[order], scaled),
         stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), tangents[0]),
         history=history, amplitude=amplitude, free=rest.free, mass=rest.mass, stiffness=held.real, equilibrium=static,
     )  # fmt: skip
+
+
+def natural_frequencies(system: System) -> NaturalFrequencies:
+    """Find the frequencies of `modes` about the virgin equilibrium for small amplitude, in a third of its time.
+
+    ConvergenceError: there is no such equilibrium.
+    """
+    static = equilibrium(system)
+    rest = linearise(system, static)
+    springs = _Springs(rest)
+    values, shapes = solve(springs.held(np.zeros(rest.free.size), 0.0, 1.0).real, rest.mass, rest.motions)
+    if len(springs.small) < len(rest.mounts):  # some depend on the frequency
+        values, shapes, _ = springs.iterated(values, shapes, None)
+    order = np.argsort(values, kind="stable")
+    return NaturalFrequencies(
+        frequencies=_frequencies(values[order], static),
+        descriptions=_descriptions(system, rest, values[order], shapes[:, order]),
+    )
+
+
+def _frequencies(values: Array, static: Equilibrium) -> Array:
+    return np.where((values < 0.0) & bool(static.free), 0.0, frequency_of(values))
+
+
+def _descriptions(system: System, rest: AtRest, values: Array, shapes: Array) -> tuple[str, ...]:
+    return tuple(
+        description_of(system, rest, shape) + ("" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)")
+        for shape, value in zip(shapes.T, values, strict=True)
+    )
 
 
 class _Springs:
@@ -242,6 +260,19 @@ class _Springs:
         """Evaluate the complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at an eigenvalue."""
         frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # an eigenvalue <= 0 has no frequency
         return self.held(self.scaled(shape), amplitude, frequency)
+
+    def iterated(self, values: Array, shapes: Array, amplitude: float | None) -> tuple[Array, Array, ComplexArray]:
+        """Iterate all modes from those for small amplitudes: eigenvalues, shapes, and the complex stiffness of each."""
+        sizes = [0.0] if amplitude is None else [amplitude * 0.5**step for step in range(STEPS - 1, -1, -1)]
+        complexes = np.zeros((values.size, *self.rest.mass.shape), dtype=np.complex128)
+        values, shapes, known = values.copy(), shapes.copy(), shapes
+        for mode in range(values.size):
+            for size in sizes:
+                start = float(values[mode]), shapes[:, mode]
+                tolerance = TOLERANCE if size == sizes[-1] else LEADING
+                mode_found = iterate(partial(self.at, size), self.rest, known, mode, start, tolerance)
+                values[mode], shapes[:, mode], complexes[mode] = mode_found
+        return values, shapes, complexes
 
     def lasting(self) -> Array:
         """Evaluate the stiffness of the mounts after long vibration, without hysteretic forces, (n, n)."""

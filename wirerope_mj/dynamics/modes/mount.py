@@ -1,7 +1,7 @@
 """Stiffness of a mount at rest along its three axes, on loading and in closed cycles; also of coupled axes."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -19,6 +19,7 @@ SAMPLES = 256  # samples of a closed cycle: the area of a loop with sharp tips i
 # Step [m] of the elastic part's central difference: its error is below 1e-9 of the slope for travels of millimetres.
 _STEP = 1e-6
 _SPEED = 1e-9  # step [m/s] of the derivative by the rate: far below any velocity over which a law smooths its friction
+Evaluated = Callable[[float, float, Array], tuple[float, Array]]  # force and rates of the states, see `_evaluator`
 
 
 def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[float, float]:
@@ -26,12 +27,13 @@ def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[floa
 
     Exact for every rate-independent law: dF/dx = F_x + F_z dz/dx, with the law's own dz/dx for either direction.
     """
-    elastic, (force, _) = elastic_slope(law, deflection, states), _force_and_rates(law, deflection, 0.0, states)
+    evaluated = _evaluator(law)
+    elastic, (force, _) = _slope(evaluated, deflection, states), evaluated(deflection, 0.0, states)
 
     def slope(direction: float) -> float:
-        _, rates = _force_and_rates(law, deflection, direction, states)
+        _, rates = evaluated(deflection, direction, states)
         # Forces are linear in the states, but for sliders at their slip force: a step along the rates is exact.
-        moved, _ = _force_and_rates(law, deflection, 0.0, states + _STEP * rates)
+        moved, _ = evaluated(deflection, 0.0, states + _STEP * rates)
         return elastic + (moved - force) / (_STEP * direction)
 
     return slope(-1.0), slope(1.0)
@@ -74,10 +76,11 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
         down, up = one_sided_tangents(law, deflection, steady)
         return complex(0.5 * (down + up), 0.0)
 
+    evaluated = _evaluator(law)
+
     def slopes(deflection_step: float, rate_step: float, state_step: Array, size: float) -> tuple[float, Array]:
         (f_up, g_up), (f_down, g_down) = (
-            _force_and_rates(law, deflection + sign * deflection_step, sign * rate_step, states + sign * state_step)
-            for sign in (1.0, -1.0)
+            evaluated(deflection + sign * deflection_step, sign * rate_step, states + sign * state_step) for sign in (1.0, -1.0)
         )
         return (f_up - f_down) / (2.0 * size), (g_up - g_down) / (2.0 * size)
 
@@ -94,11 +97,12 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
 
 def balanced_force(law: Law, deflection: float, states: Array, index: int) -> float:
     """Find the hysteretic force that a small closed cycle neither raises nor lowers [N]."""
+    evaluated = _evaluator(law)
 
     def gain(z: float) -> float:
         trial = states.copy()
         trial[index] = z
-        (_, up), (_, down) = (_force_and_rates(law, deflection, rate, trial) for rate in (1.0, -1.0))
+        (_, up), (_, down) = (evaluated(deflection, rate, trial) for rate in (1.0, -1.0))
         return float(up[index] + down[index])  # gain of a step up and a step down
 
     at_zero = gain(0.0)
@@ -141,12 +145,15 @@ def cycle_samples(law: Law, deflection: float, amplitude: float, frequency: floa
     return angle[:-1], force[:-1]
 
 
-def _force_and_rates(law: Law, deflection: float, rate: float, states: Array) -> tuple[float, Array]:
-    """Evaluate the force and the rates of the states."""
-    rates = np.zeros(max(law.n_states, 1))
-    held = states if law.n_states else np.zeros(1)
-    force = evaluate(law.kernel, law.kernel_parameters(), 0, deflection, rate, held, 0, rates, 0)
-    return float(force), rates[: law.n_states]
+def _evaluator(law: Law) -> Evaluated:
+    """Return what evaluates the force and the rates of the states, at a deflection, its rate and states."""
+    parameters, n_states = law.kernel_parameters(), law.n_states  # once: there are many evaluations
+
+    def evaluated(deflection: float, rate: float, states: Array) -> tuple[float, Array]:
+        rates, held = np.zeros(max(n_states, 1)), states if n_states else np.zeros(1)
+        return float(evaluate(law.kernel, parameters, 0, deflection, rate, held, 0, rates, 0)), rates[:n_states]
+
+    return evaluated
 
 
 def _force_states(law: Law) -> list[int]:
@@ -156,7 +163,11 @@ def _force_states(law: Law) -> list[int]:
 
 def elastic_slope(law: Law, deflection: float, states: Array) -> float:
     """Differentiate the force by the deflection with the states held [N/m]."""
-    (above, _), (below, _) = (_force_and_rates(law, deflection + step, 0.0, states) for step in (_STEP, -_STEP))
+    return _slope(_evaluator(law), deflection, states)
+
+
+def _slope(evaluated: Evaluated, deflection: float, states: Array) -> float:
+    (above, _), (below, _) = (evaluated(deflection + step, 0.0, states) for step in (_STEP, -_STEP))
     return (above - below) / (2.0 * _STEP)
 
 

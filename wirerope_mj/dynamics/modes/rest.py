@@ -111,7 +111,7 @@ def _forward_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibri
     mujoco.mj_fwdVelocity(model, data)
     data.qfrc_applied[:] = 0.0
     for (name, mount), row in zip(system.mounts.items(), rows, strict=True):
-        if equilibrium is None and mount.isolator.rotation is None:
+        if mount.isolator.rotation is None and (equilibrium is None or not equilibrium.mounts[name].force.any()):
             continue
         axes = data.site(mount.base_site).xmat.reshape(3, 3)
         force = axes @ equilibrium.mounts[name].force if equilibrium is not None else np.zeros(3)

@@ -85,6 +85,14 @@ class PayloadShape:
     rotation: Array  # of the root body [rad], world frame, (n_modes, 3)
 
 
+@dataclass(frozen=True, kw_only=True)
+class NaturalFrequencies:
+    """What `Modes` says of the same names, alone."""
+
+    frequencies: Array  # [Hz], (n_modes,)
+    descriptions: tuple[str, ...]
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Modes(Summarised):
     """Modes of a system about the position where it rests, from the lowest on.

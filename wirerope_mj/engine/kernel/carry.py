@@ -6,8 +6,9 @@ over x_y, e its direction there and n across it, w = a e + b n follows
     a' = 1 - a^2 r^(n-2),    b' = -a b r^(n-2),    r = |w|
 
 where it loads, a >= 0, and goes on doing so (`wirerope_mj.mounts.laws.plane_kernels.biaxial_rates`). There r grows, and the
-only short length is r itself, so that the steps of a fifth-order method are known beforehand; straight ahead, b = 0, n = 1 has
-a closed form. Lines that unload, and those near zero that would take many steps, are left to the laws' own integration.
+only short length is r itself, so that the steps of a fifth-order method are known beforehand. For n = 2 there is a closed form,
+a = tanh(s + artanh a_0), and straight ahead, b = 0, for n = 1. Lines that unload, and those near zero that would take many
+steps, are left to the laws' own integration.
 """
 
 import math
@@ -28,7 +29,16 @@ from wirerope_mj.mounts.laws.plane_kernels import (
     WITH_ANOTHER,
 )
 from wirerope_mj.mounts.laws.plane_kernels import LINE as LINE_ON_BRACKETS
-from wirerope_mj.mounts.laws.registry import ASYMMETRIC_BOUC_WEN, BOUC_WEN, SYMMETRIC_BOUC_WEN
+from wirerope_mj.mounts.laws.registry import (
+    ASYMMETRIC_BOUC_WEN,
+    BOUC_WEN,
+    PARALLEL,
+    RATE_DEPENDENT,
+    SYMMETRIC_BOUC_WEN,
+    carry_exactly,
+    component,
+    has_closed_form,
+)
 
 NEVER = 1e300  # length after which a state comes to zero that never does [m]
 # longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line
@@ -71,6 +81,21 @@ def carry_first_power(p, i, x0, x1, z):
 
 
 @njit
+def carry_law(law, p, x0, x1, z, n_states, slopes, trial):
+    """Carry the states of one or several laws in place as `advance` does, without the work where there is a closed form."""
+    for part in range(int(p[0]) if law == PARALLEL else 1):
+        one, first, state, count = law, 0, 0, n_states
+        if law == PARALLEL:
+            one, first, state, count = component(p, 0, part, n_states)
+        if one in RATE_DEPENDENT:  # infinitely slow: their states stay at zero
+            continue
+        if x0 != x1 and has_closed_form(one, p, first):
+            carry_exactly(one, p, first, x0, x1, z, state)
+        else:
+            advance(one, p, first, x0, x1, z, state, count, slopes, trial)
+
+
+@njit
 def carry_axis(law, numbers, number, first, size, x0, x1, states, carried, state, n_states, target, scratch):
     """Carry the states of one lane's axis by the laws' own closed forms, series and integration."""
     p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
@@ -78,7 +103,7 @@ def carry_axis(law, numbers, number, first, size, x0, x1, states, carried, state
         p[i] = numbers[first + i, number]
     for k in range(n_states):
         z[k] = carried[state + k, number]
-    advance(law, p, 0, x0, x1, z, 0, n_states, slopes, trial)
+    carry_law(law, p, x0, x1, z, n_states, slopes, trial)
     for k in range(n_states):
         states[target + k, number] = z[k]
 
@@ -157,18 +182,22 @@ def carry_lanes(num, p, dx, dy, y, j, k, zx, zy):
     ex, ey = where(moves, ux / divisor, 1.0), uy / divisor
     a, b = wx * ex + wy * ey, wy * ex - wx * ey
     size = math.sqrt(wx * wx + wy * wy)
-    ahead = (b == 0.0) & (n == 1.0) & (a >= 0.0)
+    ahead, square = (b == 0.0) & (n == 1.0) & (a >= 0.0), (n == 2.0) & (a >= 0.0)
     steps = -math.floor(-length * max(n, 1.0) / (STEP * max(min(1.0, 2.0 * size), 1e-9)))
     left = where(moves & (a >= 0.0) & (steps <= MAX_STEPS), steps, 0.0)
     late = moves & ((a < 0.0) | (steps > MAX_STEPS))
-    not_done = where(ahead, 0.0, where(late, 1.0, 0.0))
-    left = where(ahead, 0.0, left)
+    not_done = where(ahead | square, 0.0, where(late, 1.0, 0.0))
+    left = where(ahead | square, 0.0, left)
     straight = a + (1.0 - a) * -math.expm1(-length)
     h = length / max(left, 1.0)
     while some(left > 0.0):
         one, other = step_ahead(a, b, n, h)
         a, b = where(left > 0.0, one, a), where(left > 0.0, other, b)
         left = left - 1.0
+    if some(square):  # tanh(s) = m / (2 - m) and 1 / cosh(s) = 2 exp(-s) / (2 - m)
+        m = -math.expm1(-2.0 * length)
+        below = 2.0 - m + m * a
+        a, b = where(square, (m + (2.0 - m) * a) / below, a), where(square, 2.0 * math.exp(-length) * b / below, b)
     a = where(ahead, straight, a)
     y[j] = where(moves, bx * (a * ex - b * ey), zx)
     y[k] = where(moves, by * (a * ey + b * ex), zy)

@@ -3,4 +3,4 @@
 from wirerope_mj.engine.statics.find import equilibrium
 from wirerope_mj.engine.statics.loading import Equilibrium, History, MountLoad
 from wirerope_mj.engine.statics.payloads import model_warnings
-from wirerope_mj.engine.statics.table import Sag, StaticTable, static_table
+from wirerope_mj.engine.statics.table import Sag, StaticTable, at_rest, static_table

@@ -129,7 +129,7 @@ def static_table(system: System) -> StaticTable:
     missing: dict[str, str] = {}
     for history in HISTORIES:
         try:
-            sags[history] = _sag(system, equilibrium(system, history=history))
+            sags[history] = at_rest(system, history)
         except ConvergenceError as error:
             missing[history] = str(error)
     if not sags:
@@ -137,7 +137,9 @@ def static_table(system: System) -> StaticTable:
     return StaticTable(sags=sags, missing=missing)
 
 
-def _sag(system: System, result: Equilibrium) -> Sag:
+def at_rest(system: System, history: History = "virgin") -> Sag:
+    """Return sag and load of every mount and payload after one history; ConvergenceError as `equilibrium` raises it."""
+    result = equilibrium(system, history=history)
     model = system.model.__copy__()
     unloaded, data = mujoco.MjData(model), mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, unloaded)

@@ -4,6 +4,7 @@ import math
 from abc import ABC
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
+from functools import cache
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -146,7 +147,7 @@ class Law(ABC):
 
     def kernel_parameters(self) -> Array:
         """Return the parameters in the order of the law's kernel, (n_p,), which for most laws is that of declaration."""
-        return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)
+        return np.array([getattr(self, name) for name in _names(type(self))], dtype=np.float64)
 
     @property
     def initial_stiffness(self) -> float:
@@ -318,6 +319,11 @@ class Law(ABC):
             raise ValueError(
                 f"`deflection` must be finite, got {path[~np.isfinite(path)][0]} in sample {np.argmin(np.isfinite(path))}."
             )
+
+
+@cache
+def _names(law: type[Law]) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(law))
 
 
 def is_law(value: object) -> bool:

@@ -247,8 +247,7 @@ class Board:
 
     def _scene(self) -> Message:
         loaded = self._loaded
-        scene, statics = scene_of(loaded.system), loaded.statics
-        sag = None if isinstance(statics, Absent) else statics.virgin
+        scene, sag = scene_of(loaded.system), loaded.sag
         points = {f"point/{name}": at for name, at in point_positions(loaded.system).items()}
         points |= {f"force/{point.name}": point.position for point in (loaded.layout.forces if loaded.layout else ())}
         return board_scene(scene, loaded.layout, points, self._used, sag)
@@ -256,15 +255,15 @@ class Board:
     def _preview(self, names: Sequence[str], by: Array) -> Message:
         """Return statics and modes of what is on its way, as use of the rated static loads."""
         moved = self._dragged(names, by)
-        sag = None if isinstance(moved.statics, Absent) else moved.statics.virgin
-        centre, stiffness = centres(scene_of(moved.system), moved.layout, sag)
+        mounts = {} if isinstance(moved.sag, Absent) else moved.sag.mounts
+        centre, stiffness = centres(scene_of(moved.system), moved.layout, moved.sag)
         # use of the rated static load alone, which is not that of the verdict: shown where it is too much
-        over = {name: row.utilisation for name, row in (sag.mounts if sag else {}).items() if (row.utilisation or 0.0) > 1.0}
+        over = {name: row.utilisation for name, row in mounts.items() if (row.utilisation or 0.0) > 1.0}
         return {
             "mounts": {f"mount/{name}": use(used) for name, used in over.items()},
             "centre": centre, "stiffness_centre": stiffness,
             "collides": sorted({f"mount/{name}" for pair in overlapping(moved.system) for name in pair}),
-            "html": {"statics": columns.statics_html(moved.statics, moved.modes)},
+            "html": {"statics": columns.statics_html(moved.sag, moved.frequencies)},
         }  # fmt: skip
 
     def _dragged(self, names: Sequence[str], by: Array) -> Loaded:
@@ -289,7 +288,7 @@ class Board:
             loaded = self._loaded
             html = {
                 "verdict": columns.failure_html(str(error)),
-                "statics": columns.statics_html(loaded.statics, loaded.modes),
+                "statics": columns.statics_html(loaded.sag, loaded.frequencies),
                 "compared": "",
             }
             yield True, {"html": html, "scene": self._scene(), "stale": False}
@@ -309,7 +308,7 @@ class Board:
                 pass  # these steps are too long for what stands there now
             else:
                 yield True, self._told(quick)
-        yield True, {"html": {"statics": columns.statics_html(loaded.statics, loaded.modes)}, "scene": self._scene()}
+        yield True, {"html": {"statics": columns.statics_html(loaded.sag, loaded.frequencies)}, "scene": self._scene()}
         if not exact:
             return
         runs = list[JudgedRun]()

@@ -1,4 +1,4 @@
-"""A model and its job as a board has loaded them: statics, modes, and judged load cases, with the sliders where they stand."""
+"""A model and its job as a board has loaded them: loads at rest, frequencies and judged load cases, with their sliders."""
 
 import warnings
 from collections.abc import Mapping
@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from wirerope_mj.content.judged_run import JudgedRun, judged_run, result_or_absent
-from wirerope_mj.dynamics.modes import Modes, modes
+from wirerope_mj.dynamics.modes import NaturalFrequencies, natural_frequencies
 from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.simulation import simulate
-from wirerope_mj.engine.statics import StaticTable, static_table
+from wirerope_mj.engine.statics import Sag, at_rest
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.runs.board.documents import Texts
@@ -45,12 +45,12 @@ class Loaded:
         return variant(self.job.system, self.job.cases[0].scenario.motion, self.values)[0]
 
     @cached_property
-    def statics(self) -> StaticTable | Absent:
-        return result_or_absent(lambda: static_table(self.system))
+    def sag(self) -> Sag | Absent:
+        return result_or_absent(lambda: at_rest(self.system))
 
     @cached_property
-    def modes(self) -> Modes | Absent:
-        return result_or_absent(lambda: modes(self.system))
+    def frequencies(self) -> NaturalFrequencies | Absent:
+        return result_or_absent(lambda: natural_frequencies(self.system))
 
 
 def judged_case(case: LoadCase, loaded: Loaded, timestep: float | None = None) -> JudgedRun:

@@ -1,7 +1,6 @@
 """Where things stand on a board while they are dragged, and which mounts would stand in each other."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 
 import numpy as np
 
@@ -19,11 +18,9 @@ def with_shifted(system: System, tables: Mapping[str, TableText], names: Sequenc
     At a mount stand the stop where it goes solid, and those of a row of stops for several mounts. ModelError: there is none.
     """
     held = {name.partition("/")[2] for name in names}
-    rows = tables["stops"].rows if "stops" in tables else {}
+    rows = {row for kind in ("mounts", "stops") if kind in tables for row in tables[kind].rows}
     at_mounts = tuple(f"_{name.partition('/')[2]}" for name in names if name.startswith("mount/"))
-    joined = {
-        name for name in system.mounts if name not in rows and name not in tables["mounts"].rows and name.endswith(at_mounts)
-    }
+    joined = {name for name in system.mounts if name not in rows and name.endswith(at_mounts)}
     return varied(system, positions=dict.fromkeys([*held, *sorted(joined)], by))
 
 
@@ -34,11 +31,12 @@ def overlapping(system: System) -> list[tuple[str, str]]:
         size = mount.isolator.geometry
         if not mount.isolator.is_stop and size is not None and size.height and size.width:
             boxes.append((name, mount.position, mount.axes, 0.5 * np.array([size.width, size.width, size.height])))
-    return [
-        (first[0], second[0]) for first, second in combinations(boxes, 2)
-        if np.linalg.norm(second[1] - first[1]) < np.linalg.norm(first[3]) + np.linalg.norm(second[3])
-        and _apart(first[1:], second[1:]) < -_TOUCH
-    ]  # fmt: skip
+    if not boxes:
+        return []
+    centres, reach = np.array([box[1] for box in boxes]), np.linalg.norm([box[3] for box in boxes], axis=1)
+    near = np.linalg.norm(centres[:, None] - centres, axis=2) < reach[:, None] + reach
+    pairs = [(boxes[i], boxes[j]) for i, j in np.argwhere(np.triu(near, 1))]
+    return [(one[0], other[0]) for one, other in pairs if _apart(one[1:], other[1:]) < -_TOUCH]
 
 
 def _apart(first: tuple[Array, Array, Array], second: tuple[Array, Array, Array]) -> float:

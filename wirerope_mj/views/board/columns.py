@@ -15,8 +15,8 @@ from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.modes import TIPS
 from wirerope_mj.content.numbers import several
 from wirerope_mj.content.verdicts import headline, used_mark
-from wirerope_mj.dynamics.modes import Modes
-from wirerope_mj.engine.statics import StaticTable
+from wirerope_mj.dynamics.modes import NaturalFrequencies
+from wirerope_mj.engine.statics import Sag
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Column, Table, left
 from wirerope_mj.motions import Measured
@@ -109,21 +109,20 @@ def page_html(title: str) -> str:
     return _environment().get_template("board.html").render(title=title)
 
 
-def statics_html(statics: StaticTable | Absent, known: Modes | Absent) -> str:
+def statics_html(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> str:
     """Write loads at rest of every mount, and the natural frequencies."""
-    return blocks_html(_at_rest(statics, known))
+    return blocks_html(_at_rest(sag, known))
 
 
-def _at_rest(statics: StaticTable | Absent, known: Modes | Absent) -> Iterator[Block | None]:
-    if isinstance(statics, Absent) or statics.virgin is None:
-        reason = statics.reason if isinstance(statics, Absent) else statics.missing.get("virgin", "")
-        yield Statement("statics", f"At rest: {reason}", tone="exceeded")
+def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> Iterator[Block | None]:
+    if isinstance(sag, Absent):
+        yield Statement("statics", f"At rest: {sag.reason}", tone="exceeded")
     else:
         rows = [
             (name, -float(mount.deflection[2]) + 0.0, mount.carries, used_mark(mount.utilisation))
-            for name, mount in statics.virgin.listed.items()
+            for name, mount in sag.listed.items()
         ]
-        used = [mount.utilisation for mount in statics.virgin.mounts.values() if mount.utilisation is not None]
+        used = [mount.utilisation for mount in sag.mounts.values() if mount.utilisation is not None]
         figures = (("down", "mm", "z.1f"), ("carries", "kN", "z.3f"), ("of rated", "%", "z.0f"))
         columns = [*left("mount"), *(Column(*figure) for figure in figures)]
         title = "At rest" + (f": up to {100.0 * max(used):.0f} % of the rated static load" if used else "")

@@ -12,13 +12,14 @@ from wirerope_mj.engine.response.scene import Scene, SceneMount
 from wirerope_mj.engine.statics.table import Sag
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import rotation_matrices
+from wirerope_mj.foundation.errors import Absent
 
 _LEAST = 4.0  # side of a box that is drawn where a mass has none [mm]
 _DECK = "deck_plate"
 
 
 def board_scene(
-    scene: Scene, layout: Layout | None, points: Mapping[str, Array], used: Mapping[str, float | None], sag: Sag | None
+    scene: Scene, layout: Layout | None, points: Mapping[str, Array], used: Mapping[str, float | None], sag: Sag | Absent
 ) -> Entries:
     """Compose the scene of a board; `used` are utilisations of mounts by name.
 
@@ -50,13 +51,13 @@ def use(used: float | None) -> Entries:
     return {"used": used if used is None else round(used, 4), "tone": tone}
 
 
-def centres(scene: Scene, layout: Layout | None, sag: Sag | None) -> tuple[list[float] | None, list[float] | None]:
+def centres(scene: Scene, layout: Layout | None, sag: Sag | Absent) -> tuple[list[float] | None, list[float] | None]:
     """Find the centres of mass and of the mounts' vertical stiffness at rest [mm], as far as they are known.
 
     The latter is the mean position of the mounts, weighted by what each carries over how far it has gone down: a payload whose
     centre of mass stands above it goes down without tilting.
     """
-    if sag is None or len(sag.payloads) != 1:
+    if isinstance(sag, Absent) or len(sag.payloads) != 1:
         return None if layout is None else _mm(layout.payload.centre), None
     centre, stiffnesses, positions = next(iter(sag.payloads.values())).centre, list[float](), list[Array]()
     for mount in scene.isolating:
