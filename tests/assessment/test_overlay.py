@@ -32,7 +32,7 @@ from wirerope_mj.views.recording import read_state, record_overlay, record_rerun
 from wirerope_mj.views.recording.animation import with_values
 from wirerope_mj.views.recording.drawn_runs import several_runs
 from wirerope_mj.views.recording.ghosts import ghost_factor
-from wirerope_mj.views.recording.viewer import viewer_binary
+from wirerope_mj.views.recording.program import viewer_binary
 
 pytestmark = pytest.mark.quick
 

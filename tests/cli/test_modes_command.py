@@ -13,7 +13,7 @@ from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.dynamics.modes.animation import PERIODS, ROWS, animated_modes
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.views.recording.frequencies import MODE, mode_text, record_modes
-from wirerope_mj.views.recording.viewer import viewer_binary
+from wirerope_mj.views.recording.program import viewer_binary
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ import pytest
 
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.views.board.server import BoardServer
-from wirerope_mj.views.recording.viewer import LOCAL
+from wirerope_mj.views.recording.program import LOCAL
 
 connect = pytest.importorskip("websockets.sync.client").connect
 

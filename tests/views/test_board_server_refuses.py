@@ -7,7 +7,7 @@ from contextlib import ExitStack, closing, suppress
 import pytest
 from test_board_server import PATIENCE, SCRIPT, Board, ask, frame, handshake, heard, served, until, window
 
-from wirerope_mj.views.recording.viewer import LOCAL
+from wirerope_mj.views.recording.program import LOCAL
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ from recordings import column, entities
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.views.recording import read_state, record_rerun
+from wirerope_mj.views.recording.program import viewer_binary
 from wirerope_mj.views.recording.shapes import frames_of, rotate
-from wirerope_mj.views.recording.viewer import viewer_binary
 
 pytestmark = pytest.mark.quick
 

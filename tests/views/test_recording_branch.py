@@ -14,7 +14,8 @@ from wirerope_mj.views.recording.animation import FREQUENCY, MOST_POINTS, ROWS, 
 from wirerope_mj.views.recording.frequencies import record_branches
 from wirerope_mj.views.recording.ghosts import enlarged, factor_of
 from wirerope_mj.views.recording.paths import POINT, TIMELINE
-from wirerope_mj.views.recording.viewer import openings_of, viewer_binary
+from wirerope_mj.views.recording.program import viewer_binary
+from wirerope_mj.views.recording.viewer import openings_of
 
 
 @pytest.fixture(scope="module")

@@ -29,8 +29,9 @@ from wirerope_mj.views.recording.drawn_runs import run_texts
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.panels import log_panel
 from wirerope_mj.views.recording.paths import POINT, known_letters
+from wirerope_mj.views.recording.program import free_port
 from wirerope_mj.views.recording.shapes import quaternion_of, rotate
-from wirerope_mj.views.recording.viewer import Opening, free_port, openings_of
+from wirerope_mj.views.recording.viewer import Opening, openings_of
 from wirerope_mj.views.share.server import address_of
 from wirerope_mj.views.thin import rows_of_extremes, rows_of_line, rows_of_steps
 

@@ -298,7 +298,7 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
 
 def _open(paths: Sequence[Path]) -> None:
     """Print how the worst variants are opened, and open the first where there is a screen."""
-    from wirerope_mj.views.recording.viewer import has_display
+    from wirerope_mj.views.recording.program import has_display
     from wirerope_mj.views.recording.viewer import show as open_viewer
 
     for path in paths:

@@ -5,12 +5,10 @@ from functools import cache
 
 from wirerope_mj.content.blocks import Chart
 from wirerope_mj.content.cyclic_tests import isolator_chart
-from wirerope_mj.content.part_selection import catalogue_selection_content
 from wirerope_mj.foundation.errors import ModelError, WireRopeError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.vendor_parts import VendorPart, load_isolator, vendor_parts
 from wirerope_mj.runs.board.loaded import Loaded
-from wirerope_mj.studies.catalogue import catalogue, select_parts
 from wirerope_mj.views.board.columns import PartRow, parts_html
 
 _SHOWN = 30  # parts that are listed at once
@@ -34,6 +32,9 @@ def tried_html(loaded: Loaded, pattern: str) -> str:
 
     ValueError if no name matches; ModelError if the model has no mounts.
     """
+    from wirerope_mj.content.part_selection import catalogue_selection_content  # with its studies, which a board may not need
+    from wirerope_mj.studies.catalogue import catalogue, select_parts
+
     cases = {case.name: case.scenario.motion for case in loaded.job.cases}
     selection = select_parts({"": loaded.job.system}, catalogue(pattern or "*"), cases)
     known = {part.name: part for part in vendor_parts()}

@@ -6,7 +6,6 @@ from pathlib import Path
 from wirerope_mj.runs.board.loaded import Loaded
 from wirerope_mj.runs.board.what_if import variant
 from wirerope_mj.runs.job import CASES, run_job
-from wirerope_mj.runs.report import write_content_of, write_films, write_report
 from wirerope_mj.runs.write import write_run
 
 JOB, RUN = "job.rrd", "run.rrd"  # recordings
@@ -22,6 +21,8 @@ def written(asked: str, loaded: Loaded, folder: Path, *, governing: str) -> Path
 
     The film is of the `governing` case. WireRopeError if it cannot be computed or written.
     """
+    from wirerope_mj.runs.report import write_content_of, write_films, write_report  # half a second, not before it is asked for
+
     if loaded.texts:
         run_job(loaded.job, folder, pdf=asked == "pdf", workers=1)
         run = next(folder / CASES / case.folder for case in loaded.job.cases if case.name == governing)

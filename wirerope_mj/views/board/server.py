@@ -27,7 +27,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.views.board.columns import page_html
 from wirerope_mj.views.board.windows import Served, Windows
-from wirerope_mj.views.recording.viewer import LOCAL, has_display
+from wirerope_mj.views.recording.program import LOCAL, has_display
 from wirerope_mj.views.report.page import block_styles
 from wirerope_mj.views.share import VIEWER, viewer_pages
 

@@ -89,7 +89,7 @@ class _Worker:
 class _Request:
     """An action that a window asked for."""
 
-    window: WebSocket
+    window: WebSocket | None  # None: the board itself
     action: Entries
     steps: Steps | None = None  # what it yields, once it has begun
     verdict: bool = False  # that a later one makes void
@@ -137,7 +137,11 @@ class Windows:
         self._waiting.put_nowait(_Request(window, action))
 
     async def conduct(self) -> None:
-        """Take the requests in order; those that have more to tell go on when no other waits, the newest first."""
+        """Take the requests in order; those that have more to tell go on when no other waits, the newest first.
+
+        The first asks for the verdict, which so is on its way while a browser starts.
+        """
+        self._begun.append(_Request(None, {"do": "judge"}))
         while True:
             if not self._begun or not self._waiting.empty():
                 self._begun.append(await self._waiting.get())
@@ -148,9 +152,9 @@ class Windows:
             except Exception as error:
                 self._begun.remove(request)
                 everyone, text = False, _failure(error)
-            for window in self._open.copy() if everyone else [request.window]:
+            for window in self._open.copy() if everyone else filter(None, [request.window]):
                 await _tell(window, text)
-            if first and (number := request.action.get("id")):
+            if request.window and first and (number := request.action.get("id")):
                 await _tell(request.window, _text({"done": number}))
 
     def _step(self, request: _Request) -> tuple[bool, str]:

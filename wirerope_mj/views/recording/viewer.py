@@ -1,18 +1,14 @@
 """Files of recordings: written atomically, found in a folder, and opened in the viewer."""
 
 import os
-import socket
 import subprocess
-import sys
 import threading
-import urllib.request
 import uuid
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
-from time import monotonic, sleep
+from time import monotonic
 from typing import Any, BinaryIO
 
 import rerun as rr
@@ -36,12 +32,12 @@ from wirerope_mj.views.recording.paths import (
     KnownLetters,
     Stream,
 )
+from wirerope_mj.views.recording.program import LOCAL, START, free_port, has_display, viewer_binary
 
 FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
 # In the folder of a study: its definition, its worst variants, and their recording
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
 _MAGIC = b"RRF"  # First bytes of every recording
-LOCAL = "127.0.0.1"  # the viewer's own default is every network
 
 
 def show(path_or_folder: str | Path) -> None:
@@ -101,7 +97,7 @@ def _move_cursors(port: int, openings: Sequence[Opening], ended: threading.Event
     """
     # a file that is opened by its name is given another application
     names = [opening.recording.rpartition(":")[2] for opening in openings]
-    until, left = monotonic() + _START, dict(zip(names, openings, strict=True))
+    until, left = monotonic() + START, dict(zip(names, openings, strict=True))
     while left and monotonic() < until and not ended.wait(0.1):
         with suppress(ConnectionError, TimeoutError, RuntimeError):  # it is not ready yet
             client = ViewerClient(f"rerun+http://{LOCAL}:{port}/proxy")
@@ -154,32 +150,6 @@ def find_recording(path_or_folder: str | Path) -> Path:
     return path
 
 
-def has_display() -> bool:
-    linux = sys.platform.startswith("linux")
-    return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-
-
-def viewer_binary() -> Path:
-    """Find the viewer that rerun-sdk brought along; the `rerun` on the path may be another version."""
-    package = find_spec("rerun_cli")
-    folder = Path(package.origin).parent if package and package.origin else Path()
-    for name in ("rerun", "rerun.exe"):
-        if (folder / name).is_file():
-            return folder / name
-    raise WireRopeError("the viewer of rerun-sdk is missing. Install it again: pip install --force-reinstall rerun-sdk")
-
-
-def free_port(preferred: int) -> int:
-    for port in (preferred, 0):
-        with socket.socket() as listener:
-            try:
-                listener.bind((LOCAL, port))
-            except OSError:
-                continue
-            return int(listener.getsockname()[1])
-    raise WireRopeError("no port of this machine is free for the viewer.")
-
-
 def join_recordings(recordings: Sequence[Path], target: Path) -> None:
     """Write recordings into one file, each unchanged.
 
@@ -193,38 +163,6 @@ def join_recordings(recordings: Sequence[Path], target: Path) -> None:
         if process.returncode != 0 or not temporary.stat().st_size:
             message = " ".join(message.split()[-40:])
             raise RecordError(f"{target}: the recordings could not be joined: {message}")
-
-
-FILES = ("re_viewer.js", "re_viewer_bg.wasm")
-# time within which a viewer must answer [s]: usually a second, on a busy machine half a minute
-_START = 60.0
-
-
-def viewer_files() -> dict[str, bytes]:
-    """Fetch the files of the web viewer by name: 43 MB, for which its server is asked once and then ended.
-
-    The page does not use that server itself: any page that is open in the browser could read its recordings.
-    WireRopeError if there is no viewer, or it does not hand them out.
-    """
-    server, page = free_port(0), free_port(0)  # not the usual ones, which another viewer may be about to take
-    command = [str(viewer_binary()), "--bind", "127.0.0.1", "--serve-web"]
-    command += ["--port", str(server), "--web-viewer-port", str(page)]
-    # With `CI` set the viewer sends no usage data.
-    streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # never by way of a proxy
-    files: dict[str, bytes] = {}
-    with process_beside(command, env={**os.environ, "CI": "1"}, **streams) as process:
-        end = monotonic() + _START
-        while len(files) < len(FILES):
-            name = FILES[len(files)]
-            try:
-                with opener.open(f"http://127.0.0.1:{page}/{name}", timeout=_START) as answer:
-                    files[name] = bytes(answer.read())
-            except OSError as error:
-                if process.poll() is not None or monotonic() > end:
-                    raise WireRopeError(f"the viewer of rerun-sdk does not hand out its page: {error}") from None
-                sleep(0.05)
-    return files
 
 
 _BLOCK = 2**20  # most bytes of a recording that are written at once

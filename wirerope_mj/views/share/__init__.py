@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from wirerope_mj.views.recording.viewer import viewer_files
+from wirerope_mj.views.recording.program import viewer_files
 
 VIEWER = "viewer"  # Folder of the viewer, beside the report
 _FOLDER = Path(__file__).parent

@@ -10,7 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from wirerope_mj.views.recording.paths import TIMELINE
-from wirerope_mj.views.recording.viewer import FILE, LOCAL, Opening, find_recording, free_port, openings_of
+from wirerope_mj.views.recording.program import LOCAL, free_port
+from wirerope_mj.views.recording.viewer import FILE, Opening, find_recording, openings_of
 from wirerope_mj.views.share import VIEWER, viewer_pages
 
 _USUAL = 9090  # port, if it is free
