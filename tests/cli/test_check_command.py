@@ -55,6 +55,36 @@ def test_what_is_only_implausible_exits_1_and_a_clean_file_0(here, capsys):
     assert said(capsys, "shock_table") == (0, ["0 refused, 0 implausible; checked: model 1"])
 
 
+def test_every_fault_of_a_job_is_said_and_of_the_files_that_it_names(here, capsys):
+    (here / "levels.toml").write_text('[[motion]]\nhalf-sine = "15 g 11 mm z"\n[[motion]]\nhalf-sine = "15 g"\n')
+    (here / "deck.csv").write_text("time [s], z [g]\n0, 0\n0.001, what\n")
+    (here / "job.toml").write_text(
+        'model = "absent.xml"\n[limits]\n"acceleration/rack" = "15 h"\n[[case]]\nname = "right"\nhalf-sine = "9 g 11 ms z"\n'
+        '[[case]]\nname = "files"\nlevels = "levels.toml"\nrecord = "deck.csv"\n[[case]]\nname = "said"\nhalf-sine = "9 z"\n'
+    )
+    code, lines = said(capsys, "job.toml")
+    assert code == 2
+    expected = ("15 h", "absent.xml", "[[case]] 2 'files': levels.toml, line 1", "levels.toml, line 3", "deck.csv, line 3",
+                "[[case]] 3 'said'")  # fmt: skip
+    assert len(lines) == len(expected) + 1
+    for line, text in zip(lines, expected, strict=False):
+        assert line.startswith("refused: job.toml")
+        assert text in line
+    assert main(["cases", "job.toml"]) == 2
+    assert capsys.readouterr().err.count("\n") == len(expected)  # the command itself says all of it, too
+
+
+def test_every_wrong_row_and_every_wrong_key_is_said(here, capsys):
+    text = (GENSET / "masses.csv").read_text().replace(", 600,", ", -600,", 1).replace(", 220,", ", some,", 1)
+    (here / "masses.csv").write_text(text)
+    (here / "job.toml").write_text('model = "cabinet"\n[simulate]\ndurration = 1.0\naccuracy = "fine"\n')
+    code, lines = said(capsys, "masses.csv", "job.toml")
+    assert code == 2
+    assert [line.partition(":")[2].split(":")[0] for line in lines[:-1]] == [
+        " masses.csv, line 3", " masses.csv, line 5", " job.toml, line 3", " job.toml, line 4",
+    ]  # fmt: skip
+
+
 def test_folder_of_tables_is_checked_as_a_model_beside_the_files_in_it(here, capsys):
     shutil.copytree(GENSET, here / "genset")
     assert said(capsys, "genset") == (0, ["0 refused, 0 implausible; checked: folder of tables 1"])

@@ -167,6 +167,7 @@ def test_what_is_wrong_with_a_robot_is_one_message(tmp_path, text, said):
 
 
 def test_a_robot_has_no_other_sign_of_products(tmp_path, capsys):
-    robot, mounts = written(tmp_path, ROBOT, "r.urdf"), written(tmp_path, "", "mounts.csv")
+    mounts = written(tmp_path, "name, x [mm], y [mm], z [mm], isolator\nm1, 0, 0, 0, enidine_wr16_400\n", "mounts.csv")
+    robot = written(tmp_path, ROBOT, "r.urdf")
     message = refused(capsys, "new", tmp_path / "m", "--mounts", mounts, "--masses", robot, "--products", "positive")
     assert "leave --products positive out" in message

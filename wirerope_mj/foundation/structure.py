@@ -23,6 +23,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.faults import each
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.toml_file import line_of
 from wirerope_mj.foundation.units import in_si
@@ -127,19 +128,24 @@ def structure(kind: type[T], table: object, place: Place, readers: Readers | Non
     dataclass_: Any = kind
     known, needed = keys_of(dataclass_), needed_keys(dataclass_)
     values: Entries = {}
-    for key, entry in table.items():
-        if key not in known:
+    unknown = [key for key in table if key not in known]
+
+    def read(key: str) -> None:
+        if key in unknown:
             near = get_close_matches(key, known, n=1)
             meant = f" Did you mean `{near[0]}`?" if near else ""
-            raise place.fault(f"`{short(key)}` is unknown; known: {', '.join(known)}.{meant}")
+            others = f"; known: {', '.join(known)}." if key is unknown[0] else ", too."  # which are many
+            raise place.fault(f"`{short(key)}` is unknown{others}{meant}")
         field = known[key]
-        value = _structured(field.hint, entry, place, key, readers or {})
+        value = _structured(field.hint, table[key], place, key, readers or {})
         if field.among:
             values.setdefault(field.field, {})[key] = value
         elif field.field in values:
             raise place.fault(f"`{field.field}` is stated twice, as `{key}`, too.")
         else:
             values[field.field] = _in_si(value, field.factor)
+
+    each(read, table)
     for name, keys in needed.items():
         if name not in values:
             said = " or ".join(f"`{key}`" for key in keys)
@@ -354,7 +360,7 @@ def _structured(hint: Any, value: Any, place: Place, key: Any, readers: Readers)
     if values and isinstance(value, dict):
         return {name: _structured(values[0], entry, place.at(key), name, readers) for name, entry in value.items()}
     if how is tuple and isinstance(value, list) and all(isinstance(entry, dict) for entry in value):
-        return tuple(_structured(inner, entry, place.at(key), number, readers) for number, entry in enumerate(value))
+        return tuple(each(lambda one: _structured(inner, one[1], place.at(key), one[0], readers), enumerate(value)))
     if hint is Any:
         return value
     try:

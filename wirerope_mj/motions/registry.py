@@ -17,6 +17,7 @@ from typing import Annotated
 from wirerope_mj.foundation.arguments import nonzero
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, ModelWarning
+from wirerope_mj.foundation.faults import each
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.quantities import Phrase, parse_phrase
 from wirerope_mj.foundation.regular_files import file_inside
@@ -253,12 +254,15 @@ def motion_of_levels(path: Path) -> BaseMotion:
     """
     place = Place(path)
     levels = structure(Levels, read_toml(path, "file of levels"), place)
-    motions: list[BaseMotion] = []
-    for number, level in enumerate(levels.motions):
+
+    def motion_of(number: int) -> BaseMotion:
+        level = levels.motions[number]
         ((kind, phrase),) = level.phrase.items()
         try:
             motion = motion_from_phrase(kind, phrase, folder=path.parent)
-            motions.append(motion if level.factor is None else Scaled(motion, nonzero("factor", level.factor)))
+            return motion if level.factor is None else Scaled(motion, nonzero("factor", level.factor))
         except ValueError as error:
             raise place.at("motion", number).fault(str(error)) from None
+
+    motions = each(motion_of, range(len(levels.motions)))
     return sum(motions[1:], start=motions[0])

@@ -29,6 +29,7 @@ from wirerope_mj.foundation.errors import (
     WireRopeError,
     error_text,
 )
+from wirerope_mj.foundation.faults import texts_of
 from wirerope_mj.foundation.resources import model_file
 from wirerope_mj.foundation.structure import Place
 from wirerope_mj.foundation.table_files import read_header
@@ -131,7 +132,7 @@ def _checked(path: Path, kind: str = "") -> CheckedFile:
             texts = _READERS[kind](file)
             said += [(text, False) for text in texts] if isinstance(texts, Iterator) else []
         except (WireRopeError, ValueError, OSError) as error:
-            said += [(text, True) for text in (error_text(error), *getattr(error, "__notes__", ()))]
+            said += [(text, True) for text in (error_text(error), *texts_of(error)[1:])]
     said += [(str(one.message), False) for one in caught if issubclass(one.category, _OURS)]
     findings = tuple(dict.fromkeys(_finding(path, text, refused) for text, refused in said))
     return CheckedFile(path=path, kind=kind, findings=findings)

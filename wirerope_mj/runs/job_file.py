@@ -10,12 +10,13 @@ from wirerope_mj.content.blocks import Document
 from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.from_tables.layout import NAME, Layout
-from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
+from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
 from wirerope_mj.engine.simulation.simulate import check_arguments, check_direction, duration_of
 from wirerope_mj.engine.system import System, load_system, with_rotation
 from wirerope_mj.engine.system.on_deck import deck_text
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
+from wirerope_mj.foundation.faults import Faults, each, reworded
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.regular_files import regular
@@ -172,42 +173,57 @@ def load_job(path: str | Path) -> Job:
     path = Path(path)
     content = structure(JobFile, read_toml(path, KIND), Place(path))
     limits: list[PayloadLimit] = []
-    for key, value in content.limits.items():
-        try:
-            limits.append(limit_from_text(f"{key} = {value}"))
-        except ValueError as error:
-            raise Place(path, ("limits",)).fault(f'{error} Here it is "acceleration/rack" = "15 g".') from None
-    document = content.document and _with_files(content.document, Place(path, ("document",)))
-    system, layout = _model_of(content, path)
+    system: System | None = None
+    said: dict[str, tuple[Case, Entries]] = {}  # cases with what their scenarios say, by the names of their folders
+    with Faults() as faults:  # each of these is checked, whatever is wrong with another
+        with faults.apart():
+            limits += each(lambda stated: _limit(path, *stated), content.limits.items())
+        with faults.apart():
+            document = content.document and _with_files(content.document, Place(path, ("document",)))
+        with faults.apart():
+            system, layout = _model_of(content, path)
+        with faults.apart():
+            try:
+                judged = system and judged_by(system, combined_travel=content.combined_travel, limits=limits)
+            except WireRopeError as error:
+                raise type(error)(f"{path}: {error}") from None
+        for place, folder, case in _cases(path, content):
+            with faults.apart():
+                slug = re.sub(r"\W+", "-", case.name).strip("-").lower()
+                if not slug:
+                    raise place.fault('`name` is missing: it names the case and its folder, name = "vertical shock".')
+                if slug in said:
+                    raise place.fault(f"{quoted(case.name)} is given twice; names of cases must differ by a letter or a digit.")
+                every = {name: getattr(content.simulate, name) for name in _SIMULATE if getattr(case, name) is None}
+                said[slug] = case, {}  # also of a case that is wrong the name is taken
+                said[slug] = case, _scenario(place, replace(case, **every), folder, system)
+        if not (said or faults.errors):
+            raise ModelError(
+                f'{path}: there is no load case; one is [[case]] with a name and a motion, such as half-sine = "15 g 11 ms z", '
+                "or comes from a `sheet` or from [records]."
+            )
+    assert system is not None
+    assert judged is not None
     stated = content.temperature is None and content.deck is None and layout is None  # by files that the model names
-    source, devices = (system.path or system.mjcf), None if stated else system.isolators
-    try:
-        system = judged_by(system, combined_travel=content.combined_travel, limits=limits)
-    except WireRopeError as error:
-        raise type(error)(f"{path}: {error}") from None
-    cases: list[LoadCase] = []
-    for place, folder, case in _cases(path, content):
-        slug = re.sub(r"\W+", "-", case.name).strip("-").lower()
-        if not slug:
-            raise place.fault('`name` is missing: it names the case and its folder, name = "vertical shock".')
-        if any(earlier.folder == slug for earlier in cases):
-            raise place.fault(f"{quoted(case.name)} is given twice; names of cases must differ by a letter or a digit.")
-        every = {name: getattr(content.simulate, name) for name in _SIMULATE if getattr(case, name) is None}
-        scenario = Scenario(
-            question=content.question, model=source, name=case.name, limits=limits, combined_travel=content.combined_travel,
-            isolators=devices,
-            **_scenario(place, replace(case, **every), folder, system),
-        )  # fmt: skip
-        cases.append(LoadCase(name=case.name, folder=slug, note=case.note, scenario=scenario))
-    if not cases:
-        raise ModelError(
-            f'{path}: there is no load case; one is [[case]] with a name and a motion, such as half-sine = "15 g 11 ms z", or '
-            "comes from a `sheet` or from [records]."
-        )
+    shared: Entries = {
+        "question": content.question, "model": system.path or system.mjcf, "limits": limits,
+        "combined_travel": content.combined_travel, "isolators": None if stated else system.isolators,
+    }  # fmt: skip
+    cases = tuple(
+        LoadCase(name=case.name, folder=slug, note=case.note, scenario=Scenario(name=case.name, **shared, **entries))
+        for slug, (case, entries) in said.items()
+    )
     return Job(
-        name=content.name or path.stem, question=content.question, cases=tuple(cases), report=_texts(content.report),
-        document=document, path=path, system=system, layout=layout,
+        name=content.name or path.stem, question=content.question, cases=cases, report=_texts(content.report),
+        document=document, path=path, system=judged, layout=layout,
     )  # fmt: skip
+
+
+def _limit(path: Path, key: str, value: str) -> PayloadLimit:
+    try:
+        return limit_from_text(f"{key} = {value}")
+    except ValueError as error:
+        raise Place(path, ("limits",)).fault(f'{error} Here it is "acceleration/rack" = "15 g".') from None
 
 
 def _model_of(content: JobFile, path: Path) -> tuple[System, Layout | None]:
@@ -232,7 +248,8 @@ def _model_of(content: JobFile, path: Path) -> tuple[System, Layout | None]:
                 raise ModelError(f"`deck`: {error}") from None
             system = load_system(deck_text(system, deck), isolators=system.isolators)
     except WireRopeError as error:
-        raise error if str(error).startswith(str(path)) else type(error)(f"{path}: {error}") from None
+        kind = type(error)
+        raise error if str(error).startswith(str(path)) else reworded(error, lambda text: kind(f"{path}: {text}")) from None
     return system, layout
 
 
@@ -242,11 +259,8 @@ def _cases(path: Path, content: JobFile) -> Iterator[tuple[Place, Path, Case]]:
         yield Place(path, ("case", number)), path.parent, case
     if content.sheet is not None:
         sheet = path.parent / content.sheet
-        for row in read_sheet(sheet, kind="sheet of load cases", needed={"name": TEXT}, further=_IN_SHEETS):
-            stated = {name: kind for name, kind in _IN_SHEETS.items() if row.has(name)}
-            cells = {name: row.text(name) if kind == TEXT else row.number(name) for name, kind in stated.items()}
-            place = Place(row.location)
-            yield place, sheet.parent, structure(Case, {"name": row.text("name")} | cells, place)
+        rows = read_sheet(sheet, kind="sheet of load cases", needed={"name": TEXT}, further=_IN_SHEETS)
+        yield from ((Place(row.location), sheet.parent, case) for row, case in zip(rows, each(_case_of, rows), strict=True))
     if content.records is not None:
         place, pattern = Place(path, ("records",)), content.records.files
         if not pattern or Path(pattern).is_absolute():
@@ -260,8 +274,15 @@ def _cases(path: Path, content: JobFile) -> Iterator[tuple[Place, Path, Case]]:
             yield place, path.parent, Case(name=file.stem, record=str(file.relative_to(path.parent)), **shared)
 
 
-def _scenario(place: Place, case: Case, folder: Path, system: System) -> Entries:
-    """Return motion, simulation and options of a case's scenario."""
+def _case_of(row: Row) -> Case:
+    """Read the case in a row of a sheet."""
+    stated = {name: kind for name, kind in _IN_SHEETS.items() if row.has(name)}
+    cells = {name: row.text(name) if kind == TEXT else row.number(name) for name, kind in stated.items()}
+    return structure(Case, {"name": row.text("name")} | cells, Place(row.location))
+
+
+def _scenario(place: Place, case: Case, folder: Path, system: System | None) -> Entries:
+    """Return motion, simulation and options of a case's scenario; without a system that is checked alone which needs none."""
     phrases = [
         (kind, phrase)
         for kind in SPOKEN_MOTIONS for text in _texts(case.phrases.get(kind, ())) for phrase in listed_phrases(text)
@@ -282,17 +303,19 @@ def _scenario(place: Place, case: Case, folder: Path, system: System) -> Entries
         raise where.fault(f"{quoted(case.name)}: `{next(iter(played))}` belongs to a `record`.")
     channels = _texts(case.channels) if case.channels is not None else None
     try:
-        phrases = with_dwells_found(phrases, system, folder=folder)
+        phrases = with_dwells_found(phrases, system, folder=folder) if system is not None else phrases
         motion = said_motion(
             phrases, levels=levels, record=record, channels=channels, direction=case.direction, played=played,
             duration=case.duration, folder=folder,
         )  # fmt: skip
-        duration = duration_of(motion, case.duration, system)
-        check_direction(with_rotation(system) if motion.rotates else system, motion)
+        duration = case.duration
+        if system is not None:
+            duration = duration_of(motion, case.duration, system)
+            check_direction(with_rotation(system) if motion.rotates else system, motion)
         check_arguments(accuracy=case.accuracy, timestep=case.timestep, sample_rate=case.sample_rate)
     except (WireRopeError, ValueError) as error:
-        kind = type(error) if isinstance(error, WireRopeError) else ModelError
-        raise replace(place, error=kind).fault(f"{quoted(case.name)}: {error}") from None
+        where = replace(place, error=type(error) if isinstance(error, WireRopeError) else ModelError)
+        raise reworded(error, lambda text: where.fault(f"{quoted(case.name)}: {text}")) from None
     stated |= {kind: tuple(text for other_kind, text in phrases if other_kind == kind) for kind, _ in phrases}
     lists = (*SPOKEN_MOTIONS, "levels", "channels")
     options = {name: "; ".join(_texts(value)) if name in lists else value for name, value in stated.items()}

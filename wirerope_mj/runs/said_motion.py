@@ -11,6 +11,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import ROTATIONS, direction_in
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.faults import Faults, each
 from wirerope_mj.foundation.quantities import parse_phrase
 from wirerope_mj.motions import BaseMotion, load_record
 from wirerope_mj.motions.phrases import file_first
@@ -44,10 +45,22 @@ def said_motion(
     ValueError if nothing is said, a phrase is not understood, or the record would not move the base; ModelError or
     RecordError if a file cannot be read, or does not hold what it must.
     """
-    motions = [motion_from_phrase(kind, phrase, folder=folder) for kind, phrase in phrases]
-    motions += [motion_of_levels(file) for file in levels]
+    motions: list[BaseMotion] = []
+    with Faults() as faults:
+        with faults.apart():
+            motions += each(lambda said: motion_from_phrase(*said, folder=folder), phrases)
+        with faults.apart():
+            motions += each(motion_of_levels, levels)
+        motions += _played(record, channels, direction, played or {}, duration)
+    return sum(motions[1:], start=motions[0])
+
+
+def _played(
+    record: Path | None, channels: Sequence[str] | None, direction: str | None, played: Entries, duration: float | None
+) -> list[BaseMotion]:
+    """Return the motion of a record as `said_motion` takes it, if there is one."""
     if record is not None:
-        record_motion = load_record(record, channels=_channels(record, channels, direction, played or {}), **(played or {}))
+        record_motion = load_record(record, channels=_channels(record, channels, direction, played), **played)
         if not (record_motion.samples.any() or record_motion.rotates):
             zero = "all of its samples are zero" if record_motion.baseline == "none" else "nothing but zeros is left of it"
             text = f"{zero}, so that the base would not move. Is it the right file, and the right channel?"
@@ -62,10 +75,10 @@ def said_motion(
                 f"`duration` {duration:g} ends the simulation before the record begins, at {record_motion.start:g} s (`start`)."
             )
             raise ValueError(text)
-        motions.append(record_motion)
-    elif channels is not None or direction is not None:
+        return [record_motion]
+    if channels is not None or direction is not None:
         raise ValueError("`direction` and `channels` belong to a `record`; other motions say their direction.")
-    return sum(motions[1:], start=motions[0])
+    return []
 
 
 def _channels(record: Path, channels: Sequence[str] | None, direction: str | None, played: Entries) -> Entries | None:

@@ -32,6 +32,7 @@ from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
 from wirerope_mj.engine.from_tables.urdf import read_urdf
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError, RecordWarning
+from wirerope_mj.foundation.faults import Faults, each
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.mounts.isolator import AXES, Bracket
 from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
@@ -114,16 +115,22 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
         raise ValueError(
             f'names of a model and its payload must be letters, digits, "_" and "-", and not "deck"; got {short(name)!r}.'
         )
-    heavy = read_masses(tables["masses"], products=products)
     isolators: dict[str, Path | VendorPart] = {}
-    placed = _read_mounts(tables["mounts"], isolators)
-    stopped = _read_stops(tables["stops"], isolators, placed) if "stops" in tables else ()
+    heavy: tuple[Mass, ...] = ()
+    with Faults() as faults:
+        with faults.apart():
+            heavy = read_masses(tables["masses"], products=products)
+        with faults.apart():
+            points, forces = _read_points(tables, "points"), _read_points(tables, "forces")
+            envelope = _read_envelope(tables)
+        placed = _read_mounts(tables["mounts"], isolators)
+        stopped = _read_stops(tables["stops"], isolators, placed) if "stops" in tables else ()
     for stop in stopped:
         if stop.name in {mount.name for mount in placed}:
             raise RecordError(f'{stop.location}: a mount is called "{stop.name}" too. Give the stop another name.')
     layout = Layout(
-        name=name, masses=heavy, mounts=placed, stops=stopped, points=_read_points(tables, "points"),
-        forces=_read_points(tables, "forces"), envelope=_read_envelope(tables), isolators=isolators,
+        name=name, masses=heavy, mounts=placed, stops=stopped, points=points,
+        forces=forces, envelope=envelope, isolators=isolators,
     )  # fmt: skip
     check_places(layout, tables["masses"])
     return layout
@@ -144,8 +151,8 @@ def read_table(kind: str, path: Path) -> object:
 def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
     needed, further = COLUMNS["mounts"]
     rows = read_sheet(path, kind="table of mounts", needed=needed, further=further)
-    mounts: list[Placed] = []
-    for row in rows:
+
+    def mount_of(row: Row) -> Placed:
         name = site_name(row)
         isolator = _isolator(row, path, isolators)
         stiff = {axis: row.number(column) for column, axis in _BRACKETS.items() if row.has(column)}
@@ -155,8 +162,9 @@ def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[P
                 replace(load_isolator(isolators[isolator]), bracket=bracket)
         except (ModelError, ValueError) as error:
             raise row.error(f'column "bracket_{next(iter(stiff))}": {error}') from None
-        mounts.append(Placed(name, position_of(row), axes_of(row), isolator, row.location, bracket=bracket))
-    return tuple(mounts)
+        return Placed(name, position_of(row), axes_of(row), isolator, row.location, bracket=bracket)
+
+    return tuple(each(mount_of, rows))
 
 
 def _read_stops(path: Path, isolators: dict[str, Path | VendorPart], mounts: Sequence[Placed]) -> tuple[Placed, ...]:
@@ -292,7 +300,7 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
             path, kind="table of masses", needed=needed, further={**further, "quantity": PURE}, called=columns_of_masses
         )
         sign = sign_of_products(rows, products)
-        masses = tuple(_mass(row, sign) for row in _without_totals(rows))
+        masses = tuple(each(lambda row: _mass(row, sign), _without_totals(rows)))
     last = masses[-1]  # where a total stands; another part may well weigh as much as the rest
     mass_of_others = sum(mass.properties.mass for mass in masses[:-1])
     if len(masses) > 2 and abs(last.properties.mass - mass_of_others) < _SAME * mass_of_others:

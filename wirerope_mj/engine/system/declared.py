@@ -14,6 +14,7 @@ import numpy as np
 
 from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.faults import each, reworded
 from wirerope_mj.foundation.payload_limits import BETWEEN, KINDS, ON_MOUNTS, PayloadLimit
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.mounts.isolator import Isolator
@@ -67,12 +68,10 @@ def declared_mounts(
 ) -> list[DeclaredMount]:
     """Return the mounts in the order of their tuples; isolators in memory precede files, files in `folder` others."""
     files = {text.name: text.data for text in spec.texts}
-    loaded: dict[str, Isolator] = {}
-    mounts: list[DeclaredMount] = []
-    for t in range(model.ntuple):
+    loaded: dict[str, Isolator | None] = {}  # None where it is refused, which is said once
+
+    def mount_of(t: int) -> DeclaredMount | None:
         tuple_name = model.tuple(t).name
-        if MOUNT not in tuple_name:
-            continue
         elements = slice(model.tuple_adr[t], model.tuple_adr[t] + model.tuple_size[t])
         kinds = [mujoco.mjtObj(kind) for kind in model.tuple_objtype[elements]]
         if kinds != [mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TEXT]:
@@ -85,15 +84,17 @@ def declared_mounts(
         key = text_name.split(ISOLATOR, 1)[-1]
         name = tuple_name.replace(MOUNT, "", 1)
         if text_name not in loaded:
+            loaded[text_name] = None
             try:
                 loaded[text_name] = isolators.get(key) or load_isolator(files[text_name], beside=folder or ".")
             except ModelError as error:
-                raise ModelError(f"mount {name!r}: {error}") from None
-        mounts.append(
-            DeclaredMount(
-                name=name, payload_site=payload_site, base_site=base_site, isolator_name=key, isolator=loaded[text_name]
-            )
-        )
+                raise reworded(error, lambda text: ModelError(f"mount {name!r}: {text}")) from None
+        if (isolator := loaded[text_name]) is None:
+            return None
+        return DeclaredMount(name=name, payload_site=payload_site, base_site=base_site, isolator_name=key, isolator=isolator)
+
+    found = each(mount_of, (t for t in range(model.ntuple) if MOUNT in model.tuple(t).name))
+    mounts = [mount for mount in found if mount is not None]
     if not mounts:
         raise ModelError(
             "the model has no mount. A mount is a <tuple> in <custom> whose name contains 'mount/', of a payload site, a "

@@ -27,6 +27,7 @@ from wirerope_mj.engine.system.declared import (
 from wirerope_mj.engine.system.named_files import check_regular
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError, why_unread
+from wirerope_mj.foundation.faults import reworded
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.regular_files import regular
@@ -180,7 +181,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
                 raise ModelError(f"`isolators[{name!r}]` must be an Isolator, got {quoted(isolator, 80)}.")
         return _system(text, path, isolators or {})
     except ModelError as error:
-        raise ModelError(f"{path}: {error}" if path else str(error)) from error
+        raise reworded(error, lambda text: ModelError(f"{path}: {text}" if path else text)) from error
 
 
 def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> System:

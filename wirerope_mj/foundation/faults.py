@@ -1,0 +1,65 @@
+"""Faults that do not depend on each other, said together: one error, with those of the others as its notes."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import TypeVar
+
+from wirerope_mj.foundation.errors import WireRopeError
+
+T = TypeVar("T")
+R = TypeVar("R")
+_MOST = 20  # faults of one file that are said: more have one cause, such as a wrong column
+
+
+class Faults:
+    """Collects the errors of parts that are read apart; at the end the first is raised, the others are its notes."""
+
+    def __init__(self) -> None:
+        self.errors: list[Exception] = []
+
+    @contextmanager
+    def apart(self) -> Iterator[None]:
+        """Go on behind an error in this block, which is raised at the end."""
+        try:
+            yield
+        except (WireRopeError, ValueError) as error:
+            self.errors.append(error)
+            if len(self.errors) >= _MOST:
+                raise
+
+    def __enter__(self) -> "Faults":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _trace: TracebackType | None) -> None:
+        """Raise the first error; of one that ends the whole block the others are told before it."""
+        if error is not None and not isinstance(error, WireRopeError | ValueError):
+            return
+        ended = [error] if isinstance(error, Exception) and error not in self.errors else []
+        texts = dict.fromkeys(text for one in (*self.errors, *ended) for text in texts_of(one))
+        if texts:
+            first = (*self.errors, *ended)[0]
+            first.__notes__ = [text for text in texts if text != str(first)]
+            raise first
+
+
+def each(read: Callable[[T], R], items: Iterable[T]) -> list[R]:
+    """Read items one by one, those behind a faulty one, too; its error is raised at the end, with the others as notes."""
+    results = []
+    with Faults() as faults:
+        for item in items:
+            with faults.apart():
+                results.append(read(item))
+    return results
+
+
+def reworded(error: Exception, word: Callable[[str], Exception]) -> Exception:
+    """Make another error of the text of one, and notes of those of its notes."""
+    first, *others = map(word, texts_of(error))
+    first.__notes__ = [str(other) for other in others]
+    return first
+
+
+def texts_of(error: Exception) -> tuple[str, ...]:
+    """Return what an error says, and what it says of others that were found with it."""
+    return (str(error), *getattr(error, "__notes__", ()))
