@@ -1,4 +1,4 @@
-"""Folders and files that the version of November 2026 wrote can be read, and computed again they give the same numbers."""
+"""Folders and files that versions 0.1 and 0.2 wrote can be read, and computed again they give the same numbers."""
 
 import re
 import shutil
@@ -12,15 +12,17 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.runs import replay
 
-OLD = Path(__file__).parents[1] / "data" / "november_2026"
+DATA = Path(__file__).parents[1] / "data"
+OLD = DATA / "november_2026"  # of 0.1; isolators as they shipped with 0.2 stand in `one_scale`, see `test_one_scale.py`
+NEWER = DATA / "version_0_2"
 
 
-@pytest.mark.parametrize("name", ["floor_shock", "cabinet_random", "deck_record"])
-def test_a_run_is_read_and_replayed(name):
-    result = replay(OLD / name)
+@pytest.mark.parametrize("folder", [OLD / "floor_shock", OLD / "cabinet_random", OLD / "deck_record", NEWER / "run"])
+def test_a_run_is_read_and_replayed(folder):
+    result = replay(folder)
     assert result.agrees  # bit for bit where it was written; another processor may round otherwise
     assert result.largest_difference <= 1e-9
-    old, new = wr.load_response(OLD / name), result.response
+    old, new = wr.load_response(folder), result.response
     assert np.array_equal(old.time, new.time)
     assert list(old.mounts) == list(new.mounts)
     assert old.peaks.mounts.keys() == new.peaks.mounts.keys()
@@ -33,14 +35,27 @@ def test_a_report_is_made_of_an_older_run(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_a_study_is_read_shown_and_computed_again(tmp_path):
-    old = wr.load_study(OLD / "study")
+@pytest.mark.parametrize(("folder", "variants"), [(OLD / "study", 16), (NEWER / "study", 8)], ids=["0.1", "0.2"])
+def test_a_study_is_read_shown_and_computed_again(folder, variants, tmp_path):
+    old = wr.load_study(folder)
     assert old.complete
-    assert old.variants == 16
+    assert old.variants == variants
     again = old.study.run(tmp_path / "again", workers=1)
     before, after = old.table, again.table
     for name in ("motion/level", "mount/m1/axial/alpha", "travel", "acceleration"):
         np.testing.assert_allclose(after[name], before[name], rtol=1e-12)  # last bits are the processor's
+
+
+def test_a_job_is_read():
+    job = wr.load_job(NEWER / "job.toml")
+    assert [case.name for case in job.cases] == ["half-sine vertical", "double pulse vertical"]
+    first, second = (case.scenario for case in job.cases)
+    assert first.simulate["initial"] == "relaxed"
+    assert first.simulate["duration"] == 1.0
+    assert first.motion == wr.HalfSine(peak=15.0 * wr.STANDARD_GRAVITY, duration=0.011, direction="z", start=0.05)
+    assert isinstance(second.motion, wr.DoubleHalfSine)
+    assert second.motion.peak == pytest.approx(36.0 * wr.STANDARD_GRAVITY)  # of a design spectrum's 60 g, as BV 043 has it
+    assert job.document.number == "NV-4711-02"
 
 
 def test_an_identification_gives_the_same_law(tmp_path):
