@@ -38,7 +38,7 @@ def test_faults_of_all_files_are_said_at_once_by_file_and_line(here, capsys):
         ["refused", " soft.toml, line 4"], ["refused", " absent.xml"],
     ]  # fmt: skip
     assert "cyclic test (table of deflection [mm] and force [N])" in lines[2]  # what kinds there are, and how one is told
-    assert lines[-1] == "5 refused, 0 implausible; checked: record 1, levels 1, unknown 2, isolator 1"
+    assert lines[-1] == "5 refused, 0 implausible; checked: record 1, levels 1, unknown 1, isolator 1, unreadable 1"
     found = json.loads((here / "found.json").read_text())
     assert (found["refused"], found["implausible"]) == (5, 0)
     assert found["findings"][3]["where"] == "line 4"

@@ -34,7 +34,7 @@ def check(*files: Path, json: Path | None = None) -> int:
     kinds: Counter[str] = Counter()
     findings: list[Finding] = []
     for checked in checked_files(files):
-        kinds[checked.kind or "unknown"] += 1
+        kinds[checked.kind or "unreadable"] += 1
         new = [finding for finding in checked.findings if finding not in findings]
         for one in new:
             word, style = ("refused", "red") if one.refused else ("implausible", "yellow")

@@ -12,8 +12,9 @@ from pathlib import Path
 
 from wirerope_mj.assessment.criteria import EXCEEDED, rest_travel_verdicts, rested_verdicts, static_load_verdicts
 from wirerope_mj.assessment.criteria.summary import pressed_lines, rested_lines
-from wirerope_mj.assessment.criteria.verdict import BOTTOMING, RESTED, against_limit, largest_each
+from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, TRAVEL, against_limit, by_use
 from wirerope_mj.assessment.durability.mission import read_mission
+from wirerope_mj.content.numbers import listed
 from wirerope_mj.engine.from_tables.layout import NAME
 from wirerope_mj.engine.from_tables.read import read_table
 from wirerope_mj.engine.simulation.run import missing_modes
@@ -34,6 +35,7 @@ from wirerope_mj.foundation.resources import model_file
 from wirerope_mj.foundation.structure import Place
 from wirerope_mj.foundation.table_files import read_header
 from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.foundation.units import ACCELERATION_UNITS
 from wirerope_mj.motions import BaseMotion, load_measured, load_record
 from wirerope_mj.motions.psd_lines import force_rows, psd_points, spectrum_points, table_lines
 from wirerope_mj.motions.records.measured import parse_channel, quantity_of
@@ -47,7 +49,7 @@ from wirerope_mj.mounts.test_rig.faults import checked_file
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 from wirerope_mj.mounts.vendor_parts.short_sheet import read_short_sheet
-from wirerope_mj.runs.file_kinds import KINDS, kind_of
+from wirerope_mj.runs.file_kinds import KINDS, has_unit, kind_of
 from wirerope_mj.runs.folder import warn_of_alterations
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.measured import read_map
@@ -58,6 +60,8 @@ from wirerope_mj.runs.study import load_study_file
 
 _OURS = (ModelWarning, RecordWarning, AccuracyWarning, StudyWarning)
 _LOCATION = re.compile(r"(.+?)(?:, ((?:sheet|lines?|row) [^:]+))?: (.+)", re.DOTALL)  # as messages begin
+UNKNOWN = "unknown"  # kind of a file whose kind cannot be told
+_READ = (".toml", ".xml", ".csv", ".xlsx")  # endings of files of a folder that are named if they cannot be read
 _KNOWN = "; ".join(f"{kind} ({sign})" for kind, sign in KINDS.items())
 
 Texts = Iterator[str]  # what is implausible, a sentence each; what is refused is raised
@@ -78,7 +82,7 @@ class Finding:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedFile:
-    """A file or folder that was checked: its kind, "" where it cannot be told, and what was found in it."""
+    """A file or folder that was checked: its kind, "" where it cannot be read at all, and what was found in it."""
 
     path: Path
     kind: str
@@ -107,14 +111,16 @@ def _in_folder(folder: Path) -> Iterator[CheckedFile]:
     if is_run(folder):
         yield _checked(folder, "run")
         return
-    tables = is_folder_of_tables(folder)
+    tables = is_folder_of_tables(folder) and any(folder.glob("masses.*"))
     if tables:
         yield _checked(folder, "folder of tables")
     for path in sorted(folder.glob("[!._]*")):
         if path.is_dir():
             yield from _in_folder(path)
-        elif not (tables and path.stem.lower() in TABLES) and (checked := _checked(path)).kind:
-            yield checked
+        elif not (tables and path.stem.lower() in TABLES):
+            checked = _checked(path)
+            if checked.kind not in ("", UNKNOWN) or (not checked.kind and path.suffix.lower() in _READ):
+                yield checked
 
 
 def _checked(path: Path, kind: str = "") -> CheckedFile:
@@ -126,8 +132,8 @@ def _checked(path: Path, kind: str = "") -> CheckedFile:
             file = path if path.exists() else model_file(path) or path
             if not file.exists():
                 raise ModelError(f"{path}: there is no such file, nor a model of that name that ships.")
-            kind = kind or kind_of(file) or ""
-            if not kind:
+            kind = kind or kind_of(file) or UNKNOWN
+            if kind == UNKNOWN:
                 raise ModelError(f"{path}: of what kind this file is cannot be told. There are {_KNOWN}.")
             texts = _READERS[kind](file)
             said += [(text, False) for text in texts] if isinstance(texts, Iterator) else []
@@ -165,8 +171,11 @@ def _of_system(system: System, motions: Iterable[BaseMotion] = ()) -> Texts:
     rest = rested_verdicts(table), rest_travel_verdicts(isolators, table, system.bottoms)
     verdicts = [row for row in (*static_load_verdicts(table), *rest[0], *rest[1]) if row.verdict == EXCEEDED]
     yield from (*rested_lines(verdicts), *pressed_lines(verdicts))
-    for row in largest_each(row for row in verdicts if row.criterion.kind not in (RESTED, BOTTOMING)):
-        yield f"mount {against_limit(row)}: take isolators that are rated for it, or more of them."
+    for kind in (STATIC_LOAD, TRAVEL):
+        used = by_use(row for row in verdicts if row.criterion.kind == kind)
+        for worst in list(used.values())[:1]:
+            more = f"; also beyond it: {listed(list(used)[1:])}" if used.keys() - {worst.subject} else ""
+            yield f"mount {against_limit(worst)}{more}. Take isolators that are rated for it, or more of them."
 
 
 def _tables(source: Path) -> Texts:
@@ -204,22 +213,25 @@ def _cyclic_test(path: Path) -> Texts:
     yield from checked_file(path).faults
 
 
-def _record(path: Path) -> None:
+def _record(path: Path) -> Texts:
     """Read a record as a base motion where its columns are called x, y or z, else each column as a measured response."""
     if is_uff(path):
         names = uff_channels(path)
-        played, subjects = len({name.partition(":")[0] for name in names}) == 1, dict.fromkeys(names, "point")
+        one_node = len({name.partition(":")[0] for name in names}) == 1 and not any("#" in name for name in names)
+        played, subjects = one_node, dict.fromkeys(names, "point")
     else:
         header = read_header(path, kind="record", example='"time [s], z [g]"')
         known = {name: unit or "" for name, unit in zip(header.names, header.units, strict=True)}
         subjects = {name: "point" for name, unit in known.items() if quantity_of(unit, mount=False)}
         subjects |= {name: "mount" for name, unit in known.items() if quantity_of(unit, mount=True) == "force"}
-        played = moves_a_base(header)
-    if played or not subjects:
+        played = moves_a_base(header) and has_unit(header, ACCELERATION_UNITS)
+    if played:
         load_record(path)
-        return
-    axes = {"point": "z", "mount": "axial"}
-    load_measured(path, channels={name: f"{of}/{n} {axes[of]}" for n, (name, of) in enumerate(subjects.items())})
+    elif subjects:
+        axes = {"point": "z", "mount": "axial"}
+        load_measured(path, channels={name: f"{of}/{n} {axes[of]}" for n, (name, of) in enumerate(subjects.items())})
+    else:
+        yield "no column states a unit, so that its values were not checked: write it behind the name, as in z [g]."
 
 
 def _map(path: Path) -> None:

@@ -77,6 +77,8 @@ def _kind_of_toml(content: Entries) -> str | None:
 
 def _kind_of_table(header: Header) -> str | None:
     names = {name.lower() for name in header.names}
+    if {"part", "loops"} <= names:  # a vendor's table, which the package itself reads
+        return None
     stem = (header.sheet or header.path.stem).lower()
     if stem in TABLES and (names & {"name", "x"} or stem == "masses"):
         return stem
@@ -88,21 +90,21 @@ def _kind_of_table(header: Header) -> str | None:
         return "masses"
     if {"name", "x", "y", "z"} <= names:
         return "points"
-    if _has(header, PSD_UNITS) or names >= {"from", "to", "slope"}:
+    if has_unit(header, PSD_UNITS) or names >= {"from", "to", "slope"}:
         return "density"
-    if _has(header, FREQUENCY_UNITS):
-        return "spectrum" if _has(header, ACCELERATION_UNITS) and "from" not in names else "amplitudes"
-    if names & {"upper", "lower"} and _has(header, FORCE_UNITS):
+    if has_unit(header, FREQUENCY_UNITS):
+        return "spectrum" if has_unit(header, ACCELERATION_UNITS) and "from" not in names else "amplitudes"
+    if names & {"upper", "lower"} and has_unit(header, FORCE_UNITS):
         return "curve"
     if names & {*FORCE_COLUMNS} and names & {"time"}:
         return "forces over time"
-    if _has(header, LENGTH_UNITS) and _has(header, FORCE_UNITS) and not _has(header, ACCELERATION_UNITS):
+    if has_unit(header, LENGTH_UNITS) and has_unit(header, FORCE_UNITS) and not has_unit(header, ACCELERATION_UNITS):
         return "cyclic test"
-    timed = _has(header, TIME_UNITS) or any(TIME_COLUMN.fullmatch(name) for name in header.names)
+    timed = has_unit(header, TIME_UNITS) or any(TIME_COLUMN.fullmatch(name) for name in header.names)
     return "record" if timed else None
 
 
-def _has(header: Header, units: Mapping[str, float]) -> bool:
+def has_unit(header: Header, units: Mapping[str, float]) -> bool:
     """Tell whether a column has one of some units."""
     return any(
         find_unit(unit or "", units) or underscored_unit(name, units)[1]

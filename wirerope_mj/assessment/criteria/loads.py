@@ -30,7 +30,7 @@ from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.payload_limits import ON_STOPS, PayloadLimit
-from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text, force_text, instant_text
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text, force_text, instant_text, significant
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
@@ -88,7 +88,7 @@ def rested_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
             when = {"virgin": "on the first loading", "relaxed": "after long vibration"}[history]
             note = (
                 f"isolation is short-circuited at rest, {when}: {some} {'carries' if len(names) == 1 else 'carry'} "
-                f"{100.0 * share:.2g} % of the weight"
+                f"{significant(100.0 * share, 2)} % of the weight"
             )
             criterion = Criterion(RESTED, sense=history)
             verdicts.append(Verdict(criterion=criterion, subject=names[0], value=share, limit=AT_STOPS, unit="", note=note))

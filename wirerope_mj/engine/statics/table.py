@@ -30,7 +30,9 @@ class MountSag:
     split: float
     compression: float  # axial load [N]; 0 in tension
     static_load: float | None  # rated load in compression [N]; None = not judged
-    on_stops: float = 0.0  # what bump stops in it push the payload up with [N], < 0 where they push it down
+    # what bump stops in it push the payload up with [N], < 0 where they push it down; 0 for what stands on stops alone, as the
+    # struck table of a shock machine does
+    on_stops: float = 0.0
     stop: bool = False  # whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`
 
     @property
@@ -158,6 +160,9 @@ def at_rest(system: System, history: History = "virgin") -> Sag:
         )  # fmt: skip
     carried = {body for payload in payloads for body in payload.bodies}
     weight = gravity * sum(payload.mass for payload in payloads)
+    bodies = {name: model.body(mount.payload_body).id for name, mount in system.mounts.items()}
+    feet = {bodies[name] for name, mount in system.mounts.items() if not mount.isolator.is_stop}
+    isolated = {body for payload in payloads if feet & {*payload.bodies} for body in payload.bodies}
     mounts, on_mounts = {}, 0.0
     for name, mount in system.mounts.items():
         load = result.mounts[name]
@@ -166,7 +171,8 @@ def at_rest(system: System, history: History = "virgin") -> Sag:
         mounts[name] = MountSag(
             deflection=load.deflection, force=load.force, carries=lift, split=lift / weight if weight else np.nan,
             compression=max(-float(load.force[2]), 0.0), static_load=mount.isolator.limits.static_load,
-            on_stops=float(upwards @ _on_stops(mount.isolator, load)), stop=mount.isolator.is_stop,
+            on_stops=float(upwards @ _on_stops(mount.isolator, load)) if bodies[name] in isolated else 0.0,
+            stop=mount.isolator.is_stop,
         )  # fmt: skip
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     on_contacts, force = 0.0, np.zeros(6)
