@@ -219,7 +219,7 @@ PHRASES = {kind: (spoken.example,) for kind, spoken in SPOKEN_MOTIONS.items()} |
     "force-table": ("engine f.csv at 1 s", "engine f.csv"),
     "half-sine": ("15 g 11 ms z", "15 g 11 ms xz at 50 ms", "-150 m/s2 0.011 s 1,1,0 at 0.1 s"),
     "unbalance": ("engine 20 kg.mm 5 to 30 Hz 20 s x", "engine 20 kg.mm 25 Hz y for 10 s at 1 s order 2"),
-    "sweep": ("0.5 g 5 to 50 Hz 2 oct/min z", "0.5 g 50 to 5 Hz 60 oct/min x"),
+    "sweep": ("0.5 g 5 to 50 Hz 2 oct/min z", "0.5 g 50 to 5 Hz 50 oct/min x"),
 }  # fmt: skip
 """Phrases that are right."""
 

@@ -54,7 +54,7 @@ def half_sine(before, after, *, peak=100.0, duration=0.011, offset=0.0, rate=100
     return time, offset + np.where(inside, peak * np.sin(np.pi * (time - before) / duration), 0.0)
 
 
-@pytest.mark.parametrize("offset", [0.0, 0.5, -9.80665])
+@pytest.mark.parametrize("offset", [0.0, 0.5, 9.80665])
 @pytest.mark.parametrize(
     ("before", "after", "cutoff"),
     [(0.05, 0.5, 1.0), (0.1, 2.0, 1.0), (0.5, 4.0, 0.5), (0.5, 4.0, 1.0), (4.0, 4.0, 0.5)],
@@ -119,7 +119,7 @@ def pulse_of(start, stop):
     return np.where(inside, 147.0 * np.sin(np.pi * (TIME - start) / (stop - start)), 0.0)
 
 
-@pytest.mark.parametrize("offset", [9.80665, -9.80665, 1.47])
+@pytest.mark.parametrize("offset", [12.3, -12.3, 1.47])
 def test_the_level_at_rest_leaves_a_pulse_its_velocity(csv, offset):
     pulse = pulse_of(3.0, 3.011)
     record = load_record(csv(offset + pulse), baseline="rest")

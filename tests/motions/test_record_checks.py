@@ -142,6 +142,7 @@ def test_a_rectangle_is_not_taken_for_a_saturated_sensor(doubts, rest, low):
         (G, "time [s],z [m/s^2]", "as if gravity were in it, which the model has already"),
         (-1.0, "time [s],z [g]", "as if gravity were in it"),
         (1.0, "time [s],z [m/s^2]", "which is gravity if the values are in g and not in m/s^2"),
+        (386.09, "time [s],z [m/s^2]", "which is gravity if the values are in in/s^2 and not in m/s^2"),
         (-G, "time [s],z [g]", "which is gravity if the values are in m/s^2 and not in g"),
         (1000.0 * G, "time [s],z [m/s^2]", "which is gravity if the values are in mm/s^2 and not in m/s^2"),
         (G, "time [s],z [mm/s^2]", "which is gravity if the values are in m/s^2 and not in mm/s^2"),
@@ -152,7 +153,8 @@ def test_a_record_that_rests_at_gravity_tells_its_unit(doubts, rest, header, mes
     found = doubts(values, header=header)
     assert len([words for words in found if message in words]) == 1
     if "gravity were in it" in message:  # the correction that it asks for ends it
-        assert doubts(values, header=header, baseline="rest") == []
+        left = doubts(values, header=header, baseline="rest")
+        assert [text.partition(": it is ")[2][:11] for text in left] == (["upside down"] if rest < 0.0 else [])
 
 
 @pytest.mark.parametrize(
@@ -246,7 +248,9 @@ def test_every_axis_is_judged(tmp_path):
     np.savetxt(path, values, delimiter=",", header="time [s],x [m/s^2],y [m/s^2],z [m/s^2]", comments="", fmt="%.9g")
     with pytest.warns(RecordWarning) as found:
         load_record(path, baseline="rest")
-    (words,) = (str(item.message) for item in found)
+    turned, words = (str(item.message) for item in found)
+    assert "along y" in turned
+    assert "that acts along z" in turned
     assert "along z" in words
     assert "stand at exactly 100 m/s^2" in words
     with pytest.warns(RecordWarning) as found:

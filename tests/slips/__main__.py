@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.slips.planting import Base, Outcome, Slip, planted, told
 
-CAMPAIGNS = ("models_and_tables",)
+CAMPAIGNS = ("models_and_tables", "records_and_jobs")
 
 
 def slips(part: str = "") -> list[Slip]:

@@ -3,7 +3,7 @@
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import wirerope_mj as wr
@@ -22,6 +22,8 @@ class Base:
     name: str
     files: Mapping[str, str]
     asked: str = ""
+    #: what reads the file that is asked about, and may list sentences; None: `said` knows models, tables and isolators
+    ask: Callable[[Path], object] | None = None
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ def planted(slip: Slip, base: Base, folder: Path) -> Outcome:
     file = slip.file or base.asked
     text = slip.plant(base.files[file])
     assert text != base.files[file], f"{slip.name}: nothing of {file} of {base.name} was changed"
-    return Outcome(slip, base, told(Base(base.name, {**base.files, file: text}, base.asked), folder))
+    return Outcome(slip, base, told(replace(base, files={**base.files, file: text}), folder))
 
 
 def told(base: Base, folder: Path) -> list[str]:
@@ -62,16 +64,17 @@ def told(base: Base, folder: Path) -> list[str]:
     for name, text in base.files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
-    return said(folder / base.asked)
+    return said(folder / base.asked, base.ask)
 
 
-def said(path: Path) -> list[str]:
-    """Return the sentences on what is wrong or implausible about a model, the tables in a folder, or an isolator."""
+def said(path: Path, ask: Callable[[Path], object] | None = None) -> list[str]:
+    """Return the sentences on what is wrong or implausible about an input."""
     sentences = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            sentences += _sentences(path)
+            answer = _sentences(path) if ask is None else ask(path)
+            sentences += answer if isinstance(answer, list | Iterator) else []
         except (wr.WireRopeError, ValueError) as error:
             sentences.append(str(error))
     return [str(warning.message) for warning in caught] + sentences

@@ -46,6 +46,10 @@ _EXAMPLES = (
 # Ways that a clearance limits, in the order of its six values.
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
 
+# clearances [m] that are plausible: mounts travel a millimetre at least, and none two metres; an acceleration [m/s^2] below
+# which people who walk by go beyond it; a load over the mean weight on a mount, which some mounts are off it by less
+_CLEAR, _STILL, _OF_WEIGHT = (2e-4, 2.0), 0.05, 0.1
+
 _LABELS = {1: ("",), 3: ("x", "y", "z"), 6: SIDES}
 
 
@@ -83,6 +87,21 @@ class PayloadLimit:
     def judged(self) -> dict[str, float]:
         """Limits by direction: "" (the norm), "x", "y", "z" or "-x", "+x", ..; zeros are left out."""
         return {axis: value for axis, value in zip(_LABELS[len(self.values)], self.values, strict=True) if value}
+
+    def doubt(self, weight: float) -> str:
+        """Return a question about the unit of a limit that nothing can need; "" if it is plausible.
+
+        `weight` is what stands on one mount in the mean [N].
+        """
+        least, most = min(self.judged.values()), max(self.judged.values())
+        if self.kind == "clearance" and not _CLEAR[0] <= least <= most <= _CLEAR[1]:
+            odd = least if least < _CLEAR[0] else most
+            return f"no equipment on wire rope has a clearance of {odd:.3g} m: is its unit mm where m is said, or m for mm?"
+        if self.kind == "acceleration" and least < _STILL:
+            return f"{least:.3g} m/s^2 is less than a footstep makes: is its unit mm/s^2 where m/s^2 or g is meant?"
+        if self.kind == "load" and least < _OF_WEIGHT * weight:
+            return f"{least:.4g} N are less than a tenth of what stands on a mount at rest, {weight:.4g} N: is it in kN?"
+        return ""
 
     @property
     def ways(self) -> dict[str, float]:

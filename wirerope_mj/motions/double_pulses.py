@@ -14,7 +14,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import Said, StartedMotion, doubt_of_length, unique_times
+from wirerope_mj.motions.doubts import doubt_of_length
+from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 

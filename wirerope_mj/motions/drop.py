@@ -29,6 +29,7 @@ _LANDING = re.compile(
     r"\bonto\b(?:\s+the\b)?((?:[\s,]+(?:bottom|top|[-+][xyz]|and)\b)*)(?:\s+(face|side|edge|corner)\b)?", re.IGNORECASE
 )
 _FACE_COUNTS = {"face": 1, "side": 1, "edge": 2, "corner": 3}  # number of faces that meet
+_HIGHEST = 10.0  # height [m] from which its unit is questioned: drop tests of cases end at 1.2, of containers at 9
 _HOW = 'say what lands: "onto bottom", "onto -x", "onto bottom -x" (an edge), "onto bottom -x -y" (a corner)'
 
 
@@ -70,6 +71,12 @@ class Drop(ShockTableImpact):
             ),
         ),
     )  # fmt: skip
+
+    @property
+    def doubt(self) -> str:
+        """Question whether the height is in another unit, if nothing is dropped from there; else ""."""
+        high = self.drop_height > _HIGHEST
+        return f"it falls from {self.drop_height:.4g} m, higher than tests drop: is the height in mm?" if high else ""
 
     pulse_duration: None = field(init=False, default=None)
     start: float = field(init=False, default=0.0)  #: an unloaded payload falls at once

@@ -267,14 +267,6 @@ class StartedMotion(StraightMotion):
         return f"along {direction_text(self.direction)}" + (f" at {self.start:.4g} s" if self.start else "")
 
 
-_LONGEST_SHOCK = 1.0  # [s] beyond which the unit of a pulse is questioned
-
-
-def doubt_of_length(duration: float, question: str) -> str:
-    """Return a question about the unit of a shock that lasts longer than a second; "" for a shorter one."""
-    return f"it lasts {duration:.4g} s, and shocks are over sooner: {question}" if duration > _LONGEST_SHOCK else ""
-
-
 _MOST_DESCRIBED = 6  # motions of a sum that are described one by one
 
 

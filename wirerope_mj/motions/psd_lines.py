@@ -1,6 +1,7 @@
 """Densities and spectra given by points, straight on logarithmic axes, zero outside; their files, and tables of forces."""
 
 import math
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike
-from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.table_files import number_in, read_header, rows_below, rows_in_si
 from wirerope_mj.foundation.table_header import is_missing
@@ -111,11 +112,33 @@ def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
     return tuple((frequency, level * STANDARD_GRAVITY**2) for frequency, level in checked)
 
 
+# highest frequency [Hz] of a density from which its unit is questioned: specifications of equipment end at 2000, those of
+# gunfire and pyrotechnics at 5000; rms displacement [m] from which it is: the heave of ships in the worst sea stays below
+_HIGHEST, _FARTHEST = 5e3, 4.0
+
+
 def psd_points(path: Path) -> Points:
     """Read the points (frequency [Hz], level [(m/s^2)^2/Hz]) of a file such as "frequency [Hz], psd [g^2/Hz]".
 
     Or the bands of one such as "from [Hz], to [Hz], psd [g^2/Hz], slope [dB/oct]", each with a level or a slope.
+
+    Warns:
+        RecordWarning: the frequencies, or the displacement that they make, are beyond what any vibration has.
     """
+    points = _density(path)
+    moved = psd_rms([(frequency, level / (2.0 * math.pi * frequency) ** 4) for frequency, level in points])
+    doubt = ""
+    if points[-1][0] > _HIGHEST:
+        doubt = f"it reaches {points[-1][0]:.4g} Hz, and densities end at 2000 or 5000 Hz: are its frequencies in rad/s?"
+    elif moved > _FARTHEST:
+        doubt = f"at {points[0][0]:.3g} Hz its base would move by {moved:.3g} m rms: are its frequencies in kHz?"
+    if doubt:
+        warnings.warn(f"{path}: {doubt} Say the unit in the header, or write them in Hz.", RecordWarning, stacklevel=2)
+    return points
+
+
+def _density(path: Path) -> Points:
+    """Read the points of `psd_points`."""
     example = '"frequency [Hz], psd [g^2/Hz]"'
     header = read_header(path, kind="power spectral density", example=example)
     if [name.lower() for name in header.names[:2]] != ["from", "to"]:

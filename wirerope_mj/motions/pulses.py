@@ -14,7 +14,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import Said, StartedMotion, doubt_of_length, unique_times
+from wirerope_mj.motions.doubts import doubt_of_length, doubt_of_velocity
+from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
 from wirerope_mj.motions.phrases import START, SpokenMotion, made_of
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 
@@ -45,8 +46,9 @@ class Pulse(StartedMotion):
 
     @property
     def doubt(self) -> str:
-        """Question whether the length was meant in ms, if it is above a second; else ""."""
-        return doubt_of_length(self.duration, f"was {self.duration:.4g} ms meant?")
+        """Question whether a unit is another, if it lasts above a second, or changes the velocity as no test does; else ""."""
+        too_long = doubt_of_length(self.duration, f"was {self.duration:.4g} ms meant?")
+        return too_long or doubt_of_velocity(self.velocity_change, self.duration)
 
     @cached_property
     def _said(self) -> Said:
@@ -185,6 +187,11 @@ class VelocityStep(StartedMotion):
     def __init__(self, *, velocity: float, direction: str | Sequence[float], start: float = 0.0) -> None:
         self._set(velocity_change=ranges.level("velocity", velocity), direction=checked_direction(direction))
         self._set(start=ranges.start("start", start), duration=0.0)
+
+    @property
+    def doubt(self) -> str:
+        """Question whether the velocity is in another unit, if no test has it; else ""."""
+        return doubt_of_velocity(self.velocity_change, 0.0, "is it in mm/s, or in another unit?")
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:

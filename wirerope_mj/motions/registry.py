@@ -89,7 +89,7 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None, alon
         RecordError: a file that it names cannot be read.
 
     Warns:
-        ModelWarning: a shock pulse lasts more than a second, or the rms of a random vibration is beyond 50 g.
+        ModelWarning: no test has such a motion, as a pulse of more than a second, or a random vibration beyond 50 g rms.
     """
     spoken = SPOKEN_MOTIONS[kind]
     try:
@@ -242,6 +242,9 @@ def level_templates() -> dict[str, Path]:
     return {path.stem: path for path in sorted((scenarios_folder() / "levels").glob("*.toml"))}
 
 
+_PER_CENT = 50.0  # factor from which it is questioned: classes and margins scale a level by 0.5 to 5
+
+
 def motion_of_levels(path: Path) -> BaseMotion:
     """Return the sum of the motions of a file of levels.
 
@@ -258,6 +261,9 @@ def motion_of_levels(path: Path) -> BaseMotion:
     def motion_of(number: int) -> BaseMotion:
         level = levels.motions[number]
         ((kind, phrase),) = level.phrase.items()
+        if level.factor is not None and abs(level.factor) >= _PER_CENT:
+            doubt = f"factor {level.factor:g} seems to be in per cent: say {level.factor / 100.0:g}, or scale the level itself."
+            warnings.warn(f'{path}: {kind} "{short(phrase)}": {doubt}', ModelWarning, stacklevel=2)
         try:
             motion = motion_from_phrase(kind, phrase, folder=path.parent)
             return motion if level.factor is None else Scaled(motion, nonzero("factor", level.factor))

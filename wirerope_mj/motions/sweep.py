@@ -20,6 +20,7 @@ from wirerope_mj.motions.phrases import SpokenMotion
 _SERIES_FROM = 50.0
 _FACTORIALS = np.array([math.factorial(n) for n in range(30)], dtype=float)
 _HARMONIC_FACTORIALS = _FACTORIALS * np.concatenate([[0.0], np.cumsum(1 / np.arange(1.0, 30.0))])
+_FASTEST, _HIGHEST = 50.0, 5e3  # rate [octaves/min], five times what tests ask for, and the last [Hz] of IEC 60068-2-6
 _FEW_FROM, _FEW_TERMS = 1000.0, 16  # u from which 16 terms give every bit of the sum: 16! / 1000^16 is 2e-35.
 # Step of the double-exponential rule: measured error 4e-10 at 1/10, 5e-12 at 1/12, roundoff (2e-15) from 1/16 on.
 # Its nodes run from where exp(-exp(4)) to where exp(-exp(3.8)) is below 1e-19.
@@ -257,6 +258,14 @@ class Sweep(StraightMotion):
     def course(self) -> Course:
         """Frequency and phase over time."""
         return Course(start=self.start, stop=self.stop, rate=self.rate)
+
+    @property
+    def doubt(self) -> str:
+        """Question whether the unit of the rate or of the frequencies is another, if no test sweeps so; else ""."""
+        if self.rate > _FASTEST:
+            return f"{self.rate:.4g} octaves/min are faster than tests sweep: were {self.rate / 60.0:.3g} oct/min meant?"
+        highest = max(self.start, self.stop)
+        return f"it reaches {highest:.4g} Hz, and tests end at 5000: are its frequencies in Hz?" if highest > _HIGHEST else ""
 
     def frequency(self, time: ArrayLike) -> Array:
         """Return the instantaneous frequency [Hz] at the times [s], (n_t,)."""

@@ -42,10 +42,9 @@ from wirerope_mj.motions.records.measured import parse_channel, quantity_of
 from wirerope_mj.motions.records.table import moves_a_base
 from wirerope_mj.motions.records.uff import is_uff, uff_channels
 from wirerope_mj.motions.registry import motion_of_levels
-from wirerope_mj.mounts.identification.records import read_tests
+from wirerope_mj.mounts.identification.records import read_tests, rig_warnings
 from wirerope_mj.mounts.isolator import read_law
 from wirerope_mj.mounts.isolator.tables import read_curve
-from wirerope_mj.mounts.test_rig.faults import checked_file
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 from wirerope_mj.mounts.vendor_parts.short_sheet import read_short_sheet
@@ -209,8 +208,7 @@ def _mission(path: Path) -> None:
 
 
 def _cyclic_test(path: Path) -> Texts:
-    read_tests([path])
-    yield from checked_file(path).faults
+    yield from rig_warnings(read_tests([path]))[0]
 
 
 def _record(path: Path) -> Texts:

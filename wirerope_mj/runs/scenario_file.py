@@ -1,5 +1,6 @@
 """The scenario stored in a run's folder: its system, motion and limits, and the check of its response."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -21,7 +22,7 @@ from wirerope_mj.engine.system.model_files import missing_isolators, read_change
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.errors import ModelError, ModelWarning, RecordError
 from wirerope_mj.foundation.payload_limits import KINDS, ON_STOPS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.structure import Place, Positive, bounds, keys_of, structure
 from wirerope_mj.foundation.toml_file import flat_entries, read_toml
@@ -48,9 +49,21 @@ def judged_by(system: System, *, combined_travel: bool, limits: Sequence[Payload
             )
         if any((earlier.kind, earlier.name) == (limit.kind, limit.name) for earlier in limits[:number]):
             raise ModelError(f"limit {limit.kind}/{limit.name}: it is given twice.")
+    weight = _weight_on_a_mount(system) if any(limit.kind == "load" for limit in limits) else 0.0
+    for limit in limits:
+        if doubt := limit.doubt(weight):
+            warnings.warn(f"limit {limit.kind}/{limit.name}: {doubt}", ModelWarning, stacklevel=2)
     named = {(limit.kind, limit.name) for limit in limits}
     kept = [limit for limit in system.limits if (limit.kind, limit.name) not in named]
     return replace(system, limits=(*kept, *limits), combined_travel=system.combined_travel and combined_travel)
+
+
+def _weight_on_a_mount(system: System) -> float:
+    """Return the weight of the payload over the number of mounts that are no stops [N]."""
+    model = system.model
+    mass = sum(float(model.body_subtreemass[model.body(name).id]) for name in system.payloads)
+    mounts = sum(not mount.isolator.is_stop for mount in system.mounts.values())
+    return mass * float(np.linalg.norm(model.opt.gravity)) / max(mounts, 1)
 
 
 def judge_table(*, combined_travel: bool, limits: Sequence[PayloadLimit]) -> Entries:

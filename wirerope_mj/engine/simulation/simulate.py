@@ -251,6 +251,11 @@ def check_direction(system: System, motion: BaseMotion) -> None:
             )
 
 
+# simulated time [s] that is questioned, and how many times it is the motion's: isolators rest within seconds, and who waits
+# longer has a reason that a long motion shows
+_LONG, _LONGER = 100.0, 20.0
+
+
 def duration_of(motion: BaseMotion, duration: float | None, system: System) -> float:
     """Return the simulated time [s]: as given, or ten periods of the slowest mode past the motion, or a sweep's end.
 
@@ -265,6 +270,12 @@ def duration_of(motion: BaseMotion, duration: float | None, system: System) -> f
         if not sweeps:
             duration = math.ceil(10.0 * (motion.end + RING_DOWN * slowest_period(system)) - 1e-6) / 10.0
     check_arguments(duration=duration)
+    if duration > max(_LONG, _LONGER * motion.end) and math.isfinite(motion.end):
+        warnings.warn(
+            f"`duration` of {duration:g} s goes on for {duration - motion.end:.4g} s after the motion: was {duration:g} ms "
+            f"meant, {1e-3 * duration:g} s?",
+            ModelWarning, stacklevel=2,
+        )  # fmt: skip
     if motion.up is not None and duration <= motion.end:
         raise ValueError(f"`duration` {duration:g} ends the simulation before the base lands, at {motion.end:.4g} s.")
     if motion.events and duration <= motion.events[0][0]:

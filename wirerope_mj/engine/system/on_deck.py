@@ -1,6 +1,7 @@
 """A model's text rewritten: on a deck or with a body that bends, with another part in its mounts' places, turned in gravity."""
 
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -8,7 +9,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.flexible import Deck, FlexiblePart, deck_of
-from wirerope_mj.engine.flexible.panel import NAME, add_panel
+from wirerope_mj.engine.flexible.panel import NAME, Panel, add_panel
 from wirerope_mj.engine.flexible.part import add_part
 from wirerope_mj.engine.system.named_files import named_files
 from wirerope_mj.engine.system.system import System, load_system
@@ -16,7 +17,7 @@ from wirerope_mj.engine.system.tables import TURNS
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import checked_direction, unit_vector
-from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.errors import ModelError, ModelWarning
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator import Isolator
 
@@ -137,12 +138,30 @@ def deck_text(system: System, deck: Deck) -> str:
         return _text_of(system, deck, body=system.base, name=system.base)
     if mujoco.mj_name2id(system.model, mujoco.mjtObj.mjOBJ_BODY, NAME) >= 0:
         raise ModelError(f"the model has a body {NAME!r} already: change its joint, or rename it.")
+    carried = sum(float(system.model.body_subtreemass[system.model.body(name).id]) for name in system.payloads)
+    for doubt in _deck_doubts(deck, carried):
+        warnings.warn(f'deck "{deck.description}": {doubt}', ModelWarning, stacklevel=2)
     root = model_root(system)
     with system.assembly.scratch.data(system.model) as data:
         mujoco.mj_kinematics(system.model, data)
         axes = data.body(system.base).xmat.reshape(3, 3).copy()
     add_panel(root, deck, base=system.base, axes=axes, gravity=system.model.opt.gravity)
     return xml_text(root)
+
+
+# damping ratio below which a built deck has none, a bare weld's being above; mass over that on it of a plate under a machine
+_UNDAMPED, _LIGHT = 1e-3, 0.003
+
+
+def _deck_doubts(deck: Panel, carried: float) -> Iterator[str]:
+    """Yield questions about the units of a panel that carries a mass [kg]."""
+    if 0.0 < deck.damping < _UNDAMPED:
+        yield (
+            f"no deck is damped so little; damping is said in per cent of the critical: was {100.0 * deck.damping:.2g} the "
+            f"ratio? Then say {1e4 * deck.damping:.3g} %."
+        )
+    if deck.mass < _LIGHT * carried:
+        yield f"what stands on it has {carried:.4g} kg: is its mass of {deck.mass:.4g} kg in t? Say the unit, such as 0.8 t."
 
 
 def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
 from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, peak_from, quiet_level
 from wirerope_mj.motions.records.signals import level_warnings, moved_level, resolution_warnings
 
@@ -27,6 +27,8 @@ _RUNS, _CROWDED, _BELOW_TOP = 4, 3.0, 0.002
 _JUMP = 0.99
 # relative error within which a level at rest is what gravity would be in another unit: tilt and calibration are less
 _GRAVITY_ERROR = 0.03
+_UNITS = ("g", "m/s^2", "mm/s^2", "in/s^2", "ft/s^2", "gal", "mg")  # in which loggers write accelerations
+_OFFSETS = 0.5  # level at rest [m/s^2] below which it is a sensor's offset, and gravity in another unit by chance
 # peaks beyond which units are questioned [m/s^2]: 10 000 g is gunfire on bare steel, 1 mg the noise of most sensors
 LARGEST_PEAK, SMALLEST_PEAK = 1e5, 1e-2
 LARGEST_RATE, SMALLEST_RATE = 2e6, 20.0  # sampling beyond which the unit of time is questioned [Hz]
@@ -151,23 +153,40 @@ def _wrong_unit(axis: str, rest: float | None, reading: Reading, corrected: bool
     if rest is None or len(reading.units) != 1:
         return
     (unit,) = reading.units
-    g = STANDARD_GRAVITY
-    guesses = [(g, ""), (g * g, "m/s^2")] if unit == "g" else [(g, ""), (1.0, "g"), (1000.0 * g, "mm/s^2")]
-    if unit.startswith("mm"):
-        guesses = [(g, ""), (g / 1000.0, "m/s^2"), (1e-3, "g")]
-    for value, other in guesses:
-        if abs(abs(rest) - value) <= _GRAVITY_ERROR * value:
-            level = f"along {axis} it rests at {reading.text(rest)}, "
-            if other:
-                yield (
-                    f'{level}which is gravity if the values are in {other} and not in {unit}. If so, say unit="{other}" '
-                    '(--unit), and baseline="rest" (--baseline rest).'
-                )
-            elif not corrected:
-                yield (
-                    f'{level}as if gravity were in it, which the model has already: baseline="rest" (--baseline rest) '
-                    "takes it off."
-                )
+    level = f"along {axis} it rests at {reading.text(rest)}, "
+    gravity = STANDARD_GRAVITY * reading.unit[1]  # of a value in another unit, read in this one, times that unit's factor
+
+    def near(value: float) -> bool:
+        return abs(abs(rest) - value) <= _GRAVITY_ERROR * value
+
+    if near(STANDARD_GRAVITY):
+        if axis != "z":
+            yield (
+                f"{level}which is gravity, and that acts along z: is it the channel of another direction, or the sensor "
+                "turned? Say where each channel goes, NAME=z (--channels)."
+            )
+            return
+        if rest < 0.0:
+            yield (
+                f"{level}where a sensor whose axis points up shows 1 g: it is upside down, or its sense is the other one. "
+                "If so, say NAME=-z (--channels)."
+            )
+        if not corrected:
+            yield (
+                f'{level}as if gravity were in it, which the model has already: baseline="rest" (--baseline rest) takes it off.'
+            )
+        return
+    values = {other: gravity / ACCELERATION_UNITS[other] for other in _UNITS if ACCELERATION_UNITS[other] != reading.unit[1]}
+    found = [
+        other
+        for other, value in values.items()
+        if near(value) and (value >= _OFFSETS or (unit.startswith("mm") and other in ("g", "m/s^2")))
+    ]
+    if found:
+        yield (
+            f"{level}which is gravity if the values are in {' or '.join(found)} and not in {unit}. If so, say "
+            f'unit="{found[0]}" (--unit), and baseline="rest" (--baseline rest).'
+        )
 
 
 def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:

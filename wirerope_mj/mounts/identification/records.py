@@ -26,6 +26,7 @@ _Loops = Sequence[tuple[Path, Loop]]
 _STEADY = 0.01
 _ONE_CYCLE = 0.05  # The same of a single cycle, whose ends have the noise of samples
 _OF_NOISE = 3.0  # Standard deviations of the noise of a mean of cycles that the ends of the last may differ by besides
+_STIFF = 3e7  # The same that is ten times that of the stiffest part of a vendor
 _SOFT = 1e3  # Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre
 # Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold.
 _OTHER_UNITS = 100.0
@@ -57,35 +58,52 @@ def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[
     return tests
 
 
-def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict[Path, str]]:
-    """Return warnings about the rig and about loops that make a fit doubtful, and by file a text on the lag it can show.
+def rig_warnings(tests: Tests) -> tuple[list[str], dict[Path, str]]:
+    """Return warnings about the rig and about loops that need no fit, and by file a text on the lag it can show.
 
-    The text gives the least lag between channels that would have been named. Of a bare stop, loops within its gap are named.
+    The text gives the least lag between channels that would have been named.
+    """
+    loops = [(path, loop) for path, loops in tests.items() for loop in loops]
+    checked = {path: checked_file(path) for path in tests}
+    faults = [text for check in checked.values() for text in check.faults]
+    level = [
+        f"{path}: the force of {_size(loop)} is level at an end of its stroke: the device yields there, the load cell cut "
+        "a little off, or one channel lags behind the other"
+        for path, loop in loops
+        if is_level(loop)
+    ]
+    stiffness = {path: max(loop.secant_stiffness for loop in tested) for path, tested in tests.items()}
+    soft = [
+        f"{path}: its secant stiffness of at most {size:.3g} N/m is that of a very soft device; "
+        "are the forces in kN where N is said?"
+        for path, size in stiffness.items()
+        if size < _SOFT
+    ]
+    least = {path: min(loop.secant_stiffness for loop in tested) for path, tested in tests.items()}
+    stiff = [
+        f"{path}: its secant stiffness of at least {size:.3g} N/m is that of no isolator of wire rope; are the forces in N "
+        "where kN is said, or the deflections in m where mm is?"
+        for path, size in least.items()
+        if size > _STIFF
+    ]
+    return [*faults, *_unsteady(loops), *level, *soft, *stiff], {
+        path: "; a lag between its channels, of whatever size, cannot be told: that takes a time, no play and three "
+        "reversals in turn between like strokes, as two and a half cycles of an amplitude have"
+        if math.isnan(check.least_lag)
+        else f"; a lag between its channels is named from {100.0 * check.least_lag:.2g} % of a cycle on"
+        for path, check in checked.items()
+    }
+
+
+def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict[Path, str]]:
+    """Return warnings about the rig and about loops that make a fit doubtful, and texts on lags as `rig_warnings` has them.
+
+    Of a bare stop, loops within its gap are named.
     """
     loops = [(path, loop) for path, loops in tests.items() for loop in loops]
     if not result.law.only_stops:
-        checked = {path: checked_file(path) for path in tests}
-        faults = [text for check in checked.values() for text in check.faults]
-        level = [
-            f"{path}: the force of {_size(loop)} is level at an end of its stroke: the device yields there, the load cell cut "
-            "a little off, or one channel lags behind the other"
-            for path, loop in loops
-            if is_level(loop)
-        ]
-        stiffness = {path: max(loop.secant_stiffness for loop in tested) for path, tested in tests.items()}
-        soft = [
-            f"{path}: its secant stiffness of at most {size:.3g} N/m is that of a very soft device; "
-            "are the forces in kN where N is said?"
-            for path, size in stiffness.items()
-            if size < _SOFT
-        ]
-        return [*faults, *_unsteady(loops), *_unexplained(loops, result), *level, *soft], {
-            path: "; a lag between its channels, of whatever size, cannot be told: that takes a time, no play and three "
-            "reversals in turn between like strokes, as two and a half cycles of an amplitude have"
-            if math.isnan(check.least_lag)
-            else f"; a lag between its channels is named from {100.0 * check.least_lag:.2g} % of a cycle on"
-            for path, check in checked.items()
-        }
+        warnings, lags = rig_warnings(tests)
+        return [*warnings, *_unexplained(loops, result)], lags
     inside = [pair for pair in loops if not closes(prepare([pair[1]], stop=True)[0])]
     closed = [pair for pair in loops if not any(pair[1] is loop for _, loop in inside)]
     warnings = [f"{path}: {_size(loop)} stays within the gap and is not fitted" for path, loop in inside]

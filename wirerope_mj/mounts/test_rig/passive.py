@@ -167,8 +167,9 @@ def require_passive(loop: Loop, location: str, *, stop: bool = False) -> None:
     thin = abs(loop.dissipated_energy) < _THIN * np.ptp(loop.deflection) * np.ptp(loop.force)
     if loop.dissipated_energy < 0.0 and not (thin or area_in_noise(loop)):
         raise ValueError(
-            f"{location}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the "
-            f"samples that of time, and do both channels have the same filter? The force has {noise_text(loop)}."
+            f"{location}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Are the columns of "
+            "deflection and force swapped, is the order of the samples that of time, and do both channels have the same "
+            f"filter? The force has {noise_text(loop)}."
         )
 
 

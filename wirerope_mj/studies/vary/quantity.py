@@ -22,6 +22,7 @@ from wirerope_mj.studies.vary.distributions import Choice, Distribution
 WHOLE = "whole"  # Stands in the key of a parameter where a law has its axis: the factor is on all of a mount
 FAR = 10.0  # Factor between the model's value and all of a study's beyond which these may have been meant as factors
 WORLD = ("x", "y", "z")
+_FARTHEST = 2.0  # Shift [m] from which its unit is questioned: half of a large foundation
 NEAR = 1e-6  # Distance from 0 below which a position is 0 [m]: there a value and a shift are the same
 
 
@@ -264,6 +265,8 @@ class Shift(InputColumn):
         low, high = float(values.min()), float(values.max())
         middle = (low + high) / 2.0
         positions = [position for position in self.nominal(system) if abs(position) > NEAR]
+        if (most := max(-low, high)) > _FARTHEST:
+            return [f"{self.name} shifts by up to {most:.3g} m, more than any tolerance or layout: are the numbers in mm?"]
         if low <= 0.0 <= high or not any(abs(middle - position) < abs(middle) for position in positions):
             return []
         return [
