@@ -211,7 +211,8 @@ def test_random_vibration_has_the_density_of_its_file(tmp_path):
         ("half-sine", "15 g 11 ms z 20 g", "there are 2 of acceleration, and 1 is expected"),
         ("half-sine", "15 g 11 ms z 3 Hz", "there is one of frequency, and none is expected"),
         ("half-sine", "1,5 g 11 ms z", "decimals are written with a point"),
-        ("half-sine", "15 G 11 ms z", '"G" is no unit known here'),
+        ("half-sine", "15 G 11 ms z", '"G" is no unit known here; known are m/s^2, m/s2, '),
+        ("half-sine", "15 G 11 ms z", "us, min, h. It is written like"),  # no units of other quantities
         ("half-sine", "15 g 11 ms up", '"up" is neither a number with a unit nor a direction'),
         ("half-sine", "15 g 11 ms x z", '"z" is a second direction'),
         ("half-sine", "15 g 11 ms z at", 'nothing follows "at"'),

@@ -180,6 +180,24 @@ def test_the_preview_has_deck_and_sliders_of_what_stands(board, names):
     assert act(board, do="drag", names=names, by=[100.0, 0.0, 0.0])["preview"]["html"]["statics"] != still["html"]["statics"]
 
 
+def test_a_mount_in_thin_air_is_told_while_it_is_dragged_and_after(board):
+    assert "from the equipment" not in act(board, do="judge")["html"]["statics"]
+    way = {"names": ["mount/m1"], "by": [-700, 0, 0]}
+    dragged = act(board, do="drag", **way)["preview"]["html"]["statics"]
+    assert "m1 stands" in dragged
+    assert "mm from the equipment" in dragged
+    assert "m1 stands" in act(board, do="move", **way)["html"]["statics"]
+
+
+def test_a_verdict_with_steps_of_the_last_position_says_so_until_its_own_follows(board):
+    act(board, do="judge")
+    verdicts = [
+        message["html"]["verdict"] for _, message in board.act({"do": "move", "names": ["mount/m1"], "by": [10, 0, 0]})
+        if "verdict" in message.get("html", {})
+    ]  # fmt: skip
+    assert ["time steps of the last position" in verdict for verdict in verdicts] == [True, False]
+
+
 def test_inertia_turns_and_mirrors_with_its_mass(board):
     def inertia():
         mass = next(mass for mass in board._loaded.layout.masses if mass.name == "engine")
@@ -245,7 +263,7 @@ def test_what_cannot_be_simulated_is_shown_and_can_be_undone(board, monkeypatch)
         raise SimulationError("m1 went to where its law does not hold")
 
     with monkeypatch.context() as patched:
-        patched.setattr("wirerope_mj.runs.board.board.judged_case", fail)
+        patched.setattr("wirerope_mj.runs.board.verdicts.judged_case", fail)
         told = act(board, do="move", names=["mount/m1"], by=[10, 0, 0])
     assert "refused" not in told
     assert "No verdict: m1 went" in told["html"]["verdict"]
@@ -263,6 +281,7 @@ def test_sliders_show_what_would_be_and_no_file_has_it(board, folder):
     assert act(board, do="slide", key="level", value="1")["html"]["verdict"] == nominal
     act(board, do="slide", key="mass", value="1.2")
     assert "set them back" in act(board, do="report")["said"]
+    assert "sliders are back" in act(board, do="move", names=["mount/m1"], by=[10, 0, 0])["said"]
 
 
 def test_a_file_that_others_change_is_shown_and_one_changed_here_too_is_kept(board, folder):

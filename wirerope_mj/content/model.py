@@ -8,7 +8,7 @@ from wirerope_mj.content.blocks import Block, SceneView, Statement
 from wirerope_mj.content.isolator import provenance_statement, ratings_table
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, several
-from wirerope_mj.content.scene_outline import axial_direction, crowded_label, flexible_bodies, mount_labels, mount_position
+from wirerope_mj.content.scene_outline import crowded_label, flexible_bodies, mount_axes, mount_labels, mount_position
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.engine.system import System
@@ -112,7 +112,7 @@ def _mounts_table(run: JudgedRun) -> Table | None:
     numbered = any(label != name for name, label in labels.items())
     rows: list[Row] = []
     for mount in scene.mounts:
-        direction = ", ".join(fixed(value, 2) for value in axial_direction(scene, mount))
+        direction = ", ".join(fixed(value, 2) for value in mount_axes(scene, mount)[:, 2])
         between = f"{mount.payload_body or 'world'} on {mount.base_body or 'world'}"
         names = (*([labels[mount.name]] if numbered else []), mount.name, mount.isolator, between)
         rows.append((*names, *map(float, mount_position(scene, mount)), direction))

@@ -99,10 +99,10 @@ def mount_position(scene: Scene, mount: SceneMount) -> Array:
     return np.asarray(body.position + rotation_matrices(body.orientation) @ mount.base_point)
 
 
-def axial_direction(scene: Scene, mount: SceneMount) -> Array:
-    """Find a mount's axial direction in the world frame of the modelled geometry, (3,)."""
+def mount_axes(scene: Scene, mount: SceneMount) -> Array:
+    """Find a mount's axes roll, shear and axial as columns, in the world frame of the modelled geometry, (3, 3)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
-    return np.asarray(rotation_matrices(body.orientation) @ mount.axes[:, 2])
+    return np.asarray(rotation_matrices(body.orientation) @ mount.axes)
 
 
 def mount_positions(scene: Scene) -> dict[str, Array]:

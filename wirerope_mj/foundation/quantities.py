@@ -5,7 +5,7 @@ One for motions, decks, forces, durations of tests and limits: "15 g 11 ms z at 
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from wirerope_mj.foundation.directions import Direction, directions_in
@@ -36,12 +36,13 @@ class Phrase:
         return self.quantities[quantity][0]
 
 
-def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
+def parse_phrase(text: str, *, words: Mapping[str, str], takes: Iterable[str] = PHRASE_UNITS) -> Phrase:
     """Parse a phrase into quantities, words with values, and directions.
 
     They stand in any order, separated by spaces: "15 g 11 ms z at 50 ms"; a range is written "5 to 50 Hz". `words` has the
-    quantity of the number that follows each known word; "" for one without a unit. ValueError: a part of it is not
-    understood, or said twice, or has been left open as `?`; says which.
+    quantity of the number that follows each known word; "" for one without a unit; `takes` are the quantities whose units
+    are told where one is unknown. ValueError: a part of it is not understood, or said twice, or has been left open as `?`;
+    says which.
     """
     quantities: dict[str, list[float]] = {}
     named: dict[str, float] = {}
@@ -78,7 +79,7 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
             continue
         if word and waiting:
             raise ValueError(f'"{word}" takes one value, and "{short(f"{begun}{part}")}" is a range.')
-        quantity, factor = _quantity(unit, part, words.get(word, ""))
+        quantity, factor = _quantity(unit, part, words.get(word, ""), takes)
         values = [in_si(number, factor) for number in (*waiting, value)]
         if not all(map(math.isfinite, values)):
             raise ValueError(f'"{short(part)} {short(unit)}" is too large for a number.')
@@ -107,13 +108,14 @@ def _number(part: str) -> tuple[float, str]:
     return value, match[2]
 
 
-def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
+def _quantity(unit: str, part: str, expected: str, takes: Iterable[str]) -> tuple[str, float]:
     """Return the quantity of a unit and its factor into SI; ValueError if unknown, or of an unexpected quantity."""
     known = PHRASE_UNITS[expected] if expected else _OF_UNIT
     if unit not in known:
         bare = not unit or NUMBER.match(unit) or directions_in(unit)
         fault = f'"{short(part)}" has no unit' if bare else f'"{short(unit)}" is no unit known here'
-        raise ValueError(f"{fault}; known are {', '.join(known)}.")
+        told = [one for quantity in ([expected] if expected else takes) for one in PHRASE_UNITS[quantity]]
+        raise ValueError(f"{fault}; known are {', '.join(told)}.")
     return _OF_UNIT[unit]
 
 

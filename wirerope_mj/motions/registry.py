@@ -94,7 +94,7 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None, alon
     spoken = SPOKEN_MOTIONS[kind]
     try:
         prefix, rest = (None, text) if spoken.begins is None else spoken.begins(text, folder or Path())
-        phrase = parse_phrase(rest, words=spoken.words)
+        phrase = parse_phrase(rest, words=spoken.words, takes=[*spoken.needs, *spoken.may])
         if along and spoken.directed and not phrase.directions:
             phrase = replace(phrase, directions=(along,))
         _check_phrase(spoken, phrase)

@@ -1,37 +1,32 @@
 """A model under the mouse: what edits make of tables and job, and what becomes of statics, modes and verdict."""
 
-import json
 import re
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from wirerope_mj.content.job import JudgedCase, JudgedJob
-from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.statics.payloads import point_positions
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.errors import Absent, ModelError, SimulationError, WireRopeError
+from wirerope_mj.foundation.errors import Absent, ModelError, WireRopeError
 from wirerope_mj.runs.board.documents import Documents, Texts
 from wirerope_mj.runs.board.forms import form_of
 from wirerope_mj.runs.board.job_edits import JOB_EDITS
-from wirerope_mj.runs.board.loaded import Loaded, judged_case
+from wirerope_mj.runs.board.loaded import Loaded
 from wirerope_mj.runs.board.opened import Opened
 from wirerope_mj.runs.board.parts import found_html, loops_of, tried_html
 from wirerope_mj.runs.board.placing import EDITS, Placing, shift_of
 from wirerope_mj.runs.board.room import overlapping, with_shifted
 from wirerope_mj.runs.board.table_edits import TABLE_EDITS
 from wirerope_mj.runs.board.table_text import TableText
-from wirerope_mj.runs.board.what_if import Slider, checked_values, frequency_ratio
+from wirerope_mj.runs.board.verdicts import Verdicts, at_rest_html
+from wirerope_mj.runs.board.what_if import checked_values
 from wirerope_mj.runs.board.written import FILES, written
-from wirerope_mj.runs.job_file import LoadCase, load_job
+from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.views.board import columns
 from wirerope_mj.views.board.scene import board_scene, centres, use
-
-_KEPT = 40  # judged cases of earlier positions, which undoing shows again
 
 Message = Entries
 
@@ -45,13 +40,9 @@ class Board:
     def __init__(self, opened: Opened) -> None:
         """Show what was opened; WireRopeError if it is wrong."""
         self._opened, self._documents = opened, opened.documents
-        self._judged: dict[str, JudgedRun] = {}
-        self._steps: dict[str, float] = {}  # of the last run of each case [s]
-        self._used: dict[str, float] = {}  # of the last verdict
+        self._verdicts = Verdicts(opened.tests)
         self._found = {"found": "", "loops": ""}  # parts, as HTML
         self._temporary = TemporaryDirectory(prefix="wirerope-board-")
-        self._governing = ""  # load case of the last verdict
-        self._shown: list[JudgedRun] = []  # runs of the case that governs: of the last verdict, and of the one before it
         self._tables: Mapping[str, TableText] = {}  # as they were read last
         self._loaded = self._load(self._texts)
         self._restored = ""
@@ -122,7 +113,7 @@ class Board:
         if asked == "slide":
             values = checked_values(self._loaded.sliders, {**self._loaded.values, str(action.get("key")): _value(action)})
             self._loaded = replace(self._loaded, values=values)
-            return "what-if, which no file has" if self._moved else "every slider stands as the files say", {}
+            return "what-if, which no file has" if self._loaded.moved else "every slider stands as the files say", {}
         if asked in ("undo", "redo"):
             files = self._edited_files
             said = files.undo() if asked == "undo" else files.redo()
@@ -131,8 +122,9 @@ class Board:
             self._loaded = self._load(files.texts)
             return f"{'Undone' if asked == 'undo' else 'Done again'}: {said}", {}
         texts, said, selected = self._edited(asked, action)
+        put_back = "; the sliders are back, since a file is edited without them" if self._loaded.moved else ""
         self._take(texts, said)
-        return said, selected
+        return said + put_back, selected
 
     def changed_outside(self) -> Message | None:
         """Take over files that others have written; None if there are none."""
@@ -250,7 +242,7 @@ class Board:
         scene, sag = scene_of(loaded.system), loaded.sag
         points = {f"point/{name}": at for name, at in point_positions(loaded.system).items()}
         points |= {f"force/{point.name}": point.position for point in (loaded.layout.forces if loaded.layout else ())}
-        return board_scene(scene, loaded.layout, points, self._used, sag)
+        return board_scene(scene, loaded.layout, points, self._verdicts.used, sag)
 
     def _preview(self, names: Sequence[str], by: Array) -> Message:
         """Return statics and modes of what is on its way, as use of the rated static loads."""
@@ -263,7 +255,7 @@ class Board:
             "mounts": {f"mount/{name}": use(used) for name, used in over.items()},
             "centre": centre, "stiffness_centre": stiffness,
             "collides": sorted({f"mount/{name}" for pair in overlapping(moved.system) for name in pair}),
-            "html": {"statics": columns.statics_html(moved.sag, moved.frequencies)},
+            "html": {"statics": at_rest_html(moved)},
         }  # fmt: skip
 
     def _dragged(self, names: Sequence[str], by: Array) -> Loaded:
@@ -281,96 +273,17 @@ class Board:
 
     def _verdict(self, *, exact: bool = True) -> Iterator[tuple[bool, Message]]:
         """Judge the load cases and yield what is known of them, or why they cannot be simulated."""
-        try:
-            yield from self._judgements(exact=exact)
-        except (WireRopeError, ValueError) as error:
-            self._used = {}
-            loaded = self._loaded
-            html = {
-                "verdict": columns.failure_html(str(error)),
-                "statics": columns.statics_html(loaded.sag, loaded.frequencies),
-                "compared": "",
-            }
-            yield True, {"html": html, "scene": self._scene(), "stale": False}
-
-    def _judgements(self, *, exact: bool) -> Iterator[tuple[bool, Message]]:
-        """Judge the load cases, at first with the steps of the last positions, and yield what is known of them."""
-        loaded = self._loaded
-        keys = {case.name: self._key(case) for case in loaded.job.cases}
-        if any(key not in self._judged for key in keys.values()) and keys.keys() <= self._steps.keys():
-            ratio = frequency_ratio(loaded.values)
-            try:
-                quick = [
-                    self._judged.get(keys[case.name]) or judged_case(case, loaded, self._steps[case.name] / ratio)
-                    for case in loaded.job.cases
-                ]
-            except SimulationError:
-                pass  # these steps are too long for what stands there now
-            else:
-                yield True, self._told(quick)
-        yield True, {"html": {"statics": columns.statics_html(loaded.sag, loaded.frequencies)}, "scene": self._scene()}
-        if not exact:
-            return
-        runs = list[JudgedRun]()
-        for case in loaded.job.cases:
-            key = keys[case.name]
-            if key not in self._judged:
-                self._judged[key] = judged_case(case, loaded)
-                self._judged = dict(list(self._judged.items())[-max(_KEPT, len(keys)) :])
-            runs.append(self._judged[key])
-            self._steps[case.name] = runs[-1].response.numerics.timestep / frequency_ratio(loaded.values)
-            yield True, self._told(runs)
-        used = [max((row.utilisation or 0.0 for row in run.verdicts), default=0.0) for run in runs]
-        governing = runs[used.index(max(used))]
-        self._governing = loaded.job.cases[used.index(max(used))].name
-        if not self._shown or self._shown[-1] is not governing:
-            self._shown = [*self._shown[-1:], governing]
-        names = ["before", "now"][-len(self._shown) :]
-        compared = columns.compared_html(dict(zip(names, self._shown, strict=True)), self._opened.tests)
-        yield True, {"html": {"compared": compared}}
-
-    def _told(self, runs: Sequence[JudgedRun]) -> Message:
-        """Return the message that has the verdict of the first load cases."""
-        job = self._loaded.job
-        cases = [
-            JudgedCase(name=case.name, folder=case.folder, note=case.note, run=run)
-            for case, run in zip(job.cases, runs, strict=False)
-        ]
-        judged = JudgedJob(
-            name=job.name, question=job.question, cases=tuple(cases), report=job.report, document=job.document,
-            written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
-        )  # fmt: skip
-        self._used = {}
-        for row in (row for run in runs for row in run.verdicts):
-            self._used[row.subject] = max(row.utilisation or 0.0, self._used.get(row.subject, 0.0))
-        left = len(job.cases) - len(cases)
-        what_if = [f"{each.label} {each.text(value)}" for each, value in self._moved]
-        html = columns.verdict_html(judged, left, what_if)
-        return {"html": {"verdict": html}, "scene": self._scene(), "stale": bool(left)}
-
-    @property
-    def _moved(self) -> list[tuple[Slider, float]]:
-        """Sliders that do not stand where they leave everything as it is, with their values."""
-        values = self._loaded.values
-        return [(each, values[each.key]) for each in self._loaded.sliders if values.get(each.key, each.nominal) != each.nominal]
-
-    def _key(self, case: LoadCase) -> str:
-        """Write all that the result of a case depends on."""
-        scenario, texts = case.scenario, self._loaded.texts
-        parts = {
-            "tables": {kind: text for kind, text in texts.items() if kind != "job"}, "model": str(scenario.model),
-            "motion": scenario.motion.to_dict(), "simulate": dict(scenario.simulate), "limits": repr(scenario.limits),
-            "judged": scenario.combined_travel, "isolators": repr(scenario.isolators),
-            "sliders": {each.key: value for each, value in self._moved},
-        }  # fmt: skip
-        return json.dumps(parts, sort_keys=True, default=str)
+        for html, changes in self._verdicts.of(self._loaded, exact=exact):
+            yield True, {"html": html, **changes, **({"scene": self._scene()} if html.keys() != {"compared"} else {})}
 
     def _written(self, asked: str) -> Iterator[tuple[bool, Message]]:
         """Write what `wirerope cases` writes of the job, and open a part of it."""
-        if self._moved and self._documents is not None:
+        if self._loaded.moved and self._documents is not None:
             raise ModelError("sliders show what would be; set them back, since a report is of what the files say.")
-        yield False, {"said": "Computing and writing every load case ...", "tone": ""}
-        path = written(asked, self._loaded, self._folder, governing=self._governing)
+        lasts = "a film takes minutes" if asked == "film" else "it takes a while"
+        said = f"Computing and writing every load case: {lasts}, and what is asked for meanwhile waits."
+        yield False, {"said": said, "tone": ""}
+        path = written(asked, self._loaded, self._folder, governing=self._verdicts.governing)
         address = f"/viewer?recording={path.name}" if asked == "timeline" else f"/files/{path.name}"
         yield False, {"open": address, "said": f"Written: {path}.", "tone": "good"}
 

@@ -39,6 +39,12 @@ class Loaded:
     def sliders(self) -> tuple[Slider, ...]:
         return sliders_of(self.job.system, self.job.cases[0].scenario.motion)
 
+    @property
+    def moved(self) -> list[tuple[Slider, float]]:
+        """Sliders that do not stand where they leave everything as it is, with their values."""
+        values = self.values
+        return [(each, values[each.key]) for each in self.sliders if values.get(each.key, each.nominal) != each.nominal]
+
     @cached_property
     def system(self) -> System:
         """The model with the sliders where they stand."""

@@ -10,6 +10,7 @@ from wirerope_mj.engine.from_tables.read import SIZES
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.vendor_parts import load_isolator
+from wirerope_mj.runs.board.room import box_of
 from wirerope_mj.runs.board.table_text import TableText
 
 Tables = Mapping[str, TableText]  # by their kinds
@@ -61,7 +62,7 @@ class Placing:
     def mirror(self, names: Sequence[str], axis: str) -> None:
         """Mirror things along a horizontal axis about the middle of the equipment."""
         along = "xyz".index(axis)
-        ends = [corner[along] for corner in self._box()]
+        ends = [corner[along] for corner in box_of(self._layout)]
         flip = np.ones(3)
         flip[along] = -1.0
         for name in names:
@@ -94,7 +95,7 @@ class Placing:
 
     def stand(self, names: Sequence[str], on: str) -> None:
         """Stand mounts on the floor below the equipment, at the nearest wall, or under the ceiling above it."""
-        low, high = self._box()
+        low, high = box_of(self._layout)
         for name in names:
             if name not in self._placed:
                 raise ModelError(f"{name} is no mount or stop, and stands at no wall.")
@@ -202,13 +203,6 @@ class Placing:
                 if abs(inertia[place] - mass.properties.inertia[place]) > 1e-12 * mass.properties.inertia.max()
             }  # fmt: skip
         self.tables["masses"] = table.with_cells(row, cells)
-
-    def _box(self) -> tuple[Array, Array]:
-        """Return the lowest and the highest corner of the equipment: of its envelope, or of the boxes of its masses."""
-        boxes = [(box.centre, box.size) for box in self._layout.envelope] or [
-            (mass.properties.centre, mass.properties.box) for mass in self._layout.masses
-        ]
-        return np.min([c - 0.5 * s for c, s in boxes], axis=0), np.max([c + 0.5 * s for c, s in boxes], axis=0)
 
     def _height(self, name: str) -> float:
         isolator = self._placed[name].isolator

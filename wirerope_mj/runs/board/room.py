@@ -1,15 +1,17 @@
-"""Where things stand on a board while they are dragged, and which mounts would stand in each other."""
+"""Where things stand on a board while they are dragged, which mounts would stand in each other, and which in thin air."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.runs.board.table_text import TableText
 
 _TOUCH = 1e-4  # by how much mounts may overlap [m]
+_AWAY, _SIZE = 2.0, 0.1  # distance from the equipment in sizes of a mount that a foot bridges, and the size of one without [m]
 
 
 def with_shifted(system: System, tables: Mapping[str, TableText], names: Sequence[str], by: Array) -> System:
@@ -37,6 +39,28 @@ def overlapping(system: System) -> list[tuple[str, str]]:
     near = np.linalg.norm(centres[:, None] - centres, axis=2) < reach[:, None] + reach
     pairs = [(boxes[i], boxes[j]) for i, j in np.argwhere(np.triu(near, 1))]
     return [(one[0], other[0]) for one, other in pairs if _apart(one[1:], other[1:]) < -_TOUCH]
+
+
+def box_of(layout: Layout) -> tuple[Array, Array]:
+    """Return the lowest and the highest corner of the equipment: of its envelope, or of the boxes of its masses."""
+    boxes = [(box.centre, box.size) for box in layout.envelope] or [
+        (mass.properties.centre, mass.properties.box) for mass in layout.masses
+    ]
+    return np.min([c - 0.5 * s for c, s in boxes], axis=0), np.max([c + 0.5 * s for c, s in boxes], axis=0)
+
+
+def in_thin_air(system: System, layout: Layout | None) -> list[str]:
+    """Say which mounts of tables stand so far from the equipment that something unsaid must reach them."""
+    said = []
+    low, high = (np.zeros(3), np.zeros(3)) if layout is None else box_of(layout)
+    for mount in () if layout is None else (system.mounts[row.name] for row in layout.mounts):
+        away = float(np.linalg.norm(np.maximum(np.maximum(low - mount.position, mount.position - high), 0.0)))
+        size = mount.isolator.geometry
+        if away > _AWAY * max((size.height or 0.0, size.width or 0.0) if size is not None else (_SIZE,)):
+            said.append(
+                f"{mount.name} stands {1e3 * away:.0f} mm from the equipment; what reaches it is taken as rigid and weightless."
+            )
+    return said
 
 
 def _apart(first: tuple[Array, Array, Array], second: tuple[Array, Array, Array]) -> float:

@@ -25,6 +25,7 @@ function act(action, element = null) {
   if (action.do !== "select") passing.next = null;
   const message = transmit(action);
   unanswered.set(message.id, { message, element });
+  document.body.dataset.waits = true;
 }
 
 function pass(action) {
@@ -79,18 +80,24 @@ function openBeside(address) {
 function answer(id, reason, word) {
   const { message, element } = unanswered.get(id) ?? {};
   unanswered.delete(id);
+  document.body.dataset.waits = unanswered.size > 0;
   if (message?.do === "move") canvas.release();
   if (!element) return;
-  if (isRefusal(element.nextSibling)) element.nextSibling.remove();
-  element.ariaInvalid = reason ? "true" : null;
+  acquit(element);
   if (!reason) {
     if (element.value === message.value) element.value = element.defaultValue ?? element.value;
     return;
   }
+  element.ariaInvalid = "true";
   const refusal = document.createElement("p");
   element.after(Object.assign(refusal, { className: "refusal", role: "alert", tabIndex: 0, textContent: reason }));
   const start = element.type === "text" && word ? element.value.indexOf(word) : -1;
   if (start >= 0) element.setSelectionRange(start, start + word.length);
+}
+
+function acquit(element) {
+  if (isRefusal(element.nextSibling)) element.nextSibling.remove();
+  element.ariaInvalid = null;
 }
 
 function replace(element, html) {
@@ -160,7 +167,7 @@ document.addEventListener("keydown", (event) => {
   const name = ["ctrl+", "alt+", "shift+"].filter((_, k) => modifiers[k]).join("") + event.key.toLowerCase();
   const typed = target.closest("input:not([type=range], [type=checkbox]), textarea");
   const button = document.querySelector(`[data-keys~="${CSS.escape(name)}"]`);
-  if (name === "escape" && typed) typed.value = typed.defaultValue;
+  if (name === "escape" && typed) [typed.value = typed.defaultValue, acquit(typed)];
   if (document.querySelector("dialog[open]") || (typed && name !== "ctrl+s")) return;
   if (name === "ctrl+s") [target.blur(), target.focus()]; // what is typed is sent before it is saved
   if (!(button && name.startsWith("ctrl+")) && target.closest("header, aside")) return;

@@ -197,7 +197,8 @@ export function createCanvas({ act, pass }) {
     new ResizeObserver(() => [fitted && fit(), redraw()]).observe(drawing);
   }
   document.addEventListener("keyup", lift);
-  document.addEventListener("focusin", ({ target }) => {
+  document.addEventListener("focusin", ({ target, relatedTarget }) => {
+    if (drawings.includes(relatedTarget)) return; // Tab leads through the tables, and what is selected stays
     const name = target.closest("tr[data-name]")?.dataset.name;
     if (itemOf(name) && !board.selected.includes(name)) select([name]);
   });

@@ -109,12 +109,14 @@ def page_html(title: str) -> str:
     return _environment().get_template("board.html").render(title=title)
 
 
-def statics_html(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> str:
-    """Write loads at rest of every mount, and the natural frequencies."""
-    return blocks_html(_at_rest(sag, known))
+def statics_html(sag: Sag | Absent, known: NaturalFrequencies | Absent, doubts: Sequence[str]) -> str:
+    """Write loads at rest of every mount, the natural frequencies, and what is doubtful about where things stand."""
+    return blocks_html(_at_rest(sag, known, doubts))
 
 
-def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> Iterator[Block | None]:
+def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent, doubts: Sequence[str]) -> Iterator[Block | None]:
+    if doubts:
+        yield Statement("doubts", items=tuple(doubts), tone="near")
     if isinstance(sag, Absent):
         yield Statement("statics", f"At rest: {sag.reason}", tone="exceeded")
     else:
@@ -138,12 +140,12 @@ def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> Iterator[
     )  # fmt: skip
 
 
-def verdict_html(job: JudgedJob, left_over: int, what_if: Sequence[str]) -> str:
+def verdict_html(job: JudgedJob, left_over: int, what_if: Sequence[str], *, quick: bool = False) -> str:
     """Write verdict, bars, what is not judged, and the charts of the load case that governs."""
     one = len(job.cases) == 1
     said = headline(job.cases[0].run.verdicts) if one else job_headline(job.verdicts)
     return _environment().get_template("right.html.jinja").render(
-        said=said, more=several(left_over, "load case") if left_over else "", what_if=", ".join(what_if),
+        said=said, more=several(left_over, "load case") if left_over else "", what_if=", ".join(what_if), quick=quick,
         blocks=Markup(_column(brief_blocks(job.cases[0].run) if one else brief(job))),
     )  # fmt: skip
 

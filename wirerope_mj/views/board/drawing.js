@@ -191,7 +191,8 @@ export function draw(drawing, axes, { items, selected, moving, band, view }) {
   }
   if (ends[1]) {
     const words = `${lengthText(Math.hypot(...plus(ends[0], ends[1], -1)) / frame.scale)} mm`;
-    labels.push({ bounds: centres[1].bounds, choices: [words], kind: "label distance" });
+    const choices = [`stiffness off the centre of mass by ${words}`, `off by ${words}`, words];
+    labels.push({ bounds: centres[1].bounds, choices, kind: "label distance" });
   }
   for (const { bounds, item: { label, tone, used } } of mounts.toReversed()) { // the most used first
     labels.push({ bounds, choices: [`${label} ${percent(used)}`.trim(), label], kind: `label ${tone}` });

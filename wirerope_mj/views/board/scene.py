@@ -5,13 +5,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from wirerope_mj.content.scene_outline import drawn_scene, mount_position
+from wirerope_mj.content.scene_outline import drawn_scene, mount_axes, mount_position
 from wirerope_mj.content.verdicts import NEAR
 from wirerope_mj.engine.from_tables.layout import Layout
-from wirerope_mj.engine.response.scene import Scene, SceneMount
+from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.engine.statics.table import Sag
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.errors import Absent
 
 _LEAST = 4.0  # side of a box that is drawn where a mass has none [mm]
@@ -27,7 +26,7 @@ def board_scene(
     """
     mounts, stops = [], []
     for mount in scene.drawn:
-        axes = _axes(scene, mount)
+        axes = mount_axes(scene, mount)
         entry: Entries = {
             "name": f"{'stop' if mount.stop else 'mount'}/{mount.name}", "label": mount.name,
             "position": _mm(mount_position(scene, mount)), "axial": _rounded(axes[:, 2]), "bars": _rounded(axes[:, 1]),
@@ -61,18 +60,12 @@ def centres(scene: Scene, layout: Layout | None, sag: Sag | Absent) -> tuple[lis
         return None if layout is None else _mm(layout.payload.centre), None
     centre, stiffnesses, positions = next(iter(sag.payloads.values())).centre, list[float](), list[Array]()
     for mount in scene.isolating:
-        down = -float(_axes(scene, mount)[2] @ sag.mounts[mount.name].deflection)
+        down = -float(mount_axes(scene, mount)[2] @ sag.mounts[mount.name].deflection)
         if down > 0.0:
             stiffnesses.append(sag.mounts[mount.name].carries / down)
             positions.append(mount_position(scene, mount))
     total = sum(stiffnesses)
     return _mm(centre), _mm(np.array(stiffnesses) @ np.array(positions) / total) if total > 0.0 else None
-
-
-def _axes(scene: Scene, mount: SceneMount) -> Array:
-    """Compute the axes of a mount in the world frame as columns roll, shear, axial, (3, 3)."""
-    body = next(body for body in scene.bodies if body.name == mount.base_body)
-    return np.asarray(rotation_matrices(body.orientation) @ mount.axes)
 
 
 def _boxes(scene: Scene, layout: Layout | None) -> Iterator[Entries]:
