@@ -12,7 +12,7 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 REPEATABLE = {"WIREROPE_KERNEL_NUMBER": "0", "PYTHONHASHSEED": "0"}
-"""Names in compiled code, and the order of sets while compiling: two builds give the same bytes."""
+"""Names in compiled code, and the order of sets while compiling, are the same in every build."""
 
 LEVELS = ("x86-64-v3", "x86-64-v2")
 """Of processors since 2013 and since 2009, one process each. Others compile when a kernel is first called."""
