@@ -12,6 +12,7 @@ from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.statics import statics_content
 from wirerope_mj.engine.statics import model_warnings, static_table
 from wirerope_mj.engine.system import System
+from wirerope_mj.mounts.isolator.implausible import isolator_warnings
 from wirerope_mj.runs.new_model import build_model, tables_in
 
 
@@ -53,7 +54,7 @@ class Outcome:
 
 def planted(slip: Slip, base: Base, folder: Path) -> Outcome:
     """Write a base with the slip into an empty folder and ask about it."""
-    file = slip.file or base.asked
+    file = base.asked or slip.file or "mounts.csv"
     text = slip.plant(base.files[file])
     assert text != base.files[file], f"{slip.name}: nothing of {file} of {base.name} was changed"
     return Outcome(slip, base, told(replace(base, files={**base.files, file: text}), folder))
@@ -84,7 +85,7 @@ def _sentences(path: Path) -> Iterator[str]:
     if path.is_dir():
         yield from _of_system(build_model("payload", tables_in(path)).system)
     elif path.suffix == ".toml":
-        wr.load_isolator(path)
+        yield from isolator_warnings(wr.load_isolator(path))
     else:
         yield from _of_system(wr.load_system(path))
 

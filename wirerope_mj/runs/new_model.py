@@ -202,6 +202,8 @@ def _isolators_of(layout: Layout) -> dict[str, Isolator]:
     for mount in layout.mounts:
         if mount.bracket is not None:
             isolators[mount.device] = replace(devices[mount.isolator], bracket=mount.bracket)
+    for unused in devices.keys() - {placed.device for placed in (*layout.mounts, *layout.stops)}:  # all stand on brackets
+        del isolators[unused]
     for stop in layout.stops:
         if stop.law is not None:
             try:

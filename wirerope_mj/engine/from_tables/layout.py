@@ -17,6 +17,7 @@ from wirerope_mj.mounts.vendor_parts import VendorPart
 # by how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding
 TOLERANCE = 1e-9
 _SAME = 1e-3  # closer than this no two mounts can stand [m]
+_NARROW = 0.03  # distance of all mounts [m] below which any two of them would overlap
 _LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts as horizontal
 # radii of gyration from the centre of mass, or times the distance of the mounts, or of [m] where these are nearer: no machine's
 # foot is so far out, no machine so large; a table in other units is a thousand
@@ -249,7 +250,8 @@ def check_places(layout: Layout, masses: Path) -> None:
             if np.linalg.norm(mount.position - earlier.position) < _SAME:
                 raise RecordError(
                     f'{mount.location}: columns "x", "y", "z": mount "{mount.name}" stands where "{earlier.name}" stands '
-                    f"({earlier.location})."
+                    f"({earlier.location})"
+                    + (": are they in m where the header says mm?" if apart < _NARROW else ". Check the signs.")
                 )
 
 

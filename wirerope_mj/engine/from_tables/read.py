@@ -13,6 +13,7 @@ import numpy as np
 
 from wirerope_mj.engine.flexible.panel import DAMPING
 from wirerope_mj.engine.from_tables.cad_list import MOMENTS, PRODUCTS, columns_of_masses, sign_of_products
+from wirerope_mj.engine.from_tables.implausible import warn_of_masses, warn_of_radians, warn_of_stops
 from wirerope_mj.engine.from_tables.layout import (
     ACTS,
     Box,
@@ -80,7 +81,6 @@ _TOTAL = {
 }  # fmt: skip
 _BESIDE = {"grand", "sub", "mass", "masses", "weight", "masse", "massen", "gewicht", "all", "parts", "of", "the", "over", "kg"}
 _ROUNDED = 2e-3  # by how much a total may miss the sum of what it adds up, for the digits that are printed
-_SAME = 1e-6  # within which a mass that is called otherwise is the sum of all others
 
 
 def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") -> Layout:
@@ -133,6 +133,7 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
         forces=forces, envelope=envelope, isolators=isolators,
     )  # fmt: skip
     check_places(layout, tables["masses"])
+    warn_of_stops(layout)
     return layout
 
 
@@ -164,7 +165,9 @@ def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[P
             raise row.error(f'column "bracket_{next(iter(stiff))}": {error}') from None
         return Placed(name, position_of(row), axes_of(row), isolator, row.location, bracket=bracket)
 
-    return tuple(each(mount_of, rows))
+    mounts = tuple(each(mount_of, rows))
+    warn_of_radians(rows)
+    return mounts
 
 
 def _read_stops(path: Path, isolators: dict[str, Path | VendorPart], mounts: Sequence[Placed]) -> tuple[Placed, ...]:
@@ -301,13 +304,7 @@ def read_masses(path: Path, *, products: str = "") -> tuple[Mass, ...]:
         )
         sign = sign_of_products(rows, products)
         masses = tuple(each(lambda row: _mass(row, sign), _without_totals(rows)))
-    last = masses[-1]  # where a total stands; another part may well weigh as much as the rest
-    mass_of_others = sum(mass.properties.mass for mass in masses[:-1])
-    if len(masses) > 2 and abs(last.properties.mass - mass_of_others) < _SAME * mass_of_others:
-        warnings.warn(
-            f'{last.location}: "{short(last.name)}" weighs what all others weigh together, {mass_of_others:.6g} kg: if it is '
-            "their total, leave it out.", RecordWarning, stacklevel=2,
-        )  # fmt: skip
+    warn_of_masses(masses)
     return masses
 
 

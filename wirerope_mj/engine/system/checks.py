@@ -26,6 +26,10 @@ _ELEMENT = re.compile(r" ?Element (?:name )?'([^']*)'(?:, id -?\d+)?(?:, line (\
 # parts of MuJoCo's messages, and what to do about each; the first that a message holds counts
 _REMEDIES = (
     ("opening file", "Put the file there, or correct its name; it is looked for from the model's folder on."),
+    (
+        "inertia must",
+        "No body has such moments: fullinertia is xx yy zz xy xz yz of the tensor about the centre of mass, xy = -sum x y dm.",
+    ),
     ("mjMINVAL", "Give this body mass: a geom, or an <inertial>."),
     ("decoder", "Export or copy this file again."),
     (

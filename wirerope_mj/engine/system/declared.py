@@ -123,6 +123,7 @@ def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
             raise ModelError(
                 f"mount {mount.name!r}: sites {sites[0]!r} and {sites[1]!r} are {distance:.6g} m apart in the modelled "
                 f"geometry; both must lie at the isolator's mid-height, within {COINCIDENCE:g} m."
+                + (" Is a position in mm? A model's are in m." if distance > 1.0 else "")
             )
         bodies = [int(model.site_bodyid[site]) for site in (mount.payload_site, mount.base_site)]
         if model.body_weldid[bodies[0]] == model.body_weldid[bodies[1]]:

@@ -203,7 +203,7 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     for mount in declared:
         body, site = int(plain.site_bodyid[mount.payload_site]), plain.site(mount.payload_site).name
         if plain.body_weldid[body] == 0:
-            raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world; nothing moves on it.")
+            raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world: give its body a joint.")
         if base and plain.body_rootid[body] == base and plain.body_weldid[body] == base:
             raise ModelError(f"mount {mount.name!r}: payload site {site!r} belongs to the base; swap the two sites.")
     try:

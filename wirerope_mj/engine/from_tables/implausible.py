@@ -1,0 +1,113 @@
+"""What tables say that makes a model, and is probably a slip: units, points of reference, rows twice."""
+
+import math
+import warnings
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from wirerope_mj.engine.from_tables.layout import Layout, Mass, combine, why_impossible
+from wirerope_mj.engine.from_tables.places import ANGLES
+from wirerope_mj.engine.from_tables.sheet import Row
+from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+
+_DENSEST = 3e4  # kg/m^3: a third above osmium, the densest of all materials
+_STEP = math.pi / 12.0  # 15 degrees, of which inclinations are multiples as a rule
+_SAME = 1e-6  # within which a mass that is called otherwise is the sum of all others
+_FRACTION = 0.3  # of a part's moments of inertia that its distance from the origin must make for them to tell the point
+_CLOSED = 1e-4  # m: a stop that is nearer is not set with a feeler gauge
+_SOFT = 0.1  # m: a stop that the weight presses in farther is none
+
+
+def warn_of_masses(masses: Sequence[Mass]) -> None:
+    """Warn of each probable slip in a table of masses, with file, row, column and remedy."""
+    for text in (*_dense(masses), *_about_the_origin(masses), *_twice(masses)):
+        warnings.warn(text, RecordWarning, stacklevel=3)
+
+
+def warn_of_stops(layout: Layout) -> None:
+    """Warn of each probable slip in a table of stops, with file, row, column and remedy."""
+    for text in _stops(layout):
+        warnings.warn(text, RecordWarning, stacklevel=3)
+
+
+def warn_of_radians(rows: Sequence[Row]) -> None:
+    """Warn of a column of angles in degrees whose numbers are multiples of 15 degrees in radians."""
+    for column in ANGLES:
+        filled = [row for row in rows if row.has(column)]
+        turns = [abs(row.number(column)) / row.factors[column] / _STEP for row in filled]
+        written = any(turns) and filled[0].factors[column] != 1.0
+        if written and all(turn < 24.5 and abs(turn - round(turn)) < 3e-4 for turn in turns):
+            text = f'column "{column}" is in degrees, and its numbers, such as {filled[0].text(column)}, look like radians: '
+            warnings.warn(f"{filled[0].location}: {text}write [rad] into the header.", RecordWarning, stacklevel=3)
+
+
+def _dense(masses: Sequence[Mass]) -> Iterator[str]:
+    for mass in masses:
+        properties = mass.properties
+        radius = math.sqrt(max(0.5 * float(properties.inertia.trace()), 0.0) / properties.mass)
+        if radius and properties.mass > _DENSEST * (math.sqrt(12.0) * radius) ** 3:
+            yield (
+                f'{mass.location}: "{short(mass.name)}" of {properties.mass:.4g} kg has a radius of gyration of '
+                f"{1e3 * radius:.3g} mm: it is denser than any material. Check the units of its mass and of columns "
+                '"ixx" to "izz", or "size_x" to "size_z".'
+            )
+
+
+def _about_the_origin(masses: Sequence[Mass]) -> Iterator[str]:
+    """Yield a warning if the moments of all parts that are away from the origin can be about it.
+
+    About the origin a part has at least m (d^2 1 - d d^T); about its own centre of mass it has as much only if it reaches
+    beyond the origin in all directions. Products of inertia count where some are stated.
+    """
+    away = []
+    for mass in masses:
+        properties = mass.properties
+        d = properties.centre
+        moved = properties.mass * (d @ d * np.eye(3) - np.outer(d, d))
+        if properties.inertia.any() and moved.trace() > _FRACTION * properties.inertia.trace():
+            stated = not np.array_equal(properties.inertia, np.diag(np.diag(properties.inertia)))
+            away.append((mass, properties.inertia - (moved if stated else np.diag(np.diag(moved)))))
+    if away and all(np.linalg.eigvalsh(rest)[0] > 0.0 and not why_impossible(rest) for _, rest in away):
+        first = away[0][0]
+        yield (
+            f'{first.location}: the moments of inertia of "{short(first.name)}" are so large that it would reach '
+            "beyond the table's origin in all directions: are they about the origin? They must be about each part's own "
+            "centre of mass."
+        )
+
+
+def _twice(masses: Sequence[Mass]) -> Iterator[str]:
+    last = masses[-1]  # where a total stands; another part may well weigh as much as the rest
+    mass_of_others = sum(mass.properties.mass for mass in masses[:-1])
+    if len(masses) > 2 and abs(last.properties.mass - mass_of_others) < _SAME * mass_of_others:
+        yield (
+            f'{last.location}: "{short(last.name)}" weighs what all others weigh together, {mass_of_others:.6g} kg: if it is '
+            "their total, leave it out."
+        )
+    for one, other in combinations(masses, 2):
+        same = one.properties.mass == other.properties.mass and (one.properties.centre == other.properties.centre).all()
+        if same and (one.properties.inertia == other.properties.inertia).all():
+            yield (
+                f'{other.location}: "{short(other.name)}" has mass, centre of mass and inertia of "{short(one.name)}": if it '
+                "is the same part, leave one out."
+            )
+
+
+def _stops(layout: Layout) -> Iterator[str]:
+    weight = combine([mass.properties for mass in layout.masses]).mass * STANDARD_GRAVITY
+    for stop in layout.stops:
+        if stop.law is None:
+            continue
+        gaps = [gap for gap in (stop.law.gap, stop.law.gap_up, stop.law.gap_across) if gap]
+        if gaps and min(gaps) < _CLOSED:
+            yield f'{stop.location}: stop "{stop.name}" has a gap of {1e3 * min(gaps):.2g} mm: is "gap" in other units?'
+        pressed = weight / len(layout.stops) / stop.law.stiffness
+        if pressed > _SOFT:
+            yield (
+                f'{stop.location}: stop "{stop.name}" of {1e-3 * stop.law.stiffness:.4g} kN/m would give way by {pressed:.3g} '
+                'm under its part of the weight: is column "stiffness" in other units, such as N/mm?'
+            )

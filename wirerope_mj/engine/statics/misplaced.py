@@ -1,0 +1,242 @@
+"""Mounts that stand where or as none can, centres of mass and inertias that no body of a payload's size has."""
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import scipy
+
+from wirerope_mj.engine.statics.payloads import Payload, payloads_of
+from wirerope_mj.engine.system import Mount, System
+from wirerope_mj.foundation.arrays import Array
+
+_SAME = 1e-3  # closer than this no two mounts stand [m]
+_LEVEL, _UPRIGHT = 0.1, 0.7  # rise of a mount's axis up to which it is horizontal (6 degrees), from which upright (45 degrees)
+# fraction of the size of a payload by which its centre of mass may lie outside what is drawn of it
+_OUTSIDE = 0.05
+# of the largest mean square of distances that is possible, with all mass at both ends: a ring frame has 0.67, an empty box 0.56
+_AT_ENDS = 0.75
+# kg/m^3: a third above osmium, the densest of all materials
+_DENSEST = 3e4
+_NEAR = 2e-3  # [m] from which a ray starts beyond the face that it is to meet
+_STEP = np.pi / 12.0  # 15 degrees, of which angles in models are multiples as a rule
+
+
+def misplaced_elements(system: System) -> list[str]:
+    """Return a sentence on each mount, centre of mass, inertia and angle that is probably not meant, with the remedy."""
+    model, data = system.model, mujoco.MjData(system.model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    said = [*_angles(system.mjcf)]
+    for payload in payloads_of(system):
+        mounts = [
+            mount for mount in system.mounts.values()
+            if not mount.isolator.is_stop and model.body(mount.payload_body).id in payload.bodies
+        ]  # fmt: skip
+        free = model.body_jntnum[payload.root] == 1 and model.jnt_type[model.body_jntadr[payload.root]] == 0
+        said += _too_close(mounts)
+        said += [text for mount in mounts for text in _at_an_end(system, data, mount, payload)]
+        if free and not payload.joined and len(mounts) > 2:
+            centre = payload.centre(data, model.body_subtreemass)
+            said += _turned(mounts, centre) or _outside_mounts(payload, mounts, centre)
+        said += _masses(system, data, payload, mounts, free=bool(free))
+    return said
+
+
+def _text(position: Array) -> str:
+    return f"({', '.join(f'{x:.4g}' for x in position.tolist())})"
+
+
+def _height(mount: Mount) -> float:
+    return (mount.written.geometry and mount.written.geometry.height) or 0.0
+
+
+def _too_close(mounts: Sequence[Mount]) -> Iterator[str]:
+    """Yield a warning of two equal isolators at one place, and of the nearest two that overlap."""
+    overlapping: list[tuple[float, float, Mount, Mount]] = []
+    for one, other in combinations(mounts, 2):
+        apart = float(np.linalg.norm(one.position - other.position))
+        width = min(filter(None, (_height(one), _height(other))), default=0.0)
+        if apart < _SAME and one.written == other.written and one.base_body == other.base_body:
+            yield (
+                f"mounts {one.name!r} and {other.name!r} stand at one place, {_text(one.position)} m: "
+                "check the signs of the positions of their sites, or remove one."
+            )
+        elif _SAME <= apart < 0.5 * width and one.axes[:, 2] @ other.axes[:, 2] > _UPRIGHT:
+            overlapping.append((apart, width, one, other))
+    if overlapping:
+        apart, width, one, other = min(overlapping, key=lambda pair: pair[0])
+        yield (
+            f"mounts {one.name!r} and {other.name!r} stand {1e3 * apart:.3g} mm apart, and their isolators are "
+            f"{1e3 * width:.3g} mm high, so that they overlap: are positions in the unit that is said, m in a model?"
+        )
+
+
+def _turned(mounts: Sequence[Mount], centre: Array) -> list[str]:
+    """Return a warning of mounts whose axis leads away from the payload, as if it were turned round."""
+    names = []
+    for mount in mounts:
+        axial, towards = mount.axes[:, 2], centre - mount.position
+        level = abs(axial[2]) <= _LEVEL
+        if axial[:2] @ towards[:2] < -_SAME if level else axial[2] < -_UPRIGHT and towards[2] > 0.5 * _height(mount):
+            names.append(mount.name)
+    if not names:
+        return []
+    return [
+        f"{'mounts' if names[1:] else 'mount'} {', '.join(names)}: z of the sites leads away from the payload's centre of "
+        "mass, so that its weight pulls at them instead of pressing, or the mounts lie on their side. z points from the base's "
+        "bar to the payload's: turn `xyaxes`, `euler` or `quat` of both sites."
+    ]
+
+
+def _outside_mounts(payload: Payload, mounts: Sequence[Mount], centre: Array) -> Iterator[str]:
+    """Yield a warning of a centre of mass that upright mounts cannot hold above them."""
+    if any(mount.axes[2, 2] < _UPRIGHT for mount in mounts):
+        return
+    places = np.array([mount.position for mount in mounts])
+    at = f"body {payload.name!r}: its centre of mass at {_text(centre)} m"
+    base = float((places[:, 2] - 0.5 * np.array([_height(mount) for mount in mounts])).min())
+    spread = np.linalg.svd(places[:, :2] - places[:, :2].mean(axis=0), compute_uv=False)
+    size = float(np.hypot(*np.ptp(places[:, :2], axis=0)))
+    if spread[-1] < 1e-3 * max(spread[0], 1e-6):
+        if float(np.ptp(places[:, 2])) > 0.1 * size:
+            yield (
+                f"body {payload.name!r}: its upright mounts {mounts[0].name} to {mounts[-1].name} stand above each other. "
+                "z is up: are y and z swapped, as in drawings where y is up?"
+            )
+        return
+    hull = scipy.spatial.ConvexHull(places[:, :2])
+    if float((hull.equations @ [*centre[:2], 1.0]).max()) > 0.02 * size:
+        yield (
+            f"{at} lies outside the area between its mounts, from {_text(places.min(axis=0)[:2])} to "
+            f"{_text(places.max(axis=0)[:2])} m in x and y: it tips over. Check the signs, axes, origin and units of masses "
+            "and mounts."
+        )
+    if centre[2] <= base + _SAME:
+        yield (
+            f"{at} lies below the mounts that it stands on, whose lower ends are at z = {base:.3g} m: is its height left out, "
+            "or z measured downwards? z is up."
+        )
+
+
+def _masses(system: System, data: mujoco.MjData, payload: Payload, mounts: Sequence[Mount], *, free: bool) -> Iterator[str]:
+    """Yield warnings of centres of mass and inertias that do not fit what is drawn of a payload."""
+    model = system.model
+    modal = {mode.body for mode in system.assembly.subjects.modes}
+    bodies = [body for body in payload.bodies if model.body_mass[body] > 0.0 and model.body(body).name not in modal]
+    corners = _corners(model, data, payload.bodies)
+    total, inertia = 0.0, np.zeros((3, 3))
+    centre = payload.centre(data, model.body_subtreemass)
+    for body in bodies:
+        name, mass, at = model.body(body).name, float(model.body_mass[body]), data.xipos[body]
+        turned = data.ximat[body].reshape(3, 3)
+        tensor = turned @ np.diag(model.body_inertia[body]) @ turned.T
+        total, inertia = total + mass, inertia + tensor + mass * _moved(at - centre)
+        if corners is None:
+            continue
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        sites = np.vstack([corners, *(mount.position[None] for mount in mounts)])
+        lowest, highest = sites.min(axis=0), sites.max(axis=0)
+        beyond = np.maximum(lowest - at, at - highest).max()
+        origin = data.xpos[body]
+        at_origin = not model.body_ipos[body].any()
+        on_edge = np.minimum(origin - low, high - origin).min() <= 1e-3 * float(np.linalg.norm(high - low))
+        if beyond > _OUTSIDE * float(np.linalg.norm(highest - lowest)) or (at_origin and on_edge):
+            ends = f"{_text(lowest)} to {_text(highest)}"
+            yield (
+                f"body {name!r}: its centre of mass at {_text(at)} m lies "
+                + ("at the origin of its body, which is not inside" if at_origin and on_edge else "outside")
+                + f" what is drawn of it and its mounts, {ends} m: check sign, axes and unit of `pos` in its <inertial>."
+            )
+        elif len(bodies) == 1 and (about := _about_origin(tensor, mass, at, origin, low, high)):
+            yield (
+                f"body {name!r}: its moments of inertia are larger than those of any body between its geoms: they are about "
+                f"{about}, and must be about its centre of mass. Move them: subtract mass times distance squared."
+            )
+    radius = float(np.sqrt(0.5 * np.trace(inertia) / total)) if total else 0.0
+    if free and total > _DENSEST * (12.0**0.5 * radius) ** 3:
+        yield (
+            f"body {payload.name!r}: its moments of inertia are those of {total:.4g} kg within {1e3 * radius:.3g} mm of its "
+            "centre of mass, denser than any material: are they, or the sizes of its geoms, in other units than kg m^2 and m?"
+        )
+
+
+def _moved(arm: Array) -> Array:
+    """Return what a distance (3,) adds to an inertia tensor, per unit of mass."""
+    return np.asarray(arm @ arm * np.eye(3) - np.outer(arm, arm))
+
+
+def _squares(tensor: Array, mass: float) -> Array:
+    """Return the mean squares of the distances of a body's matter from its centre of mass along x, y and z [m^2]."""
+    return np.asarray((0.5 * np.trace(tensor) - np.diag(tensor)) / mass)
+
+
+def _about_origin(tensor: Array, mass: float, at: Array, origin: Array, low: Array, high: Array) -> str:
+    """Say about which point moments of inertia are that nothing between two corners can have about its centre of mass.
+
+    What lies between a and b has about its mean m a mean square of at most (b - m)(m - a) (Bhatia and Davis, A better bound on
+    the variance, American Mathematical Monthly 107, 2000). "" if they are possible, or about another point neither.
+    """
+    most = _AT_ENDS * (high - at) * (at - low)
+    if (_squares(tensor, mass) <= most).all():
+        return ""
+    for point, name in ((origin, "the body's origin"), (np.zeros(3), "the origin of the model")):
+        moved = tensor - mass * _moved(at - point)
+        squares = _squares(moved, mass)
+        if np.linalg.eigvalsh(moved)[0] > 0.0 and (squares > 0.0).all() and (squares <= most).all():
+            return name
+    return ""
+
+
+def _corners(model: mujoco.MjModel, data: mujoco.MjData, bodies: Sequence[int]) -> Array | None:
+    """Return the corners of the boxes around all geoms of bodies, world frame [m], (n, 3); None without any geom."""
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    found = [
+        data.geom_xpos[geom]
+        + (model.geom_aabb[geom, :3] + signs * model.geom_aabb[geom, 3:]) @ data.geom_xmat[geom].reshape(3, 3).T
+        for geom in np.flatnonzero(np.isin(model.geom_bodyid, bodies) & (model.geom_rbound > 0.0))
+    ]
+    return np.concatenate(found) if found else None
+
+
+def _at_an_end(system: System, data: mujoco.MjData, mount: Mount, payload: Payload) -> Iterator[str]:
+    """Yield a warning of a mount whose sites lie at one end of its isolator, on the payload or on the base."""
+    model, height, axial = system.model, _height(mount), mount.axes[:, 2]
+    base = np.flatnonzero(model.body_weldid == model.body_weldid[model.body(mount.base_body).id])
+    ends = []
+    for bodies, way in ((payload.bodies, axial), (base, -axial)):
+        hits = [
+            mujoco.mju_rayGeom(
+                data.geom_xpos[geom], data.geom_xmat[geom], model.geom_size[geom], mount.position - _NEAR * way, way,
+                int(mujoco.mjtGeom.mjGEOM_BOX), None,
+            )
+            for geom in np.flatnonzero(np.isin(model.geom_bodyid, bodies) & (model.geom_type == mujoco.mjtGeom.mjGEOM_BOX))
+        ]  # fmt: skip
+        ends.append(min((hit for hit in hits if hit >= 0.0), default=np.inf) - _NEAR)
+    up, down = ends
+    if height and abs(up + down - height) < 0.05 * height and abs(up - down) > 0.8 * height:
+        yield (
+            f"mount {mount.name!r}: its sites lie on the {'payload' if up < down else 'base'}, {1e3 * max(up, down):.3g} mm "
+            f"from the other side: they belong at the isolator's mid-height, {500.0 * height:.3g} mm from both."
+        )
+
+
+def _angles(mjcf: str) -> Iterator[str]:
+    """Yield a warning of angles in a model's text that are in radians where it is in degrees, or the reverse."""
+    try:
+        root = ElementTree.fromstring(mjcf)
+    except ElementTree.ParseError:  # of a model that includes what stands elsewhere
+        return
+    radians = any(element.get("angle") == "radian" for element in root.iter("compiler"))
+    for element in root.iter():
+        written = element.get("euler", "").split() or element.get("axisangle", "").split()[-1:]
+        values = [abs(float(value)) for value in written if re.fullmatch(r"[-+.\deE]+", value)]
+        turns = [value / _STEP for value in values if value]
+        named = f"{element.tag} {element.get('name', '')!r}: its angle of {' '.join(written)}"
+        if radians and any(value > 2.0 * np.pi + _SAME and not value % 5.0 for value in values):
+            yield f'{named} is read in radians, as <compiler angle="radian"> has it, and looks like degrees.'
+        elif not radians and turns and all(0.5 < turn < 24.5 and abs(turn - round(turn)) < 3e-4 for turn in turns):
+            yield f'{named} is read in degrees and looks like radians: write degrees, or <compiler angle="radian"/>.'
