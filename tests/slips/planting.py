@@ -7,13 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria import rest_travel_verdicts, rested_verdicts, static_load_verdicts
-from wirerope_mj.content.blocks import Statement
-from wirerope_mj.content.statics import statics_content
-from wirerope_mj.engine.statics import model_warnings, static_table
-from wirerope_mj.engine.system import System
-from wirerope_mj.mounts.isolator.implausible import isolator_warnings
-from wirerope_mj.runs.new_model import build_model, tables_in
 
 
 @dataclass(frozen=True)
@@ -69,35 +62,15 @@ def told(base: Base, folder: Path) -> list[str]:
 
 
 def said(path: Path, ask: Callable[[Path], object] | None = None) -> list[str]:
-    """Return the sentences on what is wrong or implausible about an input."""
+    """Return the sentences on what is wrong or implausible about an input: those of `wirerope check`, or of what asks."""
+    if ask is None:
+        return [finding.text for finding in wr.check(path)]
     sentences = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            answer = _sentences(path) if ask is None else ask(path)
+            answer = ask(path)
             sentences += answer if isinstance(answer, list | Iterator) else []
         except (wr.WireRopeError, ValueError) as error:
             sentences.append(str(error))
     return [str(warning.message) for warning in caught] + sentences
-
-
-def _sentences(path: Path) -> Iterator[str]:
-    if path.is_dir():
-        yield from _of_system(build_model("payload", tables_in(path)).system)
-    elif path.suffix == ".toml":
-        yield from isolator_warnings(wr.load_isolator(path))
-    else:
-        yield from _of_system(wr.load_system(path))
-
-
-def _of_system(system: System) -> Iterator[str]:
-    if found := model_warnings(system):
-        yield from found
-        return  # with such a slip an equilibrium is searched for long
-    table = static_table(system)
-    isolators = {name: mount.isolator for name, mount in system.mounts.items()}
-    verdicts = rested_verdicts(table) + static_load_verdicts(table) + rest_travel_verdicts(isolators, table, system.bottoms)
-    for section in statics_content(system.name, table, verdicts, {}).sections:
-        for block in section.blocks:
-            if isinstance(block, Statement) and (block.tone == "exceeded" or block.id in {"statics-virgin", "statics-relaxed"}):
-                yield block.text

@@ -44,6 +44,7 @@ from wirerope_mj.motions.records.uff import is_uff, uff_channels
 from wirerope_mj.motions.registry import motion_of_levels
 from wirerope_mj.mounts.identification.records import read_tests, rig_warnings
 from wirerope_mj.mounts.isolator import read_law
+from wirerope_mj.mounts.isolator.implausible import isolator_warnings
 from wirerope_mj.mounts.isolator.tables import read_curve
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
@@ -135,7 +136,8 @@ def _checked(path: Path, kind: str = "") -> CheckedFile:
             if kind == UNKNOWN:
                 raise ModelError(f"{path}: of what kind this file is cannot be told. There are {_KNOWN}.")
             texts = _READERS[kind](file)
-            said += [(text, False) for text in texts] if isinstance(texts, Iterator) else []
+            for text in texts if isinstance(texts, Iterator) else ():
+                said.append((text, False))  # what was said before a refusal counts as well
         except (WireRopeError, ValueError, OSError) as error:
             said += [(text, True) for text in (error_text(error), *texts_of(error)[1:])]
     said += [(str(one.message), False) for one in caught if issubclass(one.category, _OURS)]
@@ -197,6 +199,10 @@ def _job(path: Path) -> Texts:
     return _of_system(job.system, [case.scenario.motion for case in job.cases])
 
 
+def _isolator(path: Path) -> Texts:
+    yield from isolator_warnings(load_isolator(path))
+
+
 def _datasheet(path: Path) -> None:
     if read_short_sheet(path) is None:
         fit_datasheet(path)
@@ -240,7 +246,7 @@ def _map(path: Path) -> None:
 # What reads each kind: what it raises is refused; what it warns of, or yields as sentences, is implausible.
 _READERS: dict[str, Callable[[Path], object]] = {
     "model": lambda path: _of_system(load_system(path)), "scenario": lambda path: _scenario(load_scenario(path).make()),
-    "study": lambda path: _of_system(load_study_file(path).make().base), "isolator": load_isolator, "datasheet": _datasheet,
+    "study": lambda path: _of_system(load_study_file(path).make().base), "isolator": _isolator, "datasheet": _datasheet,
     "law": lambda path: read_law(read_toml(path, "law file"), Place(path)), "levels": motion_of_levels, "job": _job,
     "life": _mission, "map": _map, "density": psd_points, "spectrum": spectrum_points, "amplitudes": table_lines,
     "curve": read_curve, "forces over time": force_rows, "cyclic test": _cyclic_test, "record": _record, "run": _run,
