@@ -16,7 +16,7 @@ class Base:
     name: str
     files: Mapping[str, str]
     asked: str = ""
-    #: what reads the file that is asked about, and may list sentences; None: `said` knows models, tables and isolators
+    #: what reads the file that is asked about, and may list sentences; None: `wirerope check`
     ask: Callable[[Path], object] | None = None
 
 
@@ -47,7 +47,7 @@ class Outcome:
 
 def planted(slip: Slip, base: Base, folder: Path) -> Outcome:
     """Write a base with the slip into an empty folder and ask about it."""
-    file = base.asked or slip.file or "mounts.csv"
+    file = slip.file or base.asked or "mounts.csv"
     text = slip.plant(base.files[file])
     assert text != base.files[file], f"{slip.name}: nothing of {file} of {base.name} was changed"
     return Outcome(slip, base, told(replace(base, files={**base.files, file: text}), folder))
