@@ -21,7 +21,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import msgspec
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.faults import each
 from wirerope_mj.foundation.plain_text import quoted, short
@@ -127,13 +127,11 @@ def structure(kind: type[T], table: object, place: Place, readers: Readers | Non
         raise place.fault(f"it must be a table, got {quoted(table)}.")
     dataclass_: Any = kind
     known, needed = keys_of(dataclass_), needed_keys(dataclass_)
-    values: Entries = {}
-    unknown = [key for key in table if key not in known]
+    values, unknown = dict[str, Any](), [key for key in table if key not in known]
 
     def read(key: str) -> None:
         if key in unknown:
-            near = get_close_matches(key, known, n=1)
-            meant = f" Did you mean `{near[0]}`?" if near else ""
+            meant = "".join(f" Did you mean `{near}`?" for near in get_close_matches(key, known, n=1))
             others = f"; known: {', '.join(known)}." if key is unknown[0] else ", too."  # which are many
             raise place.fault(f"`{short(key)}` is unknown{others}{meant}")
         field = known[key]
@@ -213,8 +211,7 @@ def _array(name: str, value: object, shape: Shape) -> Array:
 
 def said_of(hint: Any, *, plural: bool = False) -> str:
     """Describe a type: "a finite number > 0 [m]"."""
-    said = (_said_of(option, marks, plural) for option, marks in options_of(hint) if option is not NoneType)
-    return " or ".join(said)
+    return " or ".join(_said_of(option, marks, plural) for option, marks in options_of(hint) if option is not NoneType)
 
 
 def _said_of(option: Any, marks: tuple[Any, ...], plural: bool) -> str:
@@ -230,8 +227,7 @@ def _said_of(option: Any, marks: tuple[Any, ...], plural: bool) -> str:
     elif option in _KINDS:
         text = _KINDS[option][plural]
     else:
-        article = "an" if option.__name__[0] in "AEIOU" else "a"
-        text = "tables" if plural else f"{article} {option.__name__}"
+        text = "tables" if plural else f"{'an' if option.__name__[0] in 'AEIOU' else 'a'} {option.__name__}"
     metas = [mark for mark in marks if isinstance(mark, msgspec.Meta)]
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
     limits = [(sign, getattr(meta, name)) for meta in metas for name, sign in signs.items()]
@@ -367,8 +363,7 @@ def _structured(hint: Any, value: Any, place: Place, key: Any, readers: Readers)
         return checked(key, value, hint)
     except ValueError as error:
         said = "the path of a file" if inner is Path else "a table"
-        text = str(error).replace(said_of(inner), said) if how is None else str(error)
-        raise place.fault(text) from None
+        raise place.fault(str(error).replace(said_of(inner), said) if how is None else str(error)) from None
 
 
 @cache
