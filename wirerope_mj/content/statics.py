@@ -18,6 +18,7 @@ from wirerope_mj.foundation.tables import Column, Mark, Row, Table, left
 
 # Descriptions of the two equilibria by loading history
 HISTORIES = {"virgin": "on the first loading, as after installation", "relaxed": "after long vibration (friction relaxed)"}
+RESTED_REMEDY = "The base moves the payload through them; give them a larger gap, or the mounts more stiffness."
 _TONES = {"stable": "within", "slender": "near"}
 _BALANCED = 1e-4  # fraction of the weight up to which loads on contacts and joints are not stated
 _MORE_THAN_ALL = 1.000001  # ratio of all mounts' loads to the weight on mounts, above which payloads are stacked
@@ -138,8 +139,7 @@ def _sag_table(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) 
 
 def _rested_statement(verdicts: Sequence[Verdict]) -> Statement | None:
     lines = rested_lines(verdicts)
-    text = "The base moves the payload through them; give them a larger gap, or the mounts more stiffness."
-    return Statement("rested", " ".join([*lines, text]), tone="exceeded") if lines else None
+    return Statement("rested", " ".join([*lines, RESTED_REMEDY]), tone="exceeded") if lines else None
 
 
 def _static_load_statement(verdicts: Sequence[Verdict]) -> Statement | None:

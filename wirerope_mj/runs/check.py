@@ -15,6 +15,7 @@ from wirerope_mj.assessment.criteria.summary import pressed_lines, rested_lines
 from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, TRAVEL, against_limit, by_use
 from wirerope_mj.assessment.durability.mission import read_mission
 from wirerope_mj.content.numbers import listed
+from wirerope_mj.content.statics import RESTED_REMEDY
 from wirerope_mj.engine.from_tables.layout import NAME
 from wirerope_mj.engine.from_tables.read import read_table
 from wirerope_mj.engine.simulation.run import missing_modes
@@ -171,7 +172,7 @@ def _of_system(system: System, motions: Iterable[BaseMotion] = ()) -> Texts:
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     rest = rested_verdicts(table), rest_travel_verdicts(isolators, table, system.bottoms)
     verdicts = [row for row in (*static_load_verdicts(table), *rest[0], *rest[1]) if row.verdict == EXCEEDED]
-    yield from (*rested_lines(verdicts), *pressed_lines(verdicts))
+    yield from (*(f"{line} {RESTED_REMEDY}" for line in rested_lines(verdicts)), *pressed_lines(verdicts))
     for kind in (STATIC_LOAD, TRAVEL):
         used = by_use(row for row in verdicts if row.criterion.kind == kind)
         for worst in list(used.values())[:1]:
