@@ -8,12 +8,14 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import numba
 import pytest
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
+from numba.core.event import Event, EventStatus
 
-from wirerope_mj.foundation import kernel_files, kernel_proof
+from wirerope_mj.foundation import jit, kernel_files, kernel_proof
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.kernel_proof import TESTED, doubt
 from wirerope_mj.foundation.linked_code import LinkedCode
@@ -54,6 +56,22 @@ event.register("numba:compile", Count())
 import kernels
 print(kernels.outer(2.0), kernels.apart(2.0), *compiled)
 """
+
+
+def test_nothing_is_said_of_functions_that_others_compile(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(jit, "PATIENCE", -1.0)
+    monkeypatch.setattr(jit, "compile_beside", lambda: None)
+    watch = jit.Watch(str(tmp_path))
+
+    def compile_one(module):
+        function = SimpleNamespace(py_func=SimpleNamespace(__module__=module))
+        for status in EventStatus:
+            watch.notify(Event("numba:compile", status, {"dispatcher": function}))
+        return capsys.readouterr().err
+
+    assert compile_one("somebody.else") == ""
+    assert compile_one(None) == ""  # as of a page that is executed
+    assert "kernels are compiled" in compile_one("wirerope_mj.mounts.laws.ni")
 
 
 @pytest.fixture

@@ -44,6 +44,11 @@ class Watch(Listener):
         self._depth, self._number = 0, 0
         self._began = self._last = 0.0
 
+    def notify(self, event: Any) -> None:
+        """Leave out what others compile with Numba, in modules or in none."""
+        if str(event.data["dispatcher"].py_func.__module__).startswith("wirerope_mj."):
+            super().notify(event)
+
     def on_start(self, event: Any) -> None:
         """Note that a kernel, or one that it calls, is begun."""
         if self._depth == 0:
