@@ -1,6 +1,5 @@
 """`wirerope select`: every part of the catalogue simulated in the places of the mounts; and the vendors' worksheet."""
 
-import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -80,6 +79,7 @@ def select(
     import numpy as np
 
     from wirerope_mj.content.part_selection import catalogue_selection_content
+    from wirerope_mj.engine.simulation.progress import share_bar
     from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -116,14 +116,11 @@ def select(
         raise ValueError(f"`--take` must be a part that is tried, got {take!r}.{meant}")
     if out is not None:
         check_folder(out, force=force, kind=KIND, marks=marks(out.resolve().name))
-    tty = sys.stderr.isatty()
-    selection = select_parts(
-        systems, tried, cases, by=by, stated=stated, initial=initial,
-        room=None if room is None else 1e-3 * np.array(room),
-        progress=lambda done: print(f"\rsimulating .. {100 * done:.0f} %", end="", file=sys.stderr) if tty else None,
-    )  # fmt: skip
-    if tty:
-        print("\r", end="", file=sys.stderr)
+    with share_bar("simulating", "parts", enabled=True) as update:
+        selection = select_parts(
+            systems, tried, cases, by=by, stated=stated, initial=initial,
+            room=None if room is None else 1e-3 * np.array(room), progress=lambda done: update(done, len(tried) * done),
+        )  # fmt: skip
     content = catalogue_selection_content(selection, every=all)
     show_result(content, "brief", others=("parts",), every=all)
     if out is not None or take is not None:
