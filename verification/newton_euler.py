@@ -261,7 +261,7 @@ def solve(problem: Problem, times: Array, rtol: float) -> Solution:
         inside = times[(times >= begin) & ((times < end) | (end == ends[-1]))]
         samples += [_seen(run.sol, inside, tables)] if inside.size else []
         parts = [np.linspace(*step, PARTS, endpoint=False) for step in pairwise(run.t)]
-        dense.append((run.sol, np.concatenate(parts), inner))
+        dense.append((run.sol, np.append(np.concatenate(parts), end), inner))
         y = run.y[:, -1]
     least, most, norms = [], [], []
     for sol, instants, inner in dense:

@@ -77,7 +77,7 @@ def test_motions_at_the_ends_of_their_ranges_are_finite():
         (["fmu", "sdof_shaker", "o.fmu", "--timestep", "nan"], "`timestep` must be a finite number"),
         (["select", "worksheet", "--mass", "100", "--mounts", "4", "--drop", "1e-308"], "`drop` must be 1e-12 to 1e+12"),
         (["shock", "sdof_shaker", "--half-sine", "1 g 11 ms z", "--duration", "1e9"], "may take up to"),
-        (["shock", "sdof_shaker", "--half-sine", "1 g 11 ms z", "--sample-rate", "1e9", "--duration", "1e3"], "may take up to"),
+        (["shock", "sdof_shaker", "--half-sine", "1 g 11 ms z", "--sample-rate", "9e9", "--duration", "99"], "may take up to"),
         (["study", "shock_table", "--vary", "motion/level = Uniform(0.5, 1)", "--variants", "100000000000"], "would take"),
     ],
 )  # fmt: skip

@@ -126,7 +126,8 @@ def test_what_was_dragged_where_nothing_may_stand_shows_again_what_stands(board)
 
 def test_an_absurd_level_is_given_up_with_the_statics_of_what_stands(board, monkeypatch):
     monkeypatch.setattr("wirerope_mj.runs.board.loaded._LONGEST", 0.0)  # every finer step is too long
-    told = act(board, do="case", case="0", key="motions", value="half-sine 1e6 g 11 ms z")
+    with pytest.warns(wr.ModelWarning, match="more than shock tests do"):
+        told = act(board, do="case", case="0", key="motions", value="half-sine 1e6 g 11 ms z")
     assert "No verdict: steps down to" in told["html"]["verdict"]
     assert "At rest" in told["html"]["statics"]
     monkeypatch.undo()

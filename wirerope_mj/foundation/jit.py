@@ -31,6 +31,8 @@ PATIENCE, PACE = 2.0, 10.0
 index = np.uint32
 # Options of a function that kernels call: Python and C have no way into it.
 _UNWRAPPED = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# Kernels before they are compiled: Numba tells of all functions, those of other programs, too.
+_KERNELS: set[Callable[..., Any]] = set()
 # Compiled callbacks: their code goes with them.
 _KEPT: list[Any] = []
 
@@ -45,8 +47,8 @@ class Watch(Listener):
         self._began = self._last = 0.0
 
     def notify(self, event: Any) -> None:
-        """Leave out what others compile with Numba, in modules or in none."""
-        if str(event.data["dispatcher"].py_func.__module__).startswith("wirerope_mj."):
+        """Leave out what others compile with Numba."""
+        if event.data["dispatcher"].py_func in _KERNELS:
             super().notify(event)
 
     def on_start(self, event: Any) -> None:
@@ -110,6 +112,7 @@ def address(function: Callable[..., Any], signature: Any) -> int:
 def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..., Any]:
     if numba.config.DISABLE_JIT:
         return function
+    _KERNELS.add(function)
     options = {"error_model": "numpy", "forceinline": forceinline, "nogil": True}
     if doubt():
         with _numbas_cache() as kept:

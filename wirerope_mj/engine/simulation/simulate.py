@@ -270,7 +270,7 @@ def duration_of(motion: BaseMotion, duration: float | None, system: System) -> f
         if not sweeps:
             duration = math.ceil(10.0 * (motion.end + RING_DOWN * slowest_period(system)) - 1e-6) / 10.0
     check_arguments(duration=duration)
-    if duration > max(_LONG, _LONGER * motion.end) and math.isfinite(motion.end):
+    if max(_LONG, _LONGER * motion.end) < duration < 1e3 * _LONG and math.isfinite(motion.end):
         warnings.warn(
             f"`duration` of {duration:g} s goes on for {duration - motion.end:.4g} s after the motion: was {duration:g} ms "
             f"meant, {1e-3 * duration:g} s?",
