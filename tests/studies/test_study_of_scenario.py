@@ -14,7 +14,7 @@ from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.runs.study import what_can_vary, write_worst
 from wirerope_mj.studies.results.measure import row_of
 from wirerope_mj.studies.vary.vary_option import available_lines, read_vary
-from wirerope_mj.views.recording import viewer
+from wirerope_mj.views.recording import program, viewer
 
 SCENARIO_FILE = textwrap.dedent('''
     """Does a mass on one mount stand a half-sine?"""
@@ -197,7 +197,7 @@ def test_what_can_vary_names_mounts_parameters_bodies_and_directions():
 def shown(monkeypatch):
     """Return the recordings that are shown, as if there were a screen."""
     opened = []
-    monkeypatch.setattr(viewer, "has_display", lambda: True)
+    monkeypatch.setattr(program, "has_display", lambda: True)
     monkeypatch.setattr(viewer, "show", opened.append)
     terminal, none = SimpleNamespace(isatty=lambda: True), SimpleNamespace(isatty=lambda: False)
     monkeypatch.setattr(command, "sys", SimpleNamespace(stdout=terminal, stderr=none))

@@ -265,7 +265,7 @@ class Shift(InputColumn):
         low, high = float(values.min()), float(values.max())
         middle = (low + high) / 2.0
         positions = [position for position in self.nominal(system) if abs(position) > NEAR]
-        if _FARTHEST < (most := max(-low, high)) < np.inf:
+        if self.model_unit == "m" and _FARTHEST < (most := max(-low, high)) < np.inf:
             return [f"{self.name} shifts by up to {most:.3g} m, more than any tolerance or layout: are the numbers in mm?"]
         if low <= 0.0 <= high or not any(abs(middle - position) < abs(middle) for position in positions):
             return []
