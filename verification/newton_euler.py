@@ -66,8 +66,8 @@ class Problem:
 
 
 @njit(cache=True)
-def _turned(q: Array) -> Array:
-    """Make the rotation matrix of a quaternion, scalar first."""
+def rotation_matrix(q: Array) -> Array:
+    """Make the rotation matrix (3, 3) of a quaternion (4,), scalar first."""
     w, x, y, z = q / np.sqrt(np.sum(q * q))
     return np.array(
         [
@@ -159,7 +159,7 @@ def _rates(
     force, torque, on_frame = np.zeros((bodies, 3)), np.zeros((bodies, 3)), np.zeros(3)
     for b in range(bodies):
         state = y[_BODY * b : _BODY * (b + 1)]
-        turns[b] = _turned(state[3:7])
+        turns[b] = rotation_matrix(state[3:7])
         spins[b] = turns[b] @ state[10:13].copy()
     moved = y[_BODY * bodies : first]
     deflections, forces = np.empty((mounts, 3)), np.empty((mounts, 3))

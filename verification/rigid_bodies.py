@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 import wirerope_mj as wr
 from verification.case import Case, Comparison, series
 from verification.models import deck, mjcf, mounts
+from verification.newton_euler import rotation_matrix
 
 Array = np.ndarray
 
@@ -53,19 +54,6 @@ PAYLOAD = np.array([0] * len(LOWER) + [1] * len(UPPER))
 
 
 @njit(cache=True)
-def _matrix(q: Array) -> Array:
-    """Return the rotation matrix of a quaternion, scalar first."""
-    w, x, y, z = q / np.sqrt(np.sum(q * q))
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
-@njit(cache=True)
 def _deck_motion(t: float) -> tuple[Array, Array]:
     """Return displacement and velocity of the deck under a half-sine."""
     s = min(max((t - START) / LENGTH, 0.0), 1.0)
@@ -99,7 +87,7 @@ def _rates(t: float, y: Array) -> Array:
     force = np.zeros((2, 3))
     out = np.empty(y.size)
     for b in range(2):
-        turns[b] = _matrix(states[b, 3:7])
+        turns[b] = rotation_matrix(states[b, 3:7])
         spins[b] = turns[b] @ states[b, 10:13].copy()
         force[b, 2] = -GRAVITY * MASSES[b]
     deck = _deck_motion(t)
@@ -140,7 +128,7 @@ def _solve(times: Array) -> tuple[Array, float]:
 
 def _marked(poses: Array) -> Array:
     """Return centre and three points 0.5 m from it along the axes of each body, from position and quaternion (2, 7)."""
-    return np.array([[p[:3], *(p[:3] + 0.5 * _matrix(p[3:]).T)] for p in poses])
+    return np.array([[p[:3], *(p[:3] + 0.5 * rotation_matrix(p[3:]).T)] for p in poses])
 
 
 def _system() -> wr.System:

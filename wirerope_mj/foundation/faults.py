@@ -61,5 +61,5 @@ def reworded(error: Exception, word: Callable[[str], Exception]) -> Exception:
 
 
 def texts_of(error: Exception) -> tuple[str, ...]:
-    """Return what an error says, and what it says of others that were found with it."""
+    """List the message of an error and its notes, which are the messages of the others found with it."""
     return (str(error), *getattr(error, "__notes__", ()))

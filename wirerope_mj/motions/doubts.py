@@ -1,19 +1,15 @@
 """Questions about the units of a shock that lasts, or changes the velocity of its base, as no test does."""
 
 _LONGEST_SHOCK = 1.0  # [s] beyond which the unit of a pulse is questioned
+# change of velocity [m/s] beyond which the unit of a shock is questioned, that of a fall from 5 m: half-sines of standards end
+# at 7.5, and those of sleds, which go beyond, last longer than this [s]; below this one [m/s] no mount feels it
+_FASTEST, _OF_SLEDS, _SLOWEST = 10.0, 0.05, 0.01
+_UNITS = "is its peak in another unit, m/s^2 where g is said or mm/s^2 where m/s^2 is?"
 
 
 def doubt_of_length(duration: float, question: str) -> str:
     """Return a question about the unit of a shock that lasts longer than a second; "" for a shorter one."""
     return f"it lasts {duration:.4g} s, and shocks are over sooner: {question}" if duration > _LONGEST_SHOCK else ""
-
-
-# change of velocity [m/s] beyond which the unit of a shock is questioned, that of a fall from 5 m: half-sines of standards end
-# at 7.5, and those of sleds, which go beyond, last longer than this [s]; below this one [m/s] no mount feels it
-_FASTEST, _OF_SLEDS, _SLOWEST = 10.0, 0.05, 0.01
-
-
-_UNITS = "is its peak in another unit, m/s^2 where g is said or mm/s^2 where m/s^2 is?"
 
 
 def doubt_of_velocity(change: float, duration: float, question: str = _UNITS) -> str:

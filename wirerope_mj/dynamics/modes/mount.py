@@ -146,7 +146,7 @@ def cycle_samples(law: Law, deflection: float, amplitude: float, frequency: floa
 
 
 def _evaluator(law: Law) -> Evaluated:
-    """Return what evaluates the force and the rates of the states, at a deflection, its rate and states."""
+    """Make a function of deflection [m], its rate [m/s] and states, (n_z,), for the force [N] and the rates of the states."""
     parameters, n_states = law.kernel_parameters(), law.n_states  # once: there are many evaluations
 
     def evaluated(deflection: float, rate: float, states: Array) -> tuple[float, Array]:

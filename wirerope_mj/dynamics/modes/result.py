@@ -87,7 +87,7 @@ class PayloadShape:
 
 @dataclass(frozen=True, kw_only=True)
 class NaturalFrequencies:
-    """What `Modes` says of the same names, alone."""
+    """Frequencies [Hz], (n,), and descriptions of modes, the same as in `Modes`."""
 
     frequencies: Array  # [Hz], (n_modes,)
     descriptions: tuple[str, ...]

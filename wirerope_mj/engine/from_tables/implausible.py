@@ -1,4 +1,4 @@
-"""What tables say that makes a model, and is probably a slip: units, points of reference, rows twice."""
+"""Probable slips in tables that can be made into a model: units, points of reference, rows that stand twice."""
 
 import math
 import warnings

@@ -165,7 +165,7 @@ def _masses(system: System, data: mujoco.MjData, payload: Payload, mounts: Seque
 
 
 def _moved(arm: Array) -> Array:
-    """Return what a distance (3,) adds to an inertia tensor, per unit of mass."""
+    """Evaluate Steiner's term of an inertia tensor for a distance (3,) [m], per unit of mass, (3, 3) [m^2]."""
     return np.asarray(arm @ arm * np.eye(3) - np.outer(arm, arm))
 
 

@@ -1,4 +1,4 @@
-"""What an isolator file says that can be simulated and is probably a slip: units, ratios for stiffnesses, signs."""
+"""Probable slips in isolators that can be simulated: units, ratios for stiffnesses, signs."""
 
 import math
 from collections.abc import Iterator
