@@ -196,7 +196,9 @@ def board() -> Made:
     html = "".join([around, fragments["left"], fragments["verdict"], fragments["statics"]])
     texts = re.findall(r">([^<>]*[a-z][^<>]*)<", html)
     words = dict.fromkeys(" ".join(unescape(text).split()) for text in texts)
-    used = [f"{mount['label']} at {mount['position']}, {mount['used']:.0%}" for mount in scene["mounts"]]
+    used = [
+        f"{mount['label']} at {mount['position']}, {mount['used']:.0%}" for mount in scene["items"] if mount["kind"] == "mount"
+    ]
 
     def draw(picture: Path) -> None:
         from threading import Thread

@@ -60,7 +60,11 @@ def act(board, **action):
 
 
 def mount(message, name):
-    return next(each for each in message["scene"]["mounts"] if each["name"] == f"mount/{name}")
+    return next(each for each in message["scene"]["items"] if each.get("name") == f"mount/{name}")
+
+
+def centre(message, mark):
+    return next(each["position"] for each in message["scene"]["items"] if each.get("mark") == mark)
 
 
 def test_what_is_saved_gives_the_same_verdict_by_the_command(board, folder, tmp_path):
@@ -126,12 +130,28 @@ def test_what_was_dragged_where_nothing_may_stand_shows_again_what_stands(board)
 
 def test_an_absurd_level_is_given_up_with_the_statics_of_what_stands(board, monkeypatch):
     monkeypatch.setattr("wirerope_mj.runs.board.loaded._LONGEST", 0.0)  # every finer step is too long
-    with pytest.warns(wr.ModelWarning, match="more than shock tests do"):
-        told = act(board, do="case", case="0", key="motions", value="half-sine 1e6 g 11 ms z")
+    told = act(board, do="case", case="0", key="motions", value="half-sine 1e6 g 11 ms z")
     assert "No verdict: steps down to" in told["html"]["verdict"]
     assert "At rest" in told["html"]["statics"]
     monkeypatch.undo()
     assert "No verdict" not in act(board, do="undo")["html"]["verdict"]
+
+
+def test_what_is_doubtful_about_a_phrase_is_said_below_it(board, recwarn, monkeypatch):
+    monkeypatch.setattr("wirerope_mj.runs.board.loaded._LONGEST", 0.0)
+    phrase = "half-sine 1e6 g 11 ms z"
+    form = act(board, do="case", case="0", key="motions", value=phrase)["html"]["left"]
+    below = form.partition(f'value="{phrase}"')[2].partition("</div>")[0]
+    assert "more than shock tests do" in below
+    assert form.count("more than shock tests do") == 1
+    assert "less than a footstep" in act(board, do="limit", key="acceleration/equipment", value="1 mm/s^2")["html"]["left"]
+    form = act(board, do="case", case="0", key="motions", value="half-sine 5 g 11 ms z")["html"]["left"]
+    assert "more than shock tests do" not in form
+    assert not recwarn.list  # nothing of it on the terminal alone
+
+
+def test_the_page_says_what_combined_travel_is(board):
+    assert "root of the sum of the squares" in act(board, do="judge")["html"]["verdict"]
 
 
 def test_a_limit_may_lack_its_sign_and_one_that_limits_nothing_is_refused(board):
@@ -151,40 +171,39 @@ def test_parts_are_found_and_tried_in_all_places(board):
     assert "no part" in act(board, do="loops", value="x")["said"]
 
 
-def test_what_a_page_selects_is_its_own_and_nothing_to_say(board):
-    assert list(board.act({"do": "select", "names": ["mount/m1"]})) == []
-
-
 def test_where_two_mounts_would_stand_in_each_other_nothing_moves(board, folder):
     before = texts(folder)
     told = act(board, do="move", names=["mount/m1"], by=[750, 0, 0], id="7")
     assert (told["refused"], told["said"]) == ("7", "Mounts m1 and m2 would stand in each other.")
     act(board, do="save")
     assert texts(folder) == before
-    preview = act(board, do="drag", names=["mount/m1"], by=[750, 0, 0])["preview"]
-    assert preview["collides"] == ["mount/m1", "mount/m2"]
+    preview = act(board, do="drag", names=["mount/m1"], by=[750, 0, 0])
+    assert [each["label"] for each in preview["scene"]["items"] if each.get("collides")] == ["m1", "m2"]
 
 
 def test_the_preview_of_a_drag_is_the_statics_of_where_it_ends(board):
-    preview = act(board, do="drag", names=["mount/m1"], by=[100, 0, 0])["preview"]
+    preview = act(board, do="drag", names=["mount/m1"], by=[100, 0, 0])
+    assert (preview["scene"]["names"], preview["scene"]["by"]) == (["mount/m1"], [100, 0, 0])
     moved = act(board, do="move", names=["mount/m1"], by=[100, 0, 0])
     assert preview["html"]["statics"] == moved["html"]["statics"]
-    assert preview["stiffness_centre"] == moved["scene"]["stiffness_centre"]
+    assert moved["scene"]["names"] == []
+    assert centre(preview, "stiffness") == centre(moved, "stiffness")
+    assert mount(preview, "m1")["position"] == mount(moved, "m1")["position"] == [-700.0, -300.0, 100.0]
 
 
 @pytest.mark.parametrize("names", [["mount/m1"], ["mass/engine"]])
 def test_the_preview_has_deck_and_sliders_of_what_stands(board, names):
     act(board, do="job", key="deck", value="10 Hz 800 kg 4 %")
     act(board, do="slide", key="mass", value="1.2")
-    still = act(board, do="drag", names=names, by=[0.0, 0.0, 0.0])["preview"]
+    still = act(board, do="drag", names=names, by=[0.0, 0.0, 0.0])
     assert still["html"]["statics"] == act(board, do="judge")["html"]["statics"]
-    assert act(board, do="drag", names=names, by=[100.0, 0.0, 0.0])["preview"]["html"]["statics"] != still["html"]["statics"]
+    assert act(board, do="drag", names=names, by=[100.0, 0.0, 0.0])["html"]["statics"] != still["html"]["statics"]
 
 
 def test_a_mount_in_thin_air_is_told_while_it_is_dragged_and_after(board):
     assert "from the equipment" not in act(board, do="judge")["html"]["statics"]
     way = {"names": ["mount/m1"], "by": [-700, 0, 0]}
-    dragged = act(board, do="drag", **way)["preview"]["html"]["statics"]
+    dragged = act(board, do="drag", **way)["html"]["statics"]
     assert "m1 stands" in dragged
     assert "mm from the equipment" in dragged
     assert "m1 stands" in act(board, do="move", **way)["html"]["statics"]
@@ -221,10 +240,10 @@ def test_the_centre_of_stiffness_is_over_the_mean_of_equal_mounts_with_equal_loa
     }.items():  # fmt: skip
         (tmp_path / f"{name}.csv").write_text(text + "\n")
     made = Board(opened(tmp_path))
-    scene = made.open()["scene"]
+    told = made.open()
     made.close()
-    np.testing.assert_allclose(scene["stiffness_centre"], [0.0, 0.0, 0.0], atol=1e-2)
-    assert scene["centre"] == [0.0, 0.0, 60.0]
+    np.testing.assert_allclose(centre(told, "stiffness"), [0.0, 0.0, 0.0], atol=1e-2)
+    assert centre(told, "mass") == [0.0, 0.0, 60.0]
 
 
 def test_a_wrong_word_is_named_and_changes_nothing(board, folder):
@@ -283,6 +302,11 @@ def test_sliders_show_what_would_be_and_no_file_has_it(board, folder):
     act(board, do="slide", key="mass", value="1.2")
     assert "set them back" in act(board, do="report")["said"]
     assert "sliders are back" in act(board, do="move", names=["mount/m1"], by=[10, 0, 0])["said"]
+    for asked in ("undo", "redo"):
+        act(board, do="slide", key="level", value="1.5")
+        told = act(board, do=asked)
+        assert "sliders are back" in told["said"]
+        assert 'value="1.5"' not in told["html"]["left"]
 
 
 def test_a_file_that_others_change_is_shown_and_one_changed_here_too_is_kept(board, folder):
@@ -306,7 +330,7 @@ def test_a_file_that_others_break_is_said_and_what_was_shown_stays(board, folder
     (folder / "mounts.csv").write_text("name\nm1\n")
     told = board.changed_outside()
     assert (told["tone"], "is wrong" in told["said"]) == ("bad", True)
-    assert len(board.open()["scene"]["mounts"]) == 6
+    assert len([each for each in board.open()["scene"]["items"] if each["kind"] == "mount"]) == 6
 
 
 def test_what_was_not_saved_is_there_after_a_crash(folder):
@@ -337,7 +361,7 @@ def test_a_model_is_shown_with_a_job_of_its_own_and_not_moved(here):
 def test_a_scenario_is_shown_behind_sliders_alone():
     made = Board(opened(Path("cabinet_shock")))
     told = made.open()
-    assert told["scene"]["mounts"]
+    assert told["scene"]["items"]
     assert "as it is" in act(made, do="save")["said"]
     assert "slider-level" in told["html"]["left"]
     made.close()

@@ -118,6 +118,10 @@ OWN_RULE = (
     "Combined travel, the ellipsoid through the rated travels, is this program's own rule; `wirerope run "
     "--no-combined-travel`, or 0 for limit/combined_travel in the model, leaves it out."
 )
+COMBINED_MEANS = (
+    "Combined travel (in-house rule): the root of the sum of the squares of what is used of a mount's rated travel along each "
+    "of its axes at one instant; above 100 % it is exceeded."
+)
 _NAMED = 4  # contact pairs that a sentence names
 _LIMITS = 8  # limits of payload, loads and stops that have lines of their own
 

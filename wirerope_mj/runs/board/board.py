@@ -1,16 +1,18 @@
 """A model under the mouse: what edits make of tables and job, and what becomes of statics, modes and verdict."""
 
 import re
+import warnings
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.statics.payloads import point_positions
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.errors import Absent, ModelError, WireRopeError
+from wirerope_mj.foundation.errors import Absent, ModelError, ModelWarning, WireRopeError
 from wirerope_mj.runs.board.documents import Documents, Texts
 from wirerope_mj.runs.board.forms import form_of
 from wirerope_mj.runs.board.job_edits import JOB_EDITS
@@ -26,7 +28,7 @@ from wirerope_mj.runs.board.what_if import checked_values
 from wirerope_mj.runs.board.written import FILES, written
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.views.board import columns
-from wirerope_mj.views.board.scene import board_scene, centres, use
+from wirerope_mj.views.board.scene import board_scene
 
 Message = Entries
 
@@ -83,9 +85,7 @@ class Board:
             by = shift_of(action)
             # dragged back to where it was, the verdict of before is due again
             verdict = {"stale": True} if by.any() else {"ask": {"do": "judge"}}
-            yield False, {"preview": self._preview(_names(action), by), **verdict}
-        elif asked == "select":
-            pass  # of the page alone
+            yield False, {**self._preview(_names(action), by), **verdict}
         elif asked == "judge":
             yield from self._verdict()
         elif asked == "save":
@@ -114,15 +114,15 @@ class Board:
             values = checked_values(self._loaded.sliders, {**self._loaded.values, str(action.get("key")): _value(action)})
             self._loaded = replace(self._loaded, values=values)
             return "what-if, which no file has" if self._loaded.moved else "every slider stands as the files say", {}
+        put_back = "; the sliders are back, since a file is edited without them" if self._loaded.moved else ""
         if asked in ("undo", "redo"):
             files = self._edited_files
             said = files.undo() if asked == "undo" else files.redo()
             if not said:
                 return f"there is nothing to {asked}", {}
             self._loaded = self._load(files.texts)
-            return f"{'Undone' if asked == 'undo' else 'Done again'}: {said}", {}
+            return f"{'Undone' if asked == 'undo' else 'Done again'}: {said}{put_back}", {}
         texts, said, selected = self._edited(asked, action)
-        put_back = "; the sliders are back, since a file is edited without them" if self._loaded.moved else ""
         self._take(texts, said)
         return said + put_back, selected
 
@@ -173,14 +173,17 @@ class Board:
         documents = self._documents
         documents.write_copies(texts)
         try:
-            job = load_job(documents.copy("job"))
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", ModelWarning)
+                job = load_job(documents.copy("job"))
             known = {kind: table for kind, table in self._tables.items() if table.text == texts.get(kind)}
             read = {kind: TableText.read(kind, documents.copy(kind)) for kind in texts.keys() - known.keys() - {"job"}}
             tables = self._tables = {kind: (known | read)[kind] for kind in texts if kind != "job"}
         except (WireRopeError, ValueError) as error:
             documents.write_copies(documents.texts)
             raise type(error)(str(error).replace(f"{documents.copies}/", "")) from None
-        return Loaded(dict(texts), job, tables, {})
+        doubts = [str(warning.message) for warning in caught if issubclass(warning.category, ModelWarning)]
+        return Loaded(dict(texts), job, tables, {}, doubts)
 
     def _take(self, texts: Texts, said: str) -> None:
         """Go on to texts that can be loaded, and in which no two mounts stand in each other that did not before."""
@@ -230,33 +233,28 @@ class Board:
         Where sliders alone were moved the forms stay as they are.
         """
         loaded, files = self._loaded, self._documents
-        form = form_of(loaded.tables, loaded.texts.get("job", ""), loaded.system, loaded.sliders, loaded.values)
+        form = form_of(loaded.tables, loaded.texts.get("job", ""), loaded.system, loaded.sliders, loaded.values, loaded.doubts)
         form = replace(form, found=self._found["found"], loops=self._found["loops"])
         return {
-            "scene": self._scene(), "dirty": files is not None and files.unsaved, "stale": True,
+            "scene": self._scene(self._loaded, {}), "dirty": files is not None and files.unsaved, "stale": True,
             "html": {"sliders": columns.sliders_html(form)} if sliders else {"left": columns.left_column(form)},
         }  # fmt: skip
 
-    def _scene(self) -> Message:
-        loaded = self._loaded
-        scene, sag = scene_of(loaded.system), loaded.sag
+    def _scene(self, loaded: Loaded, over: Mapping[str, float], **moved: Any) -> Message:
+        """Draw what stands there, or is on its way, with the utilisations `over` in place of the verdict's."""
         points = {f"point/{name}": at for name, at in point_positions(loaded.system).items()}
         points |= {f"force/{point.name}": point.position for point in (loaded.layout.forces if loaded.layout else ())}
-        return board_scene(scene, loaded.layout, points, self._verdicts.used, sag)
+        used = {**self._verdicts.used, **over}
+        return board_scene(scene_of(loaded.system), loaded.layout, points, used, loaded.sag, **moved)
 
     def _preview(self, names: Sequence[str], by: Array) -> Message:
-        """Return statics and modes of what is on its way, as use of the rated static loads."""
+        """Return scene, statics and modes of what is on its way, with use of the rated static loads where it is too much."""
         moved = self._dragged(names, by)
         mounts = {} if isinstance(moved.sag, Absent) else moved.sag.mounts
-        centre, stiffness = centres(scene_of(moved.system), moved.layout, moved.sag)
-        # use of the rated static load alone, which is not that of the verdict: shown where it is too much
-        over = {name: row.utilisation for name, row in mounts.items() if (row.utilisation or 0.0) > 1.0}
-        return {
-            "mounts": {f"mount/{name}": use(used) for name, used in over.items()},
-            "centre": centre, "stiffness_centre": stiffness,
-            "collides": sorted({f"mount/{name}" for pair in overlapping(moved.system) for name in pair}),
-            "html": {"statics": at_rest_html(moved)},
-        }  # fmt: skip
+        over = {name: row.utilisation for name, row in mounts.items() if row.utilisation and row.utilisation > 1.0}
+        collide = {name for pair in overlapping(moved.system) for name in pair}
+        scene = self._scene(moved, over, collide=collide, names=names, by=(1e3 * by).round(6).tolist())
+        return {"scene": scene, "html": {"statics": at_rest_html(moved)}}
 
     def _dragged(self, names: Sequence[str], by: Array) -> Loaded:
         """Return the model with things where they are on their way, on its deck, at its temperature, with its sliders."""
@@ -274,7 +272,10 @@ class Board:
     def _verdict(self, *, exact: bool = True) -> Iterator[tuple[bool, Message]]:
         """Judge the load cases and yield what is known of them, or why they cannot be simulated."""
         for html, changes in self._verdicts.of(self._loaded, exact=exact):
-            yield True, {"html": html, **changes, **({"scene": self._scene()} if html.keys() != {"compared"} else {})}
+            yield (
+                True,
+                {"html": html, **changes, **({"scene": self._scene(self._loaded, {})} if html.keys() != {"compared"} else {})},
+            )
 
     def _written(self, asked: str) -> Iterator[tuple[bool, Message]]:
         """Write what `wirerope cases` writes of the job, and open a part of it."""

@@ -22,9 +22,10 @@ _OTHERS = ("levels", "record")  # that move the base besides phrases
 
 
 def form_of(
-    tables: Mapping[str, TableText], job: str, system: System, sliders: Sequence[Slider], values: Mapping[str, float]
-) -> Form:
-    """Compose the forms of tables and of the text of a job, and the sliders at their values."""
+    tables: Mapping[str, TableText], job: str, system: System, sliders: Sequence[Slider], values: Mapping[str, float],
+    doubts: Sequence[str],
+) -> Form:  # fmt: skip
+    """Compose the forms of tables and of the text of a job, with what is doubtful about it, and the sliders at their values."""
     content, prefixes = parsed(job).unwrap(), {kind: prefix for prefix, kind in TABLE_OF.items()}
     document = content.get("document", {})
     texts = [field.name for field in fields(Document) if isinstance(field.default, str)]
@@ -42,6 +43,7 @@ def form_of(
             (str(case.get("name", "")), motions_of(case), ", ".join(f"{key} {case[key]}" for key in _OTHERS if key in case))
             for case in content.get("case", [])
         ],
+        doubts={said: why for said, _, why in (doubt.replace('"', "").partition(": ") for doubt in doubts)},
         limits={key: str(value) for key, value in content.get("limits", {}).items()},
         document=[(key, str(document.get(key, "")), key.capitalize(), "") for key in texts],
         parts=part_names(), subjects=[f"{kind}/{name}" for kind, names in subjects_of(system).items() for name in names],

@@ -1,7 +1,7 @@
 """A model and its job as a board has loaded them: loads at rest, frequencies and judged load cases, with their sliders."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -30,6 +30,7 @@ class Loaded:
     job: Job
     tables: Mapping[str, TableText]
     values: Mapping[str, float]  # of the sliders
+    doubts: Sequence[str] = ()  # warnings about what the texts say
 
     @property
     def layout(self) -> Layout | None:

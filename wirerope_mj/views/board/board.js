@@ -1,14 +1,13 @@
 // The page of the board: a socket to its server, fragments of HTML, buttons, fields and keys with actions.
 
-import { createCanvas } from "./canvas.js";
+import { at, createCanvas } from "./canvas.js";
 
-const [SOON, LATE] = [300, 3000]; // pauses before it connects again, the shortest and the longest [ms]
-const at = (id) => document.getElementById(id);
-const token = new URLSearchParams(location.search).get("token"), title = document.title;
+const AGAIN = 1000; // pause before it connects again [ms]
+const KEPT = ["open", "aria-invalid"]; // attributes that are of the page alone
+const { title } = document;
 const client = crypto.getRandomValues(new Uint32Array(2)).join("-");
 const unanswered = new Map(); // actions by id and what they come from; sent again over a new connection
-const passing = { id: "", next: null }; // the one in flight that a later may replace, the newest that waits
-let socket, pause = SOON, count = 0;
+let socket, count = 0;
 
 function say(words, tone = "") {
   at("said").replaceChildren(words);
@@ -22,39 +21,33 @@ function transmit(action) {
 }
 
 function act(action, element = null) {
-  if (action.do !== "select") passing.next = null;
   const message = transmit(action);
   unanswered.set(message.id, { message, element });
   document.body.dataset.waits = true;
 }
 
-function pass(action) {
-  if (passing.id) passing.next = action;
-  else if (socket.readyState === WebSocket.OPEN) passing.id = transmit(action).id;
-}
-
+const pass = (action) => transmit({ ...action, passing: true }); // the next action may take its turn
 const canvas = createCanvas({ act, pass });
 
 function connect() {
   socket = new WebSocket(new URL(`/socket${location.search}`, location.href.replace(/^http/, "ws")));
   socket.addEventListener("open", () => {
     say("");
-    [pause, passing.id, passing.next] = [SOON, "", null];
     for (const { message } of unanswered.values()) socket.send(JSON.stringify(message));
     transmit({ do: "judge" });
   });
   socket.addEventListener("message", ({ data }) => receive(JSON.parse(data)));
-  socket.addEventListener("close", () => {
-    say("Connection lost, trying again. A board that was started anew has the address that it printed.", "bad");
-    setTimeout(connect, pause);
-    pause = Math.min(2 * pause, LATE);
+  socket.addEventListener("close", async () => {
+    const anew = (await fetch(location).catch(() => ({}))).status === 403; // its token is another
+    say(at("said").dataset[anew ? "anew" : "lost"], "bad");
+    if (!anew) setTimeout(connect, AGAIN);
   });
 }
 
 function receive(message) {
-  const { html, preview, said, tone, ask, done, refused, word } = message, state = document.body.dataset;
+  const { html = {}, said, tone, ask, done, refused, word } = message, state = document.body.dataset;
   if (refused) answer(refused, said, word); // before fragments, for them to leave its field as it is
-  for (const [id, fragment] of Object.entries({ ...html, ...preview?.html })) replace(at(id), fragment);
+  for (const [id, fragment] of Object.entries(html)) replace(at(id), fragment);
   canvas.show(message);
   if (said !== undefined) say(said, tone);
   for (const name of ["stale", "dirty"]) if (name in message) state[name] = message[name];
@@ -62,18 +55,12 @@ function receive(message) {
   if (done) answer(done);
   if (message.open) openBeside(new URL(message.open, location.href));
   if (ask) act(ask);
-  if (!preview && (done ?? refused) !== passing.id) return;
-  const { next } = passing;
-  [passing.id, passing.next] = ["", null];
-  if (next) pass(next);
 }
 
-function openBeside(address) {
-  if (address.origin === location.origin) address.searchParams.set("token", token);
-  if (window.open(address, "_blank")) return; // a browser may refuse a tab so long after the click
-  const link = Object.assign(document.createElement("a"), { href: address, target: "_blank" });
-  link.append("Ready: open it");
-  say(link, "good");
+function openBeside(href) {
+  href.searchParams.set("token", new URLSearchParams(location.search).get("token"));
+  if (window.open(href, "_blank")) return; // a browser may refuse a tab so long after the click
+  say(Object.assign(document.createElement("a"), { href, target: "_blank", textContent: "Ready: open it" }), "good");
 }
 
 // Show below an element why its action was refused, or take that away and have it as the board now has it.
@@ -132,14 +119,11 @@ function resemble(old, made) {
     old.data = made.data;
     return;
   }
-  const names = new Set([...old.getAttributeNames(), ...made.getAttributeNames()]);
-  for (const name of ["open", "aria-invalid"]) names.delete(name);
   const waits = old.ariaInvalid || [...unanswered.values()].some(({ element }) => element === old);
   const typed = (waits || old === document.activeElement) && old.value !== (old.defaultValue ?? old.value);
-  for (const name of names) {
-    if (made.hasAttribute(name)) old.setAttribute(name, made.getAttribute(name));
-    else old.removeAttribute(name);
-  }
+  const gone = old.getAttributeNames().filter((name) => !KEPT.includes(name) && !made.hasAttribute(name));
+  for (const name of gone) old.removeAttribute(name);
+  for (const { name, value } of made.attributes) if (!KEPT.includes(name)) old.setAttribute(name, value);
   match(old, made);
   if (!old.matches("input:not([type=file]), select, textarea")) return;
   old.checked = made.checked;
@@ -160,7 +144,7 @@ document.addEventListener("change", ({ target }) => {
   if (target.dataset.do) act({ ...actionOf(target), value: valueOf(target) }, target);
 });
 document.addEventListener("input", ({ target }) => {
-  if ("live" in target.dataset) pass({ ...actionOf(target), value: valueOf(target), passing: true });
+  if ("live" in target.dataset) pass({ ...actionOf(target), value: valueOf(target) });
 });
 document.addEventListener("keydown", (event) => {
   const { target } = event, modifiers = [event.ctrlKey || event.metaKey, event.altKey, event.shiftKey];

@@ -1,73 +1,68 @@
 // Pointer, wheel and keys on the views of the board, and the buttons above them.
 
-import { describe, draw, extentOf, frameOf, itemsOf, plus } from "./drawing.js";
+import { draw, frameOf, plus } from "./drawing.js";
 
 const [COARSE, FINE] = [10, 1]; // steps of what is moved, without and with Shift [mm]
 const NEAR = 4; // travel that makes a press a drag [px]
 const ROOM = [70, 56]; // for labels around what fits into a view, across and up [px]
+const NONE = [0, 0, 0];
 const ARROWS = { // axes and directions
   arrowleft: [0, -1], arrowright: [0, 1], arrowdown: [1, -1], arrowup: [1, 1],
   "alt+arrowdown": [2, -1], "alt+arrowup": [2, 1],
 };
-const at = (id) => document.getElementById(id);
+export const at = (id) => document.getElementById(id);
 
 /** Run the canvas: `act` sends an action, `pass` one that a later may replace. */
 export function createCanvas({ act, pass }) {
-  const drawings = [...document.querySelectorAll(".drawing")], view = { scale: 1, centre: [0, 0, 0] };
-  const board = { scene: null, preview: null, selected: [], moving: null, band: null, view };
+  const drawings = [...document.querySelectorAll(".drawing")], view = { scale: 0, centre: NONE };
+  const board = { scene: null, selected: [], moving: null, band: null, view };
   let items = [], press = null, pans = false, fitted = true, frame = 0;
 
-  const axesOf = (drawing) => [...drawing.dataset.axes].map(Number);
-  const frameAt = (drawing) => frameOf(drawing, axesOf(drawing), view);
-  const edits = () => board.scene?.movable !== false;
+  const edits = () => board.scene?.movable;
   const itemOf = (name) => items.find((item) => item.name === name);
-  const pointerIn = (drawing, { clientX, clientY }) => {
-    const { left, top } = drawing.getBoundingClientRect();
-    return [clientX - left, clientY - top];
-  };
+  const drawnShift = (name) => (board.scene.names.includes(name) ? board.scene.by : NONE);
+  const pointerIn = (drawing, { clientX, clientY }) => plus([clientX, clientY], frameOf(drawing, view).corner, -1);
+
+  // Tell how far an item is from where the scene has it, which may be where a drag was some time ago.
+  const shiftOf = (name) => (
+    plus(board.moving?.names.includes(name) ? board.moving.by : NONE, drawnShift(name), -1));
 
   function redraw() {
-    frame ||= requestAnimationFrame(() => {
+    frame ||= view.scale && requestAnimationFrame(() => {
       frame = 0;
-      const shown = board.scene ? itemsOf(board.scene, board.preview, board.moving) : [];
-      for (const drawing of drawings) draw(drawing, axesOf(drawing), { ...board, items: shown });
+      at("hatch").setAttribute("patternTransform", `scale(${1 / view.scale})`);
+      for (const drawing of drawings) if (drawing.clientWidth) draw(drawing, { ...board, shiftOf });
     });
   }
 
   function fit() {
-    const [low, high] = extentOf(items), lengths = plus(high, low, -1).map((length) => Math.max(length, 50));
-    const rise = (drawing) => lengths[axesOf(drawing)[1]] / (lengths[1] + lengths[2]);
-    for (const drawing of drawings) drawing.style.flexGrow = Math.min(Math.max(rise(drawing), 0.35), 0.65);
-    view.centre = plus(low, plus(high, low, -1), 0.5);
-    const scales = (drawing) => frameAt(drawing).spans.map(([from, to], k) => (
-      Math.max(to - from - ROOM[k], 20) / lengths[axesOf(drawing)[k]]));
+    const { views, middle } = board.scene;
+    for (const drawing of drawings) drawing.style.flexGrow = views[drawing.id].grows;
+    view.centre = middle;
+    const scales = (drawing) => frameOf(drawing, view).spans.map(([from, to], k) => (
+      Math.max(to - from - ROOM[k], 20) / views[drawing.id].size[k]));
     view.scale = Math.min(...drawings.filter((drawing) => drawing.clientWidth).flatMap(scales));
     fitted = true;
   }
 
-  // Say what is selected, mark its rows and enable what can be done with it.
-  function tell() {
-    const { selected } = board, labels = selected.map((name) => itemOf(name).label);
-    const words = labels[1] ? `${labels.length} selected: ${labels.join(", ")}`
-      : labels[0] ? describe(itemOf(selected[0])) : "Nothing selected";
+  // Select items, say which, mark them and enable what can be done with them.
+  function select(selected) {
+    board.selected = selected;
+    const chosen = selected.map(itemOf), labels = chosen.map(({ label }) => label).join(", ");
+    const words = chosen[1] ? `${chosen.length} selected: ${labels}` : chosen[0]?.words ?? "Nothing selected";
     if (at("here").textContent !== words) at("here").textContent = words;
-    for (const row of document.querySelectorAll("tr[data-name]")) {
-      row.classList.toggle("selected", selected.includes(row.dataset.name));
+    for (const each of document.querySelectorAll("[data-name]")) {
+      each.classList.toggle("selected", selected.includes(each.dataset.name));
     }
     for (const button of document.querySelectorAll("[data-least]")) {
       button.disabled = !edits() || selected.length < button.dataset.least;
     }
   }
 
-  function select(names, told = false) {
-    if (names.join() === board.selected.join()) return;
-    board.selected = names;
-    if (!told) act({ do: "select", names });
-    tell();
-    redraw();
+  function begin(name) {
+    const from = plus(itemOf(name).position, drawnShift(name), -1);
+    board.moving = { names: [...board.selected], name, from, by: NONE, sent: false };
   }
-
-  const begin = (name) => (board.moving = { names: [...board.selected], name, by: [0, 0, 0], sent: false });
 
   // Hold what moves at a distance from where it stood, and ask what that would give.
   function moveBy(by) {
@@ -83,17 +78,15 @@ export function createCanvas({ act, pass }) {
     if (moving.by.some(Boolean)) act({ do: "move", names: moving.names, by: moving.by });
     else board.moving = null;
     moving.sent = true;
-    redraw();
   }
 
   // Draw what was let go where its scene has it: a new one, or the old one if nothing came of the move.
   function release() {
     if (board.moving?.sent) board.moving = null;
-    redraw();
   }
 
   function cancel() {
-    if (board.moving && !board.moving.sent) moveBy([0, 0, 0]);
+    if (board.moving && !board.moving.sent) moveBy(NONE);
     [board.moving, board.band, press] = [null, null, null];
   }
 
@@ -107,7 +100,7 @@ export function createCanvas({ act, pass }) {
     const name = names.find((lying) => board.selected.includes(lying)) ?? names[0];
     const kind = button === 1 || pans ? "pan" : name && edits() ? "move" : "band";
     const adds = event.ctrlKey || event.shiftKey, from = pointerIn(drawing, event), { centre } = view;
-    press = { drawing, kind, name, adds, from, centre, frame: frameAt(drawing), travels: false };
+    press = { drawing, kind, name, adds, from, centre, frame: frameOf(drawing, view), travels: false };
     drawing.focus({ preventScroll: true });
     drawing.setPointerCapture(event.pointerId);
   }
@@ -124,7 +117,7 @@ export function createCanvas({ act, pass }) {
       if (!travels && !board.selected.includes(name)) select(adds ? [...board.selected, name] : [name]);
       if (!travels) begin(name);
       const step = event.shiftKey ? FINE : COARSE; // without travel along an axis it stays as it is there
-      moveBy(itemOf(name).position.map((value, k) => (Math.abs(by[k]) < step / 2 ? 0
+      moveBy(board.moving.from.map((value, k) => (Math.abs(by[k]) < step / 2 ? 0
         : Math.round((value + by[k]) / step) * step - value)));
     }
   }
@@ -134,7 +127,7 @@ export function createCanvas({ act, pass }) {
     const { drawing, kind, name, adds, travels } = press, { selected, band } = board;
     [press, board.band] = [null, null];
     if (band) {
-      const { from, to } = band, { at: seen } = frameAt(drawing);
+      const { from, to } = band, { at: seen } = frameOf(drawing, view);
       const within = (item) => seen(item.position).every((end, k) => (end - from[k]) * (end - to[k]) < 0);
       const found = items.filter(within).map((item) => item.name);
       select(adds ? [...new Set([...selected, ...found])] : found);
@@ -147,9 +140,9 @@ export function createCanvas({ act, pass }) {
 
   function zoom(event) {
     event.preventDefault();
-    const drawing = event.currentTarget, pointer = pointerIn(drawing, event), before = frameAt(drawing);
+    const drawing = event.currentTarget, pointer = pointerIn(drawing, event), before = frameOf(drawing, view);
     view.scale = Math.min(Math.max(view.scale * Math.exp(-event.deltaY / 500), 0.005), 20);
-    view.centre = plus(view.centre, plus(before.point(pointer), frameAt(drawing).point(pointer), -1));
+    view.centre = plus(view.centre, plus(before.point(pointer), frameOf(drawing, view).point(pointer), -1));
     fitted = false;
   }
 
@@ -177,7 +170,6 @@ export function createCanvas({ act, pass }) {
       moveBy(board.moving.by.with(axis, board.moving.by[axis] + side * (event.shiftKey ? FINE : COARSE)));
     } else if (does[name]) does[name]();
     else return false;
-    redraw();
     return true;
   }
 
@@ -194,7 +186,7 @@ export function createCanvas({ act, pass }) {
     for (const [name, listener] of Object.entries(listeners)) {
       drawing.addEventListener(name, (event) => [listener(event), redraw()]);
     }
-    new ResizeObserver(() => [fitted && fit(), redraw()]).observe(drawing);
+    new ResizeObserver(() => [view.scale && fitted && fit(), redraw()]).observe(drawing);
   }
   document.addEventListener("keyup", lift);
   document.addEventListener("focusin", ({ target, relatedTarget }) => {
@@ -202,20 +194,19 @@ export function createCanvas({ act, pass }) {
     const name = target.closest("tr[data-name]")?.dataset.name;
     if (itemOf(name) && !board.selected.includes(name)) select([name]);
   });
-  document.addEventListener("click", ({ target }) => [does[target.dataset.canvas]?.(target), redraw()]);
+  document.addEventListener("click", ({ target }) => does[target.dataset.canvas]?.(target));
+  for (const name of ["click", "keydown", "keyup", "focusin"]) document.addEventListener(name, redraw);
 
-  function show({ scene, preview, selected }) {
-    const first = scene && !board.scene;
+  function show({ scene, selected }) {
     if (scene) {
-      Object.assign(board, { scene, preview: null });
-      items = itemsOf(scene).filter(({ name, movable = name }) => movable);
-      release();
+      board.scene = scene;
+      items = scene.items.filter(({ movable }) => movable);
+      for (const drawing of drawings) drawing.children[1].innerHTML = scene.views[drawing.id].shapes;
+      if (!scene.names.length) release();
     }
-    if (preview) board.preview = preview;
     if (board.moving && !board.moving.names.every(itemOf)) cancel();
-    if (selected || scene) select((selected ?? board.selected).filter(itemOf), Boolean(selected));
-    tell();
-    if (first) fit();
+    select((selected ?? board.selected).filter(itemOf));
+    if (scene && !view.scale) fit();
     redraw();
   }
   return { show, key, settle, release, selected: () => board.selected };

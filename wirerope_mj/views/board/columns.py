@@ -3,11 +3,14 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from wirerope_mj.assessment.criteria import COMBINED, Verdict
+from wirerope_mj.assessment.criteria.summary import COMBINED_MEANS
 from wirerope_mj.content.blocks import Block, Chart, Statement
 from wirerope_mj.content.first_sheet import brief_blocks
 from wirerope_mj.content.job import JudgedJob, brief, job_headline
@@ -50,6 +53,7 @@ class Form:
     missing: Sequence[str]  # kinds of tables that can be added
     settings: Sequence[Field]  # deck, temperature and the like
     cases: Sequence[tuple[str, str, str]]  # name, motions in one line, and what else moves the base
+    doubts: Mapping[str, str]  # by the words that they are about, such as a motion's phrase
     limits: Mapping[str, str]
     document: Sequence[Field]
     # choices that are offered: parts, what can be limited, kinds of motions with an example
@@ -143,11 +147,22 @@ def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent, doubts: Sequ
 def verdict_html(job: JudgedJob, left_over: int, what_if: Sequence[str], *, quick: bool = False) -> str:
     """Write verdict, bars, what is not judged, and the charts of the load case that governs."""
     one = len(job.cases) == 1
+    blocks = brief_blocks(job.cases[0].run) if one else brief(job)
+    rows = chain.from_iterable(job.verdicts.values())
     said = headline(job.cases[0].run.verdicts) if one else job_headline(job.verdicts)
     return _environment().get_template("right.html.jinja").render(
         said=said, more=several(left_over, "load case") if left_over else "", what_if=", ".join(what_if), quick=quick,
-        blocks=Markup(_column(brief_blocks(job.cases[0].run) if one else brief(job))),
+        blocks=Markup(_column(_explained(blocks, rows))),
     )  # fmt: skip
+
+
+def _explained(blocks: Iterable[Block | None], verdicts: Iterable[Verdict]) -> Iterator[Block | None]:
+    """Say below the bars what combined travel is, where it is judged."""
+    judged = any(row.criterion == COMBINED and row.utilisation is not None for row in verdicts)
+    for block in blocks:
+        if judged and isinstance(block, Table) and block.id == "criteria":
+            block = replace(block, note=COMBINED_MEANS)
+        yield block
 
 
 def failure_html(reason: str) -> str:

@@ -1,7 +1,7 @@
-"""What a board draws: boxes, mounts, stops, points and centres with their positions in mm, as JSON values."""
+"""What a board shows: boxes, mounts, stops, points and centres with their positions in mm, as JSON values, and drawn."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -12,45 +12,50 @@ from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.engine.statics.table import Sag
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import Absent
+from wirerope_mj.views.board.shapes import drawn
 
 _LEAST = 4.0  # side of a box that is drawn where a mass has none [mm]
 _DECK = "deck_plate"
 
 
 def board_scene(
-    scene: Scene, layout: Layout | None, points: Mapping[str, Array], used: Mapping[str, float | None], sag: Sag | Absent
-) -> Entries:
-    """Compose the scene of a board; `used` are utilisations of mounts by name.
+    scene: Scene, layout: Layout | None, points: Mapping[str, Array], used: Mapping[str, float | None], sag: Sag | Absent,
+    *, collide: Collection[str] = (), names: Sequence[str] = (), by: Sequence[float] = (0, 0, 0),
+) -> Entries:  # fmt: skip
+    """Compose the scene of a board; `used` are utilisations of mounts by name, and mounts that `collide` are marked.
 
-    What stands in a `layout` can be moved: its names are those of rows of tables.
+    What stands in a `layout` can be moved: its names are those of rows of tables. The things called `names` are on their way
+    `by` a shift [mm].
     """
     mounts, stops = [], []
     for mount in scene.drawn:
         axes = mount_axes(scene, mount)
         entry: Entries = {
             "name": f"{'stop' if mount.stop else 'mount'}/{mount.name}", "label": mount.name,
+            "kind": "stop" if mount.stop else "mount", "movable": True,
             "position": _mm(mount_position(scene, mount)), "axial": _rounded(axes[:, 2]), "bars": _rounded(axes[:, 1]),
         }  # fmt: skip
         if mount.stop:
             stops.append(entry)
         else:
             sizes = {name: _rounded(1e3 * size) for name, size in (("height", mount.height), ("width", mount.width))}
-            mounts.append({**entry, **sizes, "part": mount.isolator, **use(used.get(mount.name))})
-    centre, stiffness = centres(scene, layout, sag)
-    return {
-        "boxes": [*_boxes(scene, layout)], "mounts": mounts, "stops": stops,
-        "points": [{"name": name, "label": name.partition("/")[2], "position": _mm(at)} for name, at in points.items()],
-        "centre": centre, "stiffness_centre": stiffness, "movable": layout is not None,
-    }  # fmt: skip
+            share = used.get(mount.name)
+            tone = "none" if share is None else "exceeded" if share > 1.0 else "near" if share > NEAR else "good"
+            how = {"used": share if share is None else round(share, 4), "tone": tone, "collides": mount.name in collide}
+            mounts.append({**entry, **sizes, "part": mount.isolator, **how})
+    standing = [
+        {"kind": "point", "name": name, "movable": True, "label": name.partition("/")[2], "position": _mm(at)}
+        for name, at in points.items()
+    ]
+    marked = zip(("stiffness", "mass"), _centres(scene, layout, sag)[::-1], strict=True)
+    centres = [
+        {"kind": "centre", "mark": mark, "label": f"of {mark}", "position": at, "movable": False} for mark, at in marked if at
+    ]
+    items = [*mounts, *_boxes(scene, layout), *stops, *standing, *centres]
+    return drawn(items, movable=layout is not None, names=names, by=by)
 
 
-def use(used: float | None) -> Entries:
-    """Write how far a mount is used, and its tone."""
-    tone = "none" if used is None else "exceeded" if used > 1.0 else "near" if used > NEAR else "good"
-    return {"used": used if used is None else round(used, 4), "tone": tone}
-
-
-def centres(scene: Scene, layout: Layout | None, sag: Sag | Absent) -> tuple[list[float] | None, list[float] | None]:
+def _centres(scene: Scene, layout: Layout | None, sag: Sag | Absent) -> tuple[list[float] | None, list[float] | None]:
     """Find the centres of mass and of the mounts' vertical stiffness at rest [mm], as far as they are known.
 
     The latter is the mean position of the mounts, weighted by what each carries over how far it has gone down: a payload whose
@@ -83,7 +88,7 @@ def _boxes(scene: Scene, layout: Layout | None) -> Iterator[Entries]:
 
 def _box(name: str, label: str, kind: str, centre: Array, size: Array) -> Entries:
     return {
-        "name": name, "label": label, "kind": kind, "centre": _mm(centre), "size": _mm(np.maximum(size, 1e-3 * _LEAST)),
+        "name": name, "label": label, "kind": kind, "position": _mm(centre), "size": _mm(np.maximum(size, 1e-3 * _LEAST)),
         "movable": kind != "deck",
     }  # fmt: skip
 

@@ -43,7 +43,9 @@ class Served(Protocol):
         """Take an action; yield messages as they become known, and whether every window is to have them.
 
         An action whose message says `"stale": true` closes earlier ones that said so and have more to yield: a verdict of a
-        former position is void. All others go on once nothing else waits. `"open"` may be /files/NAME or
+        former position is void. All others go on once nothing else waits. An action that
+        says `"passing": true` is left out if its window asks for something else before its turn, as for the next position of
+        what is dragged. `"open"` may be /files/NAME or
         /viewer?recording=NAME, with NAME quoted, and behind it # and the instant [s] of a recording. WireRopeError or
         ValueError, whose text is shown in the window that asked, if the action cannot be taken.
         """
@@ -93,6 +95,7 @@ class _Request:
     action: Entries
     steps: Steps | None = None  # what it yields, once it has begun
     verdict: bool = False  # that a later one makes void
+    replaced: bool = False  # by what its window asked for later
 
 
 @dataclass
@@ -103,6 +106,7 @@ class Windows:
     _worker: _Worker = field(default_factory=_Worker)
     _open: list[WebSocket] = field(default_factory=list)
     _waiting: asyncio.Queue[_Request] = field(default_factory=asyncio.Queue)
+    _passing: dict[WebSocket, _Request] = field(default_factory=dict)  # the last of each window if the next may replace it
     _begun: list[_Request] = field(default_factory=list)  # that have more to tell, the newest last
     _known: deque[str] = field(default_factory=lambda: deque(maxlen=_KNOWN))  # ids of actions
 
@@ -120,6 +124,7 @@ class Windows:
                 await self._take(window, message.get("text"))
         finally:
             self._open.remove(window)
+            self._passing.pop(window, None)
 
     async def _take(self, window: WebSocket, text: str | None) -> None:
         """Have an action wait for its turn; one that is known is not done again."""
@@ -134,7 +139,12 @@ class Windows:
             return
         if number:
             self._known.append(number)
-        self._waiting.put_nowait(_Request(window, action))
+        if (older := self._passing.pop(window, None)) is not None:
+            older.replaced = True
+        request = _Request(window, action)
+        if action.get("passing") is True:
+            self._passing[window] = request
+        self._waiting.put_nowait(request)
 
     async def conduct(self) -> None:
         """Take the requests in order; those that have more to tell go on when no other waits, the newest first.
@@ -144,7 +154,10 @@ class Windows:
         self._begun.append(_Request(None, {"do": "judge"}))
         while True:
             if not self._begun or not self._waiting.empty():
-                self._begun.append(await self._waiting.get())
+                request = await self._waiting.get()
+                if request.replaced:
+                    continue
+                self._begun.append(request)
             request = self._begun[-1]
             first = request.steps is None
             try:
