@@ -94,7 +94,7 @@ def window(browser, address, *, parted=False, route=None, **options):
     expect(page.locator("#headline")).to_be_visible()
     yield page
     context.close()
-    errors = [error for error in errors if not (parted and "WebSocket" in error)]
+    errors = [error for error in errors if not (parted and ("WebSocket" in error or "Failed to load resource" in error))]
     ours += ("data:", "blob:", "about:", "chrome:", "chrome-extension:")  # the last two are of the browser's viewer of PDF
     foreign = [url for url in asked if not url.startswith(ours)]
     assert not errors, errors

@@ -192,6 +192,8 @@ def test_a_board_that_was_killed_has_what_was_not_saved(browser, tmp_path):
         process.send_signal(signal.SIGKILL)
         process.wait()
         told(page, "^Connection lost")
+        with command(folder, "--port", re.search(r":(\d+)/", address)[1]):
+            told(page, "^This board was started anew")
     assert texts(folder) == before
     with command(folder) as (_, address), window(browser, address) as page:
         told(page, "not saved last time")
