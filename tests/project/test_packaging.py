@@ -18,13 +18,15 @@ def project():
 
 def test_the_conda_recipe_asks_for_what_the_package_asks_for(project):
     lines = (ROOT / "packaging/recipe.yaml").read_text(encoding="utf-8").splitlines()
-    host, run = ([line.strip(" -") for line in part] for part in _lists(lines, "  host:", "  run:"))
-    wanted = {f"python {project['requires-python']}"}
+    host, run = ([line.partition(" #")[0].strip(" -") for line in part] for part in _lists(lines, "  host:", "  run:"))
+    python = f"python {project['requires-python']}"
+    wanted = {python}
     for requirement in project["dependencies"]:
         name, bounds = re.fullmatch(r"([\w-]+)(.*)", requirement).groups()
         wanted.add(f"{CONDA.get(name, name)} {bounds}")
     assert set(run) == wanted
-    assert set(host) == wanted | {"pip", "hatchling >=1.27"}
+    assert set(host) == wanted - {python} | {"python", "pip", "hatchling >=1.27"}
+    assert f'  skip: match(python, "<{project["requires-python"].removeprefix(">=")}")' in lines
     assert f"  version: {project['version']}" in lines
 
 
