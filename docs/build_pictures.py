@@ -181,7 +181,7 @@ def board() -> Made:
     """Place the genset on a drawing board, with two of its mounts moved below its engine, and judge it."""
     from wirerope_mj.runs.board.board import Board
     from wirerope_mj.runs.board.opened import from_template, opened
-    from wirerope_mj.views.board.columns import page_html
+    from wirerope_mj.views.board.columns import fragment
 
     shown, fragments, scene = Board(opened(from_template("genset", Path("genset")))), dict[str, str](), dict[str, Any]()
     atexit.register(shown.close)  # whether it is drawn or not
@@ -192,7 +192,7 @@ def board() -> Made:
         for _, message in shown.act(action):
             fragments |= message.get("html", {})
             scene = message.get("scene", scene)
-    around, *_ = page_html(shown.title).partition("<dialog")
+    around, *_ = fragment("board.html", title=shown.title).partition("<dialog")
     html = "".join([around, fragments["left"], fragments["verdict"], fragments["statics"]])
     texts = re.findall(r">([^<>]*[a-z][^<>]*)<", html)
     words = dict.fromkeys(" ".join(unescape(text).split()) for text in texts)

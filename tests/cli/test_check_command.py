@@ -95,3 +95,15 @@ def test_folder_of_tables_is_checked_as_a_model_beside_the_files_in_it(here, cap
     assert code == 2
     assert all(line.startswith("refused: genset/") for line in lines[:-1])
     assert "must be > 0" in lines[0]
+
+
+def test_mounts_in_each_other_and_far_from_the_equipment_are_said(here, capsys):
+    shutil.copytree(GENSET, here / "genset")
+    mounts = here / "genset" / "mounts.csv"
+    mounts.write_text(mounts.read_text().replace("m2,    0,", "m2, -750,").replace("m3,  800, -300", "m3, 1700, -300"))
+    code, lines = said(capsys, "genset")
+    assert code == 1
+    assert any("mounts m1 and m2 stand in each other" in line for line in lines)
+    assert any("m3 stands 6" in line and "mm from the equipment" in line for line in lines)
+    (here / "job.toml").write_text('model = "genset"\n[[case]]\nname = "a"\nhalf-sine = "9 g 11 ms z"\n')
+    assert said(capsys, "job.toml")[1][:-1] == [line.replace("genset:", "job.toml:", 1) for line in lines[:-1]]

@@ -364,7 +364,6 @@ def board():
 
 ACTED = (
     "move", "drag", "turn", "mirror", "align", "distribute", "stand", "duplicate", "remove", "cell", "part", "add",
-    "remove-row",
     "case", "add-case", "remove-case", "limit", "add-limit", "job", "slide", "redo", "judge", "nothing",
 )  # fmt: skip
 SAID = {

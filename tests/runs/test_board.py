@@ -14,8 +14,8 @@ from wirerope_mj.foundation.errors import ModelError, SimulationError
 from wirerope_mj.runs.board.board import Board
 from wirerope_mj.runs.board.documents import JOURNAL
 from wirerope_mj.runs.board.opened import from_template, opened
-from wirerope_mj.runs.board.room import overlapping
 from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.room import overlapping
 from wirerope_mj.runs.scenario import load_scenario
 
 JOB = """# two mounts more would do

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.runs.board.job_text import motions_of, parsed, with_case, with_motions, with_value
+from wirerope_mj.runs.board.job_text import edited_job, motions_of, parsed
 from wirerope_mj.runs.board.table_text import TableText
 
 MOUNTS = """# mounts of a test
@@ -45,21 +45,20 @@ def table(tmp_path):
 
 def test_a_cell_is_written_in_its_unit_and_nothing_else_changes(table):
     mounts = table(MOUNTS.replace("   # no comment here", ""))
-    moved = mounts.with_cells("m2", {"x": mounts.written("x", 0.1235), "z": mounts.written("z", 0.0508)})
+    moved = mounts.with_cells("m2", {"x": 0.1235, "z": 0.0508})
     assert moved.text == mounts.text.replace("m2,  100,   50, 1.0", "m2,  123.5,   50, 2")
-    assert moved.value("m2", "z") == pytest.approx(0.0508, rel=1e-12)
 
 
 def test_decimal_commas_and_units_in_a_row_of_their_own_are_kept(table):
     mounts = table(GERMAN)
-    text = mounts.with_cells("m2", {"x": mounts.written("x", -0.0125), "inclination": "30"}).text
+    text = mounts.with_cells("m2", {"x": -0.0125, "inclination": "30"}).text
     assert text == "name;x;y;z;isolator;inclination\n;mm;mm;mm;;deg\nm1;1,5;2;3;WR2-800;\nm2; -12,5 ;5;6;WR2-800;30"
     assert table(text).rows["m2"]["inclination"] == "30"
 
 
 def test_rows_are_copied_renamed_and_taken_away(table):
     mounts = table(GERMAN)
-    copied = mounts.with_row("m3", {"x": "7"}, like="m2")
+    copied = mounts.with_row("m3", like="m2").with_cells("m3", {"x": "7"})
     assert copied.text == GERMAN + "\nm3; 7 ;5;6;WR2-800"
     assert copied.with_cells("m3", {"name": "left"}).rows["left"]["y"] == "5"
     assert copied.without_row("m1").without_row("m3").text == "name;x;y;z;isolator\n;mm;mm;mm;\nm2; 4 ;5;6;WR2-800\n"
@@ -81,28 +80,39 @@ def test_line_ends_of_windows_stay(table):
     )
 
 
+def edited(text, asked, **action):
+    return edited_job(text, asked, action)[0]
+
+
 def test_a_motion_is_said_in_one_line_and_comments_stay():
     assert motions_of(parsed(JOB)["case"][1]) == "half-sine 1 g 11 ms z; half-sine 2 g 11 ms x; sawtooth 3 g 6 ms y"
-    text = with_motions(JOB, 0, "half-sine 20 g 11 ms z")
+    text = edited(JOB, "case", case="0", key="motions", value="half-sine 20 g 11 ms z")
     assert text == JOB.replace('"15 g 11 ms z"', '"20 g 11 ms z"')
-    changed = parsed(with_motions(text, 1, "sawtooth 4 g 6 ms y; velocity-step 2 m/s z"))["case"][1].unwrap()
-    assert changed == {"name": "b", "sawtooth": "4 g 6 ms y", "velocity-step": "2 m/s z"}
+    changed = edited(text, "case", case="1", key="motions", value="sawtooth 4 g 6 ms y; velocity-step 2 m/s z")
+    assert parsed(changed)["case"][1].unwrap() == {"name": "b", "sawtooth": "4 g 6 ms y", "velocity-step": "2 m/s z"}
     with pytest.raises(ModelError, match='"half-sin" is no motion'):
-        with_motions(JOB, 0, "half-sin 20 g 11 ms z")
+        edited(JOB, "case", case="0", key="motions", value="half-sin 20 g 11 ms z")
 
 
 def test_values_are_written_and_taken_away_key_by_key():
-    text = with_value(JOB, ["limits", "load/m3"], "5 kN")
-    assert with_value(text, ["limits", "load/m3"], "") == JOB
-    assert parsed(with_value(JOB, ["document", "project"], "F130"))["document"]["project"] == "F130"
-    assert with_value(JOB, ["deck"], None) == JOB
-    cases = parsed(with_value(with_case(JOB, "c", "drop 300 mm"), ["case", 0], None))["case"].unwrap()
-    assert [case["name"] for case in cases] == ["b", "c"]
+    text = edited(JOB, "limit", key="load/m3", value="5 kN")
+    assert edited(text, "limit", key="load/m3", value="") == JOB
+    assert parsed(edited(JOB, "job", key="document.project", value="F130"))["document"]["project"] == "F130"
+    assert edited(JOB, "job", key="deck", value="") == JOB
+
+
+def test_a_case_is_added_below_the_others_with_an_empty_line_between():
+    text = edited(f"{JOB}\n[simulate]\nduration = 0.3\n", "add-case")
+    case = '[[case]]\nname = "case 1"\nhalf-sine = "15 g 11 ms z"\n'
+    assert text == f"{JOB}\n{case}\n[simulate]\nduration = 0.3\n"
+    assert edited(JOB, "add-case") == f"{JOB}\n{case}"
+    cases = parsed(edited(text, "remove-case", case="0"))["case"].unwrap()
+    assert [case["name"] for case in cases] == ["b", "case 1"]
 
 
 def test_a_job_that_is_no_toml_is_refused():
     with pytest.raises(ModelError, match="no TOML"):
-        with_value("model = ", ["deck"], "10 Hz")
+        edited("model = ", "job", key="deck", value="10 Hz")
 
 
 def test_every_shipped_template_is_read_and_written_alike():

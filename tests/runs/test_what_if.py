@@ -5,7 +5,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.engine.statics.payloads import payloads_of
-from wirerope_mj.runs.board.what_if import checked_values, frequency_ratio, groups_of, sliders_of, variant
+from wirerope_mj.runs.board.what_if import frequency_ratio, groups_of, sliders_of, variant, with_slider
 
 FLOOR = wr.load_system("floating_floor")
 ALONG_X = wr.HalfSine(peak=100.0, duration=0.011, direction="x")
@@ -36,7 +36,7 @@ def test_a_drop_has_neither_level_nor_direction():
 
 
 def test_nominal_sliders_leave_everything_as_it_is():
-    system, motion = variant(FLOOR, ALONG_X, checked_values(sliders_of(FLOOR, ALONG_X), {}))
+    system, motion = variant(FLOOR, ALONG_X, {slider.key: slider.nominal for slider in sliders_of(FLOOR, ALONG_X)})
     assert system is FLOOR
     assert motion is ALONG_X
 
@@ -60,26 +60,24 @@ def test_sliders_change_what_they_say():
 
 def test_values_are_brought_into_their_ranges():
     sliders = sliders_of(FLOOR, ALONG_X)
-    assert checked_values(sliders, {"level": 1e9, "mass": -4})["level"] == 2.0
-    assert checked_values(sliders, {"level": 1e9, "mass": -4})["mass"] == 0.5
+    assert with_slider(sliders, {"mass": 1.5}, "level", 1e9) == {"mass": 1.5, "level": 2.0}
+    assert with_slider(sliders, {}, "mass", "-4") == {"mass": 0.5}
 
 
 @pytest.mark.parametrize(
-    ("values", "words"),
+    ("key", "value", "words"),
     [
-        (None, "must be a table such as .*, got None"),
-        ([1.0], "must be a table such as .*, got \\[1.0\\]"),
-        ({"volume": 1.0}, "there is no slider 'volume'; there are level, direction, mass"),
-        ({"level": "1"}, "'level' must be a finite number, got '1'"),
-        ({"level": True}, "'level' must be a finite number, got True"),
-        ({"level": float("nan")}, "'level' must be a finite number, got nan"),
-        ({"level": float("inf")}, "'level' must be a finite number, got inf"),
-        ({"level": None}, "'level' must be a finite number, got None"),
+        ("volume", 1.0, "there is no slider 'volume'; there are level, direction, mass"),
+        (None, 1.0, "there is no slider 'None'"),
+        ("level", "1 g", "'level' must be a finite number, got '1 g'"),
+        ("level", float("nan"), "'level' must be a finite number, got nan"),
+        ("level", float("inf"), "'level' must be a finite number, got inf"),
+        ("level", None, "'level' must be a finite number, got None"),
     ],
 )
-def test_values_that_are_none_are_refused(values, words):
+def test_values_that_are_none_are_refused(key, value, words):
     with pytest.raises(ValueError, match=words):
-        checked_values(sliders_of(FLOOR, ALONG_X), values)
+        with_slider(sliders_of(FLOOR, ALONG_X), {}, key, value)
 
 
 def test_the_step_shrinks_as_much_as_the_fastest_motion_speeds_up():

@@ -33,7 +33,7 @@ def board(
     if template is not None:
         folder = from_template(template, what or Path(template))
     shown = opened(folder)
-    files = shown.documents
-    with nullcontext() if files is None else worked_on_alone(files.files["job"].parent, kind="board's folder"):
+    job = shown.documents.files.get("job")
+    with nullcontext() if job is None else worked_on_alone(job.parent, kind="board's folder"):
         serve(Board(shown), browser=browser, port=port)
     return 0

@@ -68,13 +68,13 @@ def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tupl
                 level = "rated travel" if part else f"rated travel of {short(mount.name)}", in_unit(float(limit), "mm")
                 levels[level] = levels.get(level, False) or bool(used > 1.0)
     if quantity == "acceleration":
-        levels |= _acceleration_levels(lines, along)
+        levels |= _acceleration_levels(lines, along, alike=bool(part))
     title = f"{part}: {what[:1].lower()}{what[1:]} [{unit}]{_peak_changes(curves)}" if part else f"{what} [{unit}]"
     exceeded = {name for (name, _), passed in levels.items() if passed}
     return Panel(curves, label, title=title, limits=list(levels), exceeded=exceeded, xlim=window, unit=unit)
 
 
-def _acceleration_levels(lines: Sequence[Line], along: str) -> Iterator[tuple[tuple[str, float], bool]]:
+def _acceleration_levels(lines: Sequence[Line], along: str, *, alike: bool) -> Iterator[tuple[tuple[str, float], bool]]:
     """Yield the limits of accelerations [g] that peaks of the drawn parts come near, both ways, and whether they pass them."""
     for line in lines:
         if isinstance(subject := line.subject, Component) and subject != THE_BASE:
@@ -85,7 +85,8 @@ def _acceleration_levels(lines: Sequence[Line], along: str) -> Iterator[tuple[tu
                     value = limit.values[0 if whole else _axis_number(along)]
                     if value and reached >= _SHOWN_RATING * value:
                         for side in (1.0,) if along == TOTAL else (1.0, -1.0):
-                            yield (f"limit of {short(line.name)}", in_unit(side * value, "g")), reached > value
+                            called = "limit" if alike else f"limit of {short(line.name)}"
+                            yield (called, in_unit(side * value, "g")), reached > value
 
 
 def run_histories(response: Response, selection: Selection) -> Histories:

@@ -21,7 +21,6 @@ from wirerope_mj.engine.from_tables.read import read_table
 from wirerope_mj.engine.simulation.run import missing_modes
 from wirerope_mj.engine.statics import model_warnings, static_table
 from wirerope_mj.engine.system import System, load_system
-from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import (
     AccuracyWarning,
     ModelError,
@@ -55,8 +54,9 @@ from wirerope_mj.runs.folder import warn_of_alterations
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.measured import read_map
 from wirerope_mj.runs.new_model import TABLES, build_model, is_folder_of_tables, tables_in
+from wirerope_mj.runs.room import in_thin_air, overlapping
 from wirerope_mj.runs.scenario import Scenario, load_scenario
-from wirerope_mj.runs.scenario_file import is_run, scenario_content, stored_scenario
+from wirerope_mj.runs.scenario_file import is_run, scenario_content, stored_scenario, system_of
 from wirerope_mj.runs.study import load_study_file
 
 _OURS = (ModelWarning, RecordWarning, AccuracyWarning, StudyWarning)
@@ -162,6 +162,8 @@ def _of_system(system: System, motions: Iterable[BaseMotion] = ()) -> Texts:
     """Yield what is implausible in a model, and at its rest; ConvergenceError where it has no equilibrium."""
     falls = any(motion.up is not None for motion in motions)
     yield from model_warnings(system, turned=falls)
+    for pair in overlapping(system):
+        yield f"mounts {' and '.join(pair)} stand in each other, as boxes of their height and width: check their positions."
     for motion in motions:
         yield from missing_modes(system, motion)
     if falls or not system.model.opt.gravity.any():
@@ -181,13 +183,13 @@ def _of_system(system: System, motions: Iterable[BaseMotion] = ()) -> Texts:
 
 
 def _tables(source: Path) -> Texts:
-    yield from _of_system(build_model(NAME, tables_in(source)).system)
+    built = build_model(NAME, tables_in(source))
+    yield from _of_system(built.system)
+    yield from in_thin_air(built.system, built.layout)
 
 
 def _scenario(scenario: Scenario) -> Texts:
-    scenario = scenario.on_its_floor()
-    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
-    yield from _of_system(system, [scenario.motion])
+    yield from _of_system(system_of(scenario.on_its_floor()), [scenario.motion])
 
 
 def _run(folder: Path) -> Texts:
@@ -197,7 +199,8 @@ def _run(folder: Path) -> Texts:
 
 def _job(path: Path) -> Texts:
     job = load_job(path)
-    return _of_system(job.system, [case.scenario.motion for case in job.cases])
+    yield from _of_system(job.system, [case.scenario.motion for case in job.cases])
+    yield from in_thin_air(job.system, job.layout)
 
 
 def _isolator(path: Path) -> Texts:

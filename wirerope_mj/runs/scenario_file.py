@@ -32,6 +32,12 @@ from wirerope_mj.runs.folder import FORMAT, SCENARIO, digest_of
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile
 
 
+def system_of(scenario: Scenario) -> System:
+    """Load the model of a scenario with its changes and limits."""
+    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
+    return judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
+
+
 def judged_by(system: System, *, combined_travel: bool, limits: Sequence[PayloadLimit]) -> System:
     """Return the system with a scenario's limits, which replace the model's for the same subjects.
 

@@ -26,9 +26,7 @@ from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.run import aliasing, missing_modes
 from wirerope_mj.engine.simulation.simulate import checked_corners
 from wirerope_mj.engine.statics.linear import soft_equalities
-from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
-from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, json_text
@@ -41,7 +39,7 @@ from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.registry import copy_records
 from wirerope_mj.runs.folder import CHECKSUMS, FORMAT, KIND, MARKS, SCENARIO, SUMMARY, write_checksums
 from wirerope_mj.runs.scenario import Scenario
-from wirerope_mj.runs.scenario_file import judge_table, judged_by, scenario_content, system_and_motion
+from wirerope_mj.runs.scenario_file import judge_table, scenario_content, system_and_motion, system_of
 
 _REMEDY = "Take the file from another copy of the folder, or repeat the run."
 
@@ -140,8 +138,7 @@ def write_run(
     check_folder(target, force=force, kind=KIND, marks=MARKS)
     arguments = checked_arguments(scenario)
     scenario = scenario.on_its_floor()
-    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
-    system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
+    system = system_of(scenario)
     with atomic_folder(target, force=force, kind=KIND, marks=MARKS) as temporary:
         started = perf_counter()
         model = write_model(system, temporary / "model")

@@ -30,9 +30,11 @@ class Documents:
         self._states: list[tuple[Texts, str]] = [({**new, **self._saved}, "")]  # texts, and what made them so
         self._now = 0
         self._temporary = TemporaryDirectory(prefix="wirerope-board-")
-        self.root = Path(os.path.commonpath([file.parent for file in self.files.values()]))
-        self._journal = self.files["job"].parent / JOURNAL
-        self._written: Texts = {}
+        self.copies = Path(self._temporary.name)  # that stands for the folder of all files in the paths of copies
+        job = self.files.get("job", self.copies / "run")
+        self._root = Path(os.path.commonpath([job.parent, *(file.parent for file in self.files.values())]))
+        self._journal = job.parent / JOURNAL
+        self.written = job.parent / "runs" / job.stem  # folder of what is written of it
 
     @property
     def texts(self) -> Texts:
@@ -42,60 +44,46 @@ class Documents:
     def unsaved(self) -> bool:
         return self.texts != self._saved
 
-    @property
-    def copies(self) -> Path:
-        """Folder that stands for `root` in the paths of copies."""
-        return Path(self._temporary.name)
-
     def copy(self, kind: str) -> Path:
-        return self.copies / self.files[kind].relative_to(self.root)
+        return self.copies / self.files[kind].relative_to(self._root)
 
     def write_copies(self, texts: Texts) -> None:
         """Make the copies those of some texts."""
-        for kind, file in self.files.items():
-            for folder in [parent for parent in file.parents if parent.is_relative_to(self.root)][::-1]:
-                there = self.copies / folder.relative_to(self.root)
-                there.mkdir(exist_ok=True)
-                ours = {path for other in self.files.values() for path in (other, *other.parents)}
-                for entry in folder.iterdir() if folder.is_dir() else ():
-                    if entry not in ours and not (there / entry.name).is_symlink():
-                        (there / entry.name).symlink_to(entry)
-            if texts.get(kind) != self._written.get(kind):
-                if kind in texts:
-                    self.copy(kind).write_bytes(texts[kind].encode(self._encodings.get(kind, "utf-8")))
-                else:
-                    self.copy(kind).unlink(missing_ok=True)
-        self._written = dict(texts)
+        ours = {path for file in self.files.values() for path in (file, *file.parents)}
+        for folder in sorted(path for path in ours - {*self.files.values()} if path.is_relative_to(self._root)):
+            copy = self.copies / folder.relative_to(self._root)
+            copy.mkdir(exist_ok=True)
+            for entry in folder.iterdir() if folder.is_dir() else ():
+                if entry not in ours and not (copy / entry.name).is_symlink():
+                    (copy / entry.name).symlink_to(entry)
+        for kind in self.files:
+            self._write(kind, self.copy(kind), texts)
 
     def edit(self, texts: Texts, said: str) -> None:
         """Go on to other texts; what was undone is forgotten."""
         if texts != self.texts:
             self._states[self._now + 1 :] = [(dict(texts), said)]
-            self._step(1)
+            self.step(1)
             self._edited |= {kind: text for kind, text in self._saved.items() if texts.get(kind) == text}
 
-    def undo(self) -> str:
-        """Go back to the texts before the last edit, and return what that was; "" if there is none."""
-        said = self._states[self._now][1]
-        if self._now:
-            self._step(-1)
-        return said
-
-    def redo(self) -> str:
-        if self._now + 1 == len(self._states):
+    def step(self, by: int) -> str:
+        """Go back to before the last edit, -1, or on to after the next, 1, and return what that was; "" if there is none."""
+        if not 0 <= self._now + by < len(self._states):
             return ""
-        self._step(1)
-        return self._states[self._now][1]
+        said = self._states[max(self._now, self._now + by)][1]
+        self._now += by
+        if self.unsaved:
+            with atomic_file(self._journal) as beside:
+                beside.write_text(json.dumps(self.texts), encoding="utf-8")
+        else:
+            self._journal.unlink(missing_ok=True)
+        return said
 
     def save(self) -> list[str]:
         """Write the files that differ, each whole, and return their names."""
         names = [kind for kind in self.files if self.texts.get(kind) != self._saved.get(kind)]
         for kind in names:
-            if kind in self.texts:
-                with atomic_file(self.files[kind]) as beside:
-                    beside.write_bytes(self.texts[kind].encode(self._encodings.get(kind, "utf-8")))
-            else:
-                self.files[kind].unlink(missing_ok=True)
+            self._write(kind, self.files[kind], self.texts)
         self._saved, self._edited = dict(self.texts), dict(self.texts)
         self._journal.unlink(missing_ok=True)
         return [self.files[kind].name for kind in names]
@@ -122,13 +110,13 @@ class Documents:
     def close(self) -> None:
         self._temporary.cleanup()
 
-    def _step(self, by: int) -> None:
-        self._now += by
-        if self.unsaved:
-            with atomic_file(self._journal) as beside:
-                beside.write_text(json.dumps(self.texts), encoding="utf-8")
-        else:
-            self._journal.unlink(missing_ok=True)
+    def _write(self, kind: str, path: Path, texts: Texts) -> None:
+        content = texts.get(kind, "").encode(self._encodings.get(kind, "utf-8"))
+        if kind not in texts:
+            path.unlink(missing_ok=True)
+        elif not path.is_file() or path.read_bytes() != content:
+            with atomic_file(path) as beside:
+                beside.write_bytes(content)
 
     def _on_disk(self) -> Texts:
         texts = {}

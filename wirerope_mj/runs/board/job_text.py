@@ -1,12 +1,14 @@
 """The text of a job, edited key by key; comments, order and everything that is not touched stay as they were written."""
 
 import json
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Mapping
 from typing import Any
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.registry import SPOKEN_MOTIONS
@@ -22,7 +24,8 @@ name = {name}
 name = "vertical shock"
 half-sine = "15 g 11 ms z"
 """
-_AND = "; "  # between the motions of a case that are added
+JOB_EDITS = ("case", "add-case", "remove-case", "limit", "add-limit", "job")
+_KEYS = ("name", "question", "deck", "temperature")  # of a job that are set as they are
 
 
 def blank_job(model: str, name: str) -> str:
@@ -39,55 +42,76 @@ def parsed(text: str) -> tomlkit.TOMLDocument:
 
 
 def motions_of(case: Mapping[str, Any]) -> str:
-    """Write the motions of a case in one line, each its kind and its phrase, as `with_motions` reads them."""
+    """Write the motions of a case in one line, each its kind and its phrase."""
     said = {kind: case[kind] for kind in SPOKEN_MOTIONS if kind in case}
     phrases = ((kind, text) for kind, texts in said.items() for text in ([texts] if isinstance(texts, str) else texts))
-    return _AND.join(f"{kind} {text}" for kind, texts in phrases for text in listed_phrases(texts))
+    return "; ".join(f"{kind} {text}" for kind, texts in phrases for text in listed_phrases(texts))
 
 
-def with_motions(text: str, number: int, line: str) -> str:
-    """Write the motions of case `number` as a line says them: "half-sine 15 g 11 ms z; half-sine 8 g 11 ms x".
+def edited_job(text: str, asked: str, action: Entries) -> tuple[str, str]:
+    """Return the text of a job after one of the `JOB_EDITS`, and what is said of it; ModelError if it cannot be done."""
+    job = parsed(f"{text.rstrip()}\n\n" if asked == "add-case" else text)
+    key, value = str(action.get("key", "")).strip(), str(action.get("value", "")).strip()
+    if asked == "add-case":
+        cases = job.setdefault("case", tomlkit.aot())
+        names = [case.get("name") for case in cases]
+        name = next(name for n in range(1, 10_000) if (name := f"case {n}") not in names)
+        case = tomlkit.table()
+        case |= {"name": name, "half-sine": "15 g 11 ms z"}
+        case.add(tomlkit.nl())
+        cases.append(case)
+        return f"{tomlkit.dumps(job).rstrip()}\n", f"{name} added"
+    if asked in ("case", "remove-case"):
+        number = str(action.get("case", ""))
+        if number not in map(str, range(len(job.get("case", [])))):
+            raise ModelError("there is no such load case.")
+        case, said = job["case"][int(number)], value if key == "motions" else f"{key} {value}"
+        if asked == "remove-case":
+            del job["case"][int(number)]
+            said = "load case taken away"
+        elif key == "motions":
+            _write_motions(case, value)
+        else:
+            _write(case, key, value)
+    elif asked == "job":
+        table, _, name = key.rpartition(".")
+        if key not in _KEYS and table != "document":
+            raise ModelError(f"there is no {key[:40]!r} here.")
+        _write(job.setdefault(table, tomlkit.table()) if table else job, name, value)
+        said = f"{name} {value or 'left empty'}"
+    else:
+        if asked == "add-limit":  # in one line, as `--limit` takes it; the sign may be missing
+            key, _, value = re.sub(r"^(\S+/\S+)\s+(?=[-+.\d])", r"\1 = ", value).partition("=")
+        key, value, limits = key.strip(), value.strip(), job.setdefault("limits", tomlkit.table())
+        if not key:
+            raise ModelError('name what is limited, such as "acceleration/equipment".')
+        if not value and key not in limits:
+            raise ModelError(
+                f'"{short(key)}" is no limit; one is written like acceleration/equipment = 4 g, or acceleration/* = 4 g.'
+            )
+        _write(limits, key, value)
+        said = f"limit {key} {value or 'taken away'}"
+    return tomlkit.dumps(job), said
 
-    ModelError if a motion does not begin with its kind.
-    """
+
+def _write(table: Any, key: str, value: str) -> None:
+    """Write the value of a key, or take it away where there is none."""
+    if value:
+        table[key] = value
+    elif key in table:
+        del table[key]
+
+
+def _write_motions(case: Any, line: str) -> None:
+    """Write the motions of a case as a line says them: "half-sine 15 g 11 ms z; half-sine 8 g 11 ms x"."""
     said: dict[str, list[str]] = {}
     for part in listed_phrases(line):
         kind, _, phrase = part.strip().partition(" ")
         if kind not in SPOKEN_MOTIONS:
             raise ModelError(f'"{short(kind)}" is no motion; a case begins with one of {", ".join(SPOKEN_MOTIONS)}.')
         said.setdefault(kind, []).append(phrase.strip())
-    job = parsed(text)
-    case = job["case"][number]
     for kind in SPOKEN_MOTIONS:
-        if kind in case and kind not in said:
+        if kind in said:
+            case[kind] = said[kind][0] if len(said[kind]) == 1 else said[kind]
+        elif kind in case:
             del case[kind]
-    for kind, phrases in said.items():
-        case[kind] = phrases[0] if len(phrases) == 1 else phrases
-    return tomlkit.dumps(job)
-
-
-def with_value(text: str, keys: Sequence[str | int], value: str | float | bool | None) -> str:
-    """Write the value at some keys, tables and numbers of cases among them; with None or "" the key is taken away."""
-    job = parsed(text)
-    table: Any = job
-    for key in keys[:-1]:
-        if isinstance(key, str) and key not in table:
-            table[key] = tomlkit.table()
-        table = table[key]
-    last = keys[-1]
-    if value in (None, ""):
-        if isinstance(last, int) or last in table:
-            del table[last]
-    else:
-        table[last] = value
-    return tomlkit.dumps(job)
-
-
-def with_case(text: str, name: str, line: str) -> str:
-    """Add a case below the others, with a line left empty around it."""
-    job = parsed(f"{text.rstrip()}\n\n")
-    case = tomlkit.table()
-    case["name"] = name
-    case.add(tomlkit.nl())
-    job.setdefault("case", tomlkit.aot()).append(case)
-    return with_motions(f"{tomlkit.dumps(job).rstrip()}\n", len(job["case"]) - 1, line)

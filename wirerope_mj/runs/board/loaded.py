@@ -10,13 +10,13 @@ from wirerope_mj.dynamics.modes import NaturalFrequencies, natural_frequencies
 from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.statics import Sag, at_rest
-from wirerope_mj.engine.system import System, load_system
-from wirerope_mj.foundation.errors import Absent
-from wirerope_mj.runs.board.documents import Texts
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import Absent, ModelWarning, WireRopeError
+from wirerope_mj.runs.board.documents import Documents, Texts
 from wirerope_mj.runs.board.table_text import TableText
 from wirerope_mj.runs.board.what_if import Slider, sliders_of, variant
-from wirerope_mj.runs.job_file import Job, LoadCase
-from wirerope_mj.runs.scenario_file import judged_by
+from wirerope_mj.runs.job_file import Job, LoadCase, load_job
+from wirerope_mj.runs.scenario_file import system_of
 from wirerope_mj.runs.write import checked_arguments
 
 _LONGEST = 30.0  # time of computing after which no finer step is tried [s]: what is typed may be absurd
@@ -60,16 +60,30 @@ class Loaded:
         return result_or_absent(lambda: natural_frequencies(self.system))
 
 
+def load(documents: Documents, texts: Texts, known: Mapping[str, TableText]) -> Loaded:
+    """Read texts of documents as commands read files, but for tables that are `known`; WireRopeError names the files."""
+    documents.write_copies(texts)
+    tables = {kind: table for kind, table in known.items() if table.text == texts.get(kind)}
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", ModelWarning)
+            job = load_job(documents.copy("job"))
+        for kind in texts.keys() - tables.keys() - {"job"}:
+            tables[kind] = TableText.read(kind, documents.copy(kind))
+    except (WireRopeError, ValueError) as error:
+        raise type(error)(str(error).replace(f"{documents.copies}/", "")) from None
+    doubts = [str(warning.message) for warning in caught if issubclass(warning.category, ModelWarning)]
+    return Loaded(dict(texts), job, {kind: tables[kind] for kind in texts if kind != "job"}, {}, doubts)
+
+
 def judged_case(case: LoadCase, loaded: Loaded, timestep: float | None = None) -> JudgedRun:
     """Simulate and judge a load case in memory as `wirerope cases` does, or with a step of one's own."""
     arguments = checked_arguments(case.scenario)
     if timestep is not None:
         arguments = {name: value for name, value in arguments.items() if name != "accuracy"}
         arguments |= {"timestep": timestep, "estimate": False}
-    scenario, system = case.scenario.on_its_floor(), loaded.job.system
-    if scenario is not case.scenario:
-        system = load_system(scenario.model_source(), isolators=scenario.isolators)
-        system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
+    scenario = case.scenario.on_its_floor()
+    system = loaded.job.system if scenario is case.scenario else system_of(scenario)
     system, motion = variant(system, scenario.motion, loaded.values)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the verdict's own text has what the model lacks

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wirerope_mj.content.job import REPORTED
-from wirerope_mj.engine.system import load_system
-from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import model_file, models_folder, shipped_models
 from wirerope_mj.foundation.toml_file import read_toml
@@ -18,17 +16,16 @@ from wirerope_mj.runs.job_file import KIND, Job, LoadCase
 from wirerope_mj.runs.measured import tests_of
 from wirerope_mj.runs.new_model import TABLES, is_folder_of_tables
 from wirerope_mj.runs.scenario import Scenario, load_scenario, shipped_scenarios
-from wirerope_mj.runs.scenario_file import is_run, judged_by, stored_scenario
+from wirerope_mj.runs.scenario_file import is_run, stored_scenario, system_of
 
 JOB = "job.toml"
-TEMPLATES = ("genset",)  # that are tables
 
 
 @dataclass(frozen=True)
 class Opened:
     """What a board shows: files that it edits, or a scenario as it is; tests are those that a run was compared with."""
 
-    documents: Documents | None = None
+    documents: Documents
     job: Job | None = None  # of a scenario
     tests: Sequence[Measured] = ()
 
@@ -40,7 +37,7 @@ def opened(what: Path) -> Opened:
     """
     if is_run(what) or str(what) in shipped_scenarios() or what.suffix == ".py":
         file = stored_scenario(what) if is_run(what) else load_scenario(str(what))
-        return Opened(job=_job_of(file.make()), tests=tests_of(what))
+        return Opened(Documents({}, {}), _job_of(file.make()), tests_of(what))
     tables = what if is_folder_of_tables(what) else what / "tables"
     if what.suffix == ".toml":
         stated = str(read_toml(what, KIND).get("model", ""))
@@ -69,18 +66,15 @@ def _documents(job: Path, folder: Path, model: str) -> Documents:
 def _job_of(scenario: Scenario) -> Job:
     """Make a job of a scenario alone."""
     scenario = scenario.on_its_floor()
-    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
+    case = LoadCase(name=scenario.name, folder=scenario.name, note="", scenario=scenario)
     return Job(
         name=scenario.name, question=scenario.question.strip().split("\n", 1)[0], report=REPORTED[:7], document=None,
-        cases=(LoadCase(name=scenario.name, folder=scenario.name, note="", scenario=scenario),), path=Path(), layout=None,
-        system=judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits),
+        cases=(case,), path=Path(), layout=None, system=system_of(scenario),
     )  # fmt: skip
 
 
 def from_template(name: str, folder: Path) -> Path:
     """Copy the tables of a template into a folder that does not exist yet, and return it."""
-    if name not in TEMPLATES:
-        raise ModelError(f"the template of a board is {' or '.join(TEMPLATES)}, got {name!r}.")
     if folder.exists():
         raise ModelError(f"{folder} exists; give another folder, or open this one: wirerope board {folder}")
     shutil.copytree(models_folder() / "templates" / name, folder)

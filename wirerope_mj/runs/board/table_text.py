@@ -1,8 +1,9 @@
 """The text of a table, edited cell by cell: comments, units, order and spacing stay as they are written."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from wirerope_mj.engine.from_tables.read import COLUMNS, FURTHER
@@ -40,7 +41,15 @@ class TableText:
     @property
     def rows(self) -> dict[str, dict[str, str]]:
         """Cells by row and column, as they are written."""
-        return {cells["name"]: cells for _, cells in self._numbered()}
+        return {name: cells for name, (_, cells) in self._numbered.items()}
+
+    @cached_property
+    def _numbered(self) -> dict[str, tuple[int, dict[str, str]]]:
+        """Index of the line and cells of each row."""
+        lines = enumerate(self.lines[self.header.last :], start=self.header.last)
+        rows = [(number, self.header.cells(line.rstrip("\r\n"))) for number, line in lines if not is_comment(line)]
+        named = [(number, dict(zip(self.header.names, cells, strict=False))) for number, cells in rows if any(cells)]
+        return {cells["name"]: (number, cells) for number, cells in named}
 
     def unit(self, column: str) -> str:
         """Return the unit in which a column is written, or would be; "" of one without."""
@@ -53,41 +62,33 @@ class TableText:
     def has(self, column: str) -> bool:
         return column in self.header.names
 
-    def value(self, row: str, column: str) -> float:
-        """Return the value of a cell [SI]; ValueError if it is no number."""
-        unit = self.unit(column)
-        number = float(self.rows[row][column].replace(self.header.decimal, "."))
-        return number * (UNITS[self._quantity(column)][unit] if unit else 1.0)
+    def with_cells(self, row: str, cells: Mapping[str, str | float]) -> "TableText":
+        """Write cells of a row, numbers [SI] in the units of their columns.
 
-    def written(self, column: str, value: float) -> str:
-        """Write a value [SI] in the unit of a column."""
-        unit = self.unit(column)
-        value /= UNITS[self._quantity(column)][unit] if unit else 1.0
-        return f"{round(value, _DIGITS) + 0.0:.{_DIGITS}g}".replace(".", self.header.decimal)
-
-    def with_cells(self, row: str, cells: Mapping[str, str]) -> "TableText":
-        """Write cells of a row; a column that the table has not is added if its cell is not empty."""
+        A column that the table has not is added if its cell is not empty.
+        """
         table = self
-        for column, text in cells.items():
-            if not table.has(column):
-                if not text:
-                    continue
+        for column, cell in cells.items():
+            if cell != "" and not table.has(column):
                 table = table._with_column(column)
-            number = next(number for number, known in table._numbered() if known["name"] == row)
-            place = table.header.names.index(column)
-            table = table._with_line(number, _with_cell(table.lines[number], table.header.delimiter, place, text))
-            row = text if column == "name" else row
-        return table
+        number = self._numbered[row][0]
+        line = table.lines[number]
+        for column, cell in cells.items():
+            if table.has(column):
+                if not isinstance(cell, str):
+                    unit = table.unit(column)
+                    value = cell / (UNITS[table._quantity(column)][unit] if unit else 1.0)
+                    cell = f"{round(value, _DIGITS) + 0.0:.{_DIGITS}g}".replace(".", table.header.decimal)
+                line = _with_cell(line, table.header.delimiter, table.header.names.index(column), cell)
+        return replace(table, lines=(*table.lines[:number], line, *table.lines[number + 1 :]))
 
-    def with_row(self, name: str, cells: Mapping[str, str], *, like: str) -> "TableText":
-        """Add a row below the last one, a copy of the row `like` but for its name and some cells."""
-        numbers = {known["name"]: number for number, known in self._numbered()}
-        last, copied = max(numbers.values()), self.lines[numbers[like]]
+    def with_row(self, name: str, *, like: str) -> "TableText":
+        """Add a row below the last one, a copy of the row `like` but for its name."""
+        last, copied = max(number for number, _ in self._numbered.values()), self.lines[self._numbered[like][0]]
         end = "" if self.lines[last].endswith(("\n", "\r")) else "\n"
         copied = _with_cell(copied, self.header.delimiter, self.header.names.index("name"), name)
         copied += "" if copied.endswith(("\n", "\r")) or end else "\n"
-        lines = (*self.lines[:last], self.lines[last] + end, copied, *self.lines[last + 1 :])
-        return replace(self, lines=lines).with_cells(name, cells)
+        return replace(self, lines=(*self.lines[:last], self.lines[last] + end, copied, *self.lines[last + 1 :]))
 
     def free_name(self, row: str) -> str:
         """Return the first name with the letters of a row's that no row has."""
@@ -95,14 +96,8 @@ class TableText:
         return next(name for n in range(1, len(self.rows) + 2) if (name := f"{stem}{n}") not in self.rows)
 
     def without_row(self, name: str) -> "TableText":
-        numbers = {number for number, known in self._numbered() if known["name"] == name}
-        return replace(self, lines=tuple(line for number, line in enumerate(self.lines) if number not in numbers))
-
-    def _numbered(self) -> Iterator[tuple[int, dict[str, str]]]:
-        """Yield number of the line, from 0, and cells of each row by column."""
-        for number, line in enumerate(self.lines[self.header.last :], start=self.header.last):
-            if not is_comment(line) and any(cells := self.header.cells(line.rstrip("\r\n"))):
-                yield number, dict(zip(self.header.names, cells, strict=False))
+        number = self._numbered[name][0]
+        return replace(self, lines=self.lines[:number] + self.lines[number + 1 :])
 
     def _quantity(self, column: str) -> str:
         needed, further = {**COLUMNS, **FURTHER}[self.kind]
@@ -111,9 +106,6 @@ class TableText:
             raise RecordError(f"a table of {self.kind} has no column {short(column)!r}; it may have {', '.join(known)}.")
         return known[column]
 
-    def _with_line(self, number: int, text: str) -> "TableText":
-        return replace(self, lines=(*self.lines[:number], text, *self.lines[number + 1 :]))
-
     def _with_column(self, column: str) -> "TableText":
         """Add a column behind the last one, with empty cells."""
         header, sign = self.header, self.header.delimiter
@@ -121,33 +113,25 @@ class TableText:
             raise RecordError(f"{header.location}: cells that spaces separate cannot be empty; separate them by commas.")
         unit = self.unit(column)
         below = header.last > header.line  # units stand in a row of their own
-        name = column if below else with_unit(column, self._quantity(column))
-        table = self._with_line(header.line - 1, _longer(self.lines[header.line - 1], sign, name))
-        if below:
-            table = table._with_line(header.last - 1, _longer(table.lines[header.last - 1], sign, unit))
-        for number, cells in self._numbered():
-            missing = len(header.names) - len(cells)
-            table = table._with_line(number, _longer(table.lines[number], sign * (missing + 1), ""))
-        return replace(table, header=replace(header, names=(*header.names, column), units=(*header.units, unit or None)))
-
-
-def _longer(line: str, sign: str, text: str) -> str:
-    """Add a cell to a line."""
-    content = line.rstrip("\r\n")
-    return f"{content.rstrip()}{sign}{' ' * (sign == ',' and bool(text))}{text}{line[len(content) :]}"
+        heading = column if below else with_unit(column, self._quantity(column))
+        missing = {number: len(header.names) - len(cells) for number, cells in self._numbered.values()}
+        headings = {header.line - 1: heading} | ({header.last - 1: unit} if below else {})
+        lines = list(self.lines)
+        for number in (*headings, *missing):
+            content, cell = lines[number].rstrip("\r\n"), headings.get(number, "")
+            signs = sign * (missing.get(number, 0) + 1) + " " * (sign == "," and bool(cell))
+            lines[number] = f"{content.rstrip()}{signs}{cell}{lines[number][len(content) :]}"
+        header = replace(header, names=(*header.names, column), units=(*header.units, unit or None))
+        return replace(self, lines=tuple(lines), header=header)
 
 
 def _with_cell(line: str, sign: str, place: int, text: str) -> str:
     """Write a cell of a line between the spaces that stand around it; RecordError if it cannot stand there."""
     if '"' in text or "\n" in text or (sign == " " and not text.strip()):
         raise RecordError(f"{short(text)!r} cannot stand in a cell of this table.")
-    if sign in text:
-        text = f'"{text}"'
     content = line.rstrip("\r\n")
-    apart = r"\s+" if sign == " " else re.escape(sign)
-    ends = [match.span() for match in re.finditer(rf'{apart}(?=(?:[^"]*"[^"]*")*[^"]*$)', content)]
-    first = ends[place - 1][1] if place else 0
-    last = ends[place][0] if place < len(ends) else len(content)
-    old = content[first:last]
-    lead, trail = old[: len(old) - len(old.lstrip())], old[len(old.rstrip()) :] if old.strip() else ""
-    return f"{content[:first]}{lead}{text}{trail}{content[last:]}{line[len(content) :]}"
+    separator = r"\s+" if sign == " " else re.escape(sign)
+    parts = re.split(rf'({separator})(?=(?:[^"]*"[^"]*")*[^"]*$)', content)  # cells, and what stands between them
+    text = f'"{text}"' if sign in text else text
+    parts[2 * place] = re.sub(r"^(\s*).*?(\s*)$", lambda spaces: f"{spaces[1]}{text}{spaces[2]}", parts[2 * place], count=1)
+    return "".join(parts) + line[len(content) :]

@@ -1,20 +1,34 @@
 """Verdicts of what a board shows: quick ones, exact ones, and what they differ by from those before."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
+from itertools import chain
 
-from wirerope_mj.content.job import JudgedCase, JudgedJob
+from wirerope_mj.assessment.criteria import COMBINED, Verdict
+from wirerope_mj.assessment.criteria.summary import COMBINED_MEANS
+from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.first_sheet import brief_blocks
+from wirerope_mj.content.job import JudgedCase, JudgedJob, brief, job_headline
 from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.modes import TIPS
+from wirerope_mj.content.numbers import several
+from wirerope_mj.content.verdicts import headline, used_mark
+from wirerope_mj.dynamics.modes import NaturalFrequencies
+from wirerope_mj.engine.statics import Sag
 from wirerope_mj.foundation.arrays import Entries
-from wirerope_mj.foundation.errors import SimulationError, WireRopeError
+from wirerope_mj.foundation.errors import Absent, SimulationError, WireRopeError
+from wirerope_mj.foundation.tables import Column, Table, left
 from wirerope_mj.motions import Measured
 from wirerope_mj.runs.board.loaded import Loaded, judged_case
-from wirerope_mj.runs.board.room import in_thin_air
 from wirerope_mj.runs.board.what_if import frequency_ratio
 from wirerope_mj.runs.job_file import LoadCase
-from wirerope_mj.views.board import columns
+from wirerope_mj.runs.room import in_thin_air
+from wirerope_mj.views.board.columns import column_html, fragment
+from wirerope_mj.views.board.compared import compared_blocks
 
+_MODES = 6  # that are shown: those of a rigid payload
 _KEPT = 40  # judged cases of earlier positions, which undoing shows again
 Told = tuple[Mapping[str, str], Entries]  # HTML by what it is of, and whether it is of a former position, if that changes
 
@@ -37,7 +51,8 @@ class Verdicts:
             yield from self._judgements(loaded, exact=exact)
         except (WireRopeError, ValueError) as error:
             self.used = {}
-            html = {"verdict": columns.failure_html(str(error)), "statics": at_rest_html(loaded), "compared": ""}
+            failure = Statement("headline", f"No verdict: {error}", tone="exceeded")
+            html = {"verdict": column_html([failure]), "statics": at_rest_html(loaded), "compared": ""}
             yield html, {"stale": False}
 
     def _judgements(self, loaded: Loaded, *, exact: bool) -> Iterator[Told]:
@@ -72,7 +87,8 @@ class Verdicts:
         if not self._shown or self._shown[-1] is not governing:
             self._shown = [*self._shown[-1:], governing]
         names = ["before", "now"][-len(self._shown) :]
-        yield {"compared": columns.compared_html(dict(zip(names, self._shown, strict=True)), self._tests)}, {}
+        shown = dict(zip(names, self._shown, strict=True))
+        yield {"compared": column_html(compared_blocks(shown, self._tests))}, {}
 
     def _told(self, loaded: Loaded, runs: Sequence[JudgedRun], *, quick: bool = False) -> Told:
         """Return the verdict of the first load cases."""
@@ -88,10 +104,24 @@ class Verdicts:
         self.used = {}
         for row in (row for run in runs for row in run.verdicts):
             self.used[row.subject] = max(row.utilisation or 0.0, self.used.get(row.subject, 0.0))
-        left = len(job.cases) - len(cases)
-        what_if = [f"{each.label} {each.text(value)}" for each, value in loaded.moved]
-        html = columns.verdict_html(judged, left, what_if, quick=quick)
-        return {"verdict": html}, {"stale": bool(left)}
+        remaining, first = len(job.cases) - len(cases), cases[0].run
+        blocks = brief(judged) if len(cases) > 1 else brief_blocks(first)
+        html = fragment(
+            "right.html.jinja", said=job_headline(judged.verdicts) if len(cases) > 1 else headline(first.verdicts),
+            what_if=", ".join(f"{slider.label} {slider.text(value)}" for slider, value in loaded.moved), quick=quick,
+            more=several(remaining, "load case") if remaining else "",
+            blocks=column_html(_explained(blocks, chain.from_iterable(judged.verdicts.values()))),
+        )  # fmt: skip
+        return {"verdict": html}, {"stale": bool(remaining)}
+
+
+def _explained(blocks: Iterable[Block | None], verdicts: Iterable[Verdict]) -> Iterator[Block | None]:
+    """Say below the bars what combined travel is, where it is judged."""
+    judged = any(row.criterion == COMBINED and row.utilisation is not None for row in verdicts)
+    for block in blocks:
+        if judged and isinstance(block, Table) and block.id == "criteria":
+            block = replace(block, note=COMBINED_MEANS)
+        yield block
 
 
 def _key(case: LoadCase, loaded: Loaded) -> str:
@@ -107,5 +137,29 @@ def _key(case: LoadCase, loaded: Loaded) -> str:
 
 
 def at_rest_html(shown: Loaded) -> str:
-    """Write loads at rest and natural frequencies, and which mounts stand in thin air."""
-    return columns.statics_html(shown.sag, shown.frequencies, in_thin_air(shown.system, shown.layout))
+    """Write loads at rest of every mount, the natural frequencies, and which mounts stand in thin air."""
+    blocks = [Statement("doubts", items=tuple(in_thin_air(shown.system, shown.layout)), tone="near")]
+    return column_html([*blocks, *_at_rest(shown.sag, shown.frequencies)])
+
+
+def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> Iterator[Block]:
+    if isinstance(sag, Absent):
+        yield Statement("statics", f"At rest: {sag.reason}", tone="exceeded")
+    else:
+        rows = [
+            (name, -float(mount.deflection[2]) + 0.0, mount.carries, used_mark(mount.utilisation))
+            for name, mount in sag.listed.items()
+        ]
+        used = [mount.utilisation for mount in sag.mounts.values() if mount.utilisation is not None]
+        figures = (("down", "mm", "z.1f"), ("carries", "kN", "z.3f"), ("of rated", "%", "z.0f"))
+        columns = [*left("mount"), *(Column(*figure) for figure in figures)]
+        title = "At rest" + (f": up to {100.0 * max(used):.0f} % of the rated static load" if used else "")
+        yield Table("at-rest", title, columns, rows, shown=4)
+    if not isinstance(known, Absent):  # as a rule for the same reason
+        yield Table(
+            "modes", "Natural frequencies, small amplitude", [Column("frequency", "Hz", "z.2f"), Column("shape", align="text")],
+            [
+                (TIPS if frequency != frequency else float(frequency), shape)
+                for frequency, shape in zip(known.frequencies[:_MODES], known.descriptions, strict=False)
+            ],
+        )  # fmt: skip

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wirerope_mj.content.numbers import several
 from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System
@@ -21,18 +22,17 @@ LEVEL, DIRECTION, MASS, DAMPING, STIFFNESS, DECK = "level", "direction", "mass",
 Values = Mapping[str, float]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Slider:
     """One quantity that can be changed."""
 
     key: str  # by which its value is handed over
     label: str  # what it is called
-    unit: str  # "×" for a factor on what the scenario has, "°" for an angle
-    # minimum, maximum: smallest and largest value
+    note: str  # what it acts on, and what stays
     minimum: float
     maximum: float
-    nominal: float  # what leaves the scenario as it is
-    note: str  # what it acts on, and what stays
+    nominal: float = 1.0  # what leaves the scenario as it is
+    unit: str = "×"  # of a factor on what the scenario has; "°" of an angle
 
     def text(self, value: float) -> str:
         return f"{value:.4g}°" if self.unit == "°" else f"×\N{NO-BREAK SPACE}{value:.4g}"
@@ -40,38 +40,36 @@ class Slider:
 
 def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     """Return the sliders that have an effect on a system under a motion."""
-    # A fall has the level of its height, and the direction of gravity.
-    falls = motion.up is not None
-    sliders = [] if falls else [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
-    drive = system.assembly.tables.drive
-    reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
-    # The base follows any horizontal motion, and there is one; 1e-9: rounding of unit vectors, as where simulations check it.
-    if not (falls or motion.rotates) and np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9 < np.abs(motion.directions[:, :2]).max(
-        initial=0.0
-    ):
-        sliders.append(Slider(
-            key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0, nominal=0.0,
-            note="Turns the motion about the vertical, from x towards y.",
-        ))  # fmt: skip
+    sliders = list[Slider]()
+    if motion.up is None:  # a fall has the level of its height, and the direction of gravity
+        sliders.append(Slider(LEVEL, "Base motion level", f"On {motion.description}.", 0.1, 2.0))
+        drive = system.assembly.tables.drive
+        reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
+        # The base follows any horizontal motion, and there is one; 1e-9: rounding of unit vectors, as simulations check it.
+        follows = np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9
+        if follows and not motion.rotates and np.abs(motion.directions[:, :2]).max(initial=0.0) > 1e-9:
+            note = "Turns the motion about the vertical, from x towards y."
+            sliders.append(Slider(DIRECTION, "Base motion direction", note, -180.0, 180.0, 0.0, "°"))
     if system.mounts:
         mass = sum(payload.mass for payload in payloads_of(system))
         note = f"On mass and inertia of all that the mounts carry, {significant(mass)} kg; its shape stays."
-        sliders.append(_factor(MASS, "Payload mass", (0.5, 2.0), note))
-    groups = groups_of(system)
-    for group, mounts in groups.items():
-        device = system.mounts[mounts[0]].written.name
-        note = f"On all forces of {len(mounts)} {'mounts' if len(mounts) > 1 else 'mount'}; their ratings stay."
-        sliders.append(_factor(STIFFNESS + group, f"Stiffness of {device}", (0.5, 2.0), note))
-    laws = {group: system.mounts[mounts[0]].written.axes.values() for group, mounts in groups.items()}
-    damped = [group for group in groups if any(law.damping_parameters for law in laws[group] if law is not None)]
+        sliders.append(Slider(MASS, "Payload mass", note, 0.5, 2.0))
+    damped, undamped = False, list[str]()
+    for group, mounts in groups_of(system).items():
+        device = system.mounts[mounts[0]].written
+        note = f"On all forces of {several(len(mounts), 'mount')}; their ratings stay."
+        sliders.append(Slider(STIFFNESS + group, f"Stiffness of {device.name}", note, 0.5, 2.0))
+        if any(law.damping_parameters for law in device.axes.values() if law is not None):
+            damped = True
+        else:
+            undamped.append(device.name)
     if damped:
-        undamped = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
         note = "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
         note += f" {', '.join(undamped)}: loss and stiffness are one law, which stays." if undamped else ""
-        sliders.append(_factor(DAMPING, "Damping of all mounts", (0.33, 3.0), note))
+        sliders.append(Slider(DAMPING, "Damping of all mounts", note, 0.33, 3.0))
     if (deck := sprung_joints(system.model).get(NAME)) is not None:
         note = f"On the {significant(deck)} Hz of the deck panel alone; its mass and damping ratio stay."
-        sliders.append(_factor(DECK, "Deck frequency", (0.5, 2.0), note))
+        sliders.append(Slider(DECK, "Deck frequency", note, 0.5, 2.0))
     return tuple(sliders)
 
 
@@ -84,24 +82,19 @@ def groups_of(system: System) -> dict[str, list[str]]:
     return groups
 
 
-def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float]:
-    """Return a value for every slider: the given value limited to the slider's range, else the nominal value.
+def with_slider(sliders: Sequence[Slider], values: Values, key: object, value: object) -> Values:
+    """Return values with that of a slider, limited to its range.
 
-    ValueError if `values` is no table of finite numbers, or names what is no slider.
+    ValueError if there is no such slider, or the value is no finite number.
     """
-    if not isinstance(values, Mapping):
-        raise ValueError(f'the sliders\' values must be a table such as {{"level": 1.2}}, got {quoted(values, 40)}.')
-    known = {slider.key: slider for slider in sliders}
-    checked = {slider.key: slider.nominal for slider in sliders}
-    for key, value in values.items():
-        if key not in known:
-            raise ValueError(f"there is no slider {str(key)[:40]!r}; there are {', '.join(known)}.")
-        try:
-            number = finite(key, value)
-        except ValueError:
-            raise ValueError(f"the value of {key!r} must be a finite number, got {quoted(value, 40)}.") from None
-        checked[key] = min(max(number, known[key].minimum), known[key].maximum)
-    return checked
+    slider = next((slider for slider in sliders if slider.key == key), None)
+    if slider is None:
+        raise ValueError(f"there is no slider {str(key)[:40]!r}; there are {', '.join(slider.key for slider in sliders)}.")
+    try:
+        number = finite(slider.key, float(value))  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"the value of {key!r} must be a finite number, got {quoted(value, 40)}.") from None
+    return {**values, slider.key: min(max(number, slider.minimum), slider.maximum)}
 
 
 def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System, BaseMotion]:
@@ -137,7 +130,3 @@ def frequency_ratio(values: Values) -> float:
     # Damping multiplies the friction, which is a part of the stiffness at small amplitudes, and a damper's rate itself.
     mounts = max(1.0, stiffest * max(1.0, values.get(DAMPING, 1.0)) ** 2 / values.get(MASS, 1.0)) ** 0.5
     return max(mounts, values.get(DECK, 1.0))
-
-
-def _factor(key: str, label: str, ends: tuple[float, float], note: str) -> Slider:
-    return Slider(key=key, label=label, unit="×", minimum=ends[0], maximum=ends[1], nominal=1.0, note=note)

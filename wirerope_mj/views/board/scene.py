@@ -9,7 +9,10 @@ from wirerope_mj.content.scene_outline import drawn_scene, mount_axes, mount_pos
 from wirerope_mj.content.verdicts import NEAR
 from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.response.scene import Scene
+from wirerope_mj.engine.simulation.recorder import scene_of
+from wirerope_mj.engine.statics.payloads import point_positions
 from wirerope_mj.engine.statics.table import Sag
+from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.views.board.shapes import drawn
@@ -19,14 +22,15 @@ _DECK = "deck_plate"
 
 
 def board_scene(
-    scene: Scene, layout: Layout | None, points: Mapping[str, Array], used: Mapping[str, float | None], sag: Sag | Absent,
-    *, collide: Collection[str] = (), names: Sequence[str] = (), by: Sequence[float] = (0, 0, 0),
+    system: System, layout: Layout | None, used: Mapping[str, float | None], sag: Sag | Absent, *,
+    collide: Collection[str] = (), names: Sequence[str] = (), by: Sequence[float] = (0, 0, 0),
 ) -> Entries:  # fmt: skip
     """Compose the scene of a board; `used` are utilisations of mounts by name, and mounts that `collide` are marked.
 
     What stands in a `layout` can be moved: its names are those of rows of tables. The things called `names` are on their way
     `by` a shift [mm].
     """
+    scene = scene_of(system)
     mounts, stops = [], []
     for mount in scene.drawn:
         axes = mount_axes(scene, mount)
@@ -43,9 +47,11 @@ def board_scene(
             tone = "none" if share is None else "exceeded" if share > 1.0 else "near" if share > NEAR else "good"
             how = {"used": share if share is None else round(share, 4), "tone": tone, "collides": mount.name in collide}
             mounts.append({**entry, **sizes, "part": mount.isolator, **how})
+    points = [("point", name, at) for name, at in point_positions(system).items()]
+    points += [("force", point.name, point.position) for point in (layout.forces if layout else ())]
     standing = [
-        {"kind": "point", "name": name, "movable": True, "label": name.partition("/")[2], "position": _mm(at)}
-        for name, at in points.items()
+        {"kind": "point", "name": f"{kind}/{name}", "movable": True, "label": name, "position": _mm(at)}
+        for kind, name, at in points
     ]
     marked = zip(("stiffness", "mass"), _centres(scene, layout, sag)[::-1], strict=True)
     centres = [

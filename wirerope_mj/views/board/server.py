@@ -5,8 +5,7 @@ import hmac
 import socket
 import traceback
 import webbrowser
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from functools import cache
 from pathlib import Path
 from secrets import token_urlsafe
 from time import monotonic
@@ -14,18 +13,17 @@ from urllib.parse import quote
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.datastructures import Headers, MutableHeaders
+from starlette.datastructures import Headers, MutableHeaders, QueryParams
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
-from starlette.websockets import WebSocket
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from wirerope_mj.foundation.errors import WireRopeError
-from wirerope_mj.views.board.columns import page_html
+from wirerope_mj.views.board.columns import fragment
 from wirerope_mj.views.board.windows import Served, Windows
 from wirerope_mj.views.recording.program import LOCAL, has_display
 from wirerope_mj.views.report.page import block_styles
@@ -34,6 +32,7 @@ from wirerope_mj.views.share import VIEWER, viewer_pages
 _FOLDER = Path(__file__).parent
 _STATIC = ("blocks.css", "board.css", "board.js", "canvas.js", "drawing.js")
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wasm": "application/wasm"}
+_WITH_TOKEN = ("/files/", "/viewer", "/socket")  # what only those may ask for who have the token, besides the page
 _CONNECTIONS = 32  # at once: a browser opens six beside its windows
 _LARGEST = 64 * 1024  # largest message of a window, and largest head of a request [bytes]
 _UNREAD = 8 * 2**20  # what a window may leave unread, beside what the system keeps [bytes]
@@ -66,16 +65,13 @@ _HEADERS = {
 class _Guard:
     """Lets requests of this machine's own pages through, and writes into every answer what browsers must not do with it."""
 
-    def __init__(self, app: ASGIApp, hosts: tuple[str, ...]) -> None:
-        self.app, self.hosts = app, hosts
+    def __init__(self, app: ASGIApp, hosts: tuple[str, ...], token: str) -> None:
+        self.app, self.hosts, self.token = app, hosts, token
         self.origins = [f"http://{host}" for host in hosts]
         sockets = " ".join(f"ws://{host}" for host in hosts)
         self.policy = _POLICY.format(sockets=sockets)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "lifespan":
-            return await self.app(scope, receive, send)
-
         async def send_guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
@@ -90,7 +86,7 @@ class _Guard:
             raise
 
     def _refusal(self, scope: Scope) -> Response | None:
-        headers = Headers(scope=scope)
+        headers, path = Headers(scope=scope), scope["path"]
         origins = headers.getlist("origin")
         if headers.getlist("host") not in [[host] for host in self.hosts]:
             # a foreign name may have been made to point to this machine
@@ -101,6 +97,11 @@ class _Guard:
             return PlainTextResponse("This page is only read.", 405, {"Allow": "GET, HEAD"})
         if headers.get("content-length", "0") != "0" or "transfer-encoding" in headers:
             return PlainTextResponse("A request has no body.", 400, {"Connection": "close"})
+        given = path.split("/")[2] if path.startswith("/viewer/") else QueryParams(scope["query_string"]).get("token", "")
+        if (path == "/" or path.startswith(_WITH_TOKEN)) and not hmac.compare_digest(
+            given.encode(errors="replace"), self.token.encode()
+        ):
+            return PlainTextResponse("Open the address that `wirerope board` printed: its token is missing or wrong.", 403)
         return None
 
 
@@ -137,13 +138,12 @@ class BoardServer(uvicorn.Server):
 
     def __init__(self, board: Served, *, port: int = 0) -> None:
         self.token = token_urlsafe(24)
-        self.windows = Windows(board)
         self.listener = socket.create_server((LOCAL, port))
+        self.windows = Windows(board)
         self.port = self.listener.getsockname()[1]
         self.hosts = tuple(f"{name}:{self.port}" for name in (LOCAL, "localhost"))
         self.address = f"http://{self.hosts[0]}/?token={self.token}"
-        self._viewer: dict[str, bytes] = {}
-        self._fetching = asyncio.Lock()
+        self._viewer_pages = cache(viewer_pages)
         pages = Starlette(
             routes=[
                 Route("/", self._page),
@@ -152,14 +152,13 @@ class BoardServer(uvicorn.Server):
                 Route("/viewer/{token}/{name:path}/run.rrd", self._recording),
                 Route(f"/viewer/{{token}}/{{name:path}}/{VIEWER}/{{page}}", self._viewer_page),
                 Route("/{name}", self._static),
-                WebSocketRoute("/socket", self._socket),
-            ],
-            lifespan=self._living,
+                WebSocketRoute("/socket", self.windows.attend),
+            ]
         )
         pages.router.redirect_slashes = False
         super().__init__(
             uvicorn.Config(
-                _Guard(pages, self.hosts), http=_Connection, ws=_Socket, loop="asyncio", lifespan="on",
+                _Guard(pages, self.hosts, self.token), http=_Connection, ws=_Socket, loop="asyncio", lifespan="off",
                 ws_max_size=_LARGEST, h11_max_incomplete_event_size=_LARGEST, ws_per_message_deflate=False,
                 log_config=None, log_level="critical", access_log=False, proxy_headers=False, server_header=False,
                 timeout_graceful_shutdown=1,
@@ -170,22 +169,9 @@ class BoardServer(uvicorn.Server):
         """Answer until the server is ended."""
         super().run([self.listener])
 
-    @asynccontextmanager
-    async def _living(self, app: Starlette) -> AsyncIterator[None]:
-        tasks = [asyncio.create_task(self.windows.conduct()), asyncio.create_task(self.windows.watch())]
-        try:
-            yield
-        finally:
-            for task in tasks:
-                task.cancel()
-            self.windows.close()
-
-    def _allows(self, given: str) -> bool:
-        return hmac.compare_digest(given.encode(errors="replace"), self.token.encode())
-
-    def _require_token(self, given: str) -> None:
-        if not self._allows(given):
-            raise HTTPException(403, "Open the address that `wirerope board` printed: its token is missing or wrong.")
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().shutdown(sockets)
+        self.windows.close()
 
     def _path(self, name: str, suffix: str = "") -> Path:
         path = self.windows.board.file(name)
@@ -194,8 +180,7 @@ class BoardServer(uvicorn.Server):
         return path
 
     async def _page(self, request: Request) -> Response:
-        self._require_token(request.query_params.get("token", ""))
-        return HTMLResponse(page_html(self.windows.board.title))
+        return HTMLResponse(fragment("board.html", title=self.windows.board.title))
 
     async def _static(self, request: Request) -> Response:
         name = request.path_params["name"]
@@ -207,7 +192,6 @@ class BoardServer(uvicorn.Server):
         return Response(content, media_type=_TYPES[Path(name).suffix])
 
     async def _file(self, request: Request) -> Response:
-        self._require_token(request.query_params.get("token", ""))
         path = self._path(request.path_params["name"])
         policy = _PAGE_POLICY if path.suffix in (".html", ".htm") else _FILE_POLICY
         return FileResponse(path, headers={"Content-Security-Policy": policy})
@@ -217,31 +201,20 @@ class BoardServer(uvicorn.Server):
 
         It has this machine's other name: so browsers give it a process of its own, and it cannot hold up the board.
         """
-        self._require_token(request.query_params.get("token", ""))
         name = request.query_params.get("recording", "")
         self._path(name, ".rrd")
         other = self.hosts[request.headers["host"] == self.hosts[0]]
         return RedirectResponse(f"http://{other}/viewer/{self.token}/{quote(name, safe='')}/{VIEWER}/index.html", 303)
 
     async def _recording(self, request: Request) -> Response:
-        self._require_token(request.path_params["token"])
         return FileResponse(self._path(request.path_params["name"], ".rrd"), media_type="application/octet-stream")
 
-    async def _viewer_page(self, request: Request) -> Response:
-        self._require_token(request.path_params["token"])
+    def _viewer_page(self, request: Request) -> Response:
+        """Return a file of the viewer: in a thread, since reading them takes long at first."""
         page = request.path_params["page"]
-        async with self._fetching:
-            self._viewer = self._viewer or await asyncio.to_thread(viewer_pages)
-        if page not in self._viewer:
+        if (content := self._viewer_pages().get(page)) is None:
             raise HTTPException(404)
-        headers = {"Content-Security-Policy": _VIEWER_POLICY}
-        return Response(self._viewer[page], headers=headers, media_type=_TYPES[Path(page).suffix])
-
-    async def _socket(self, connection: WebSocket) -> None:
-        if self._allows(connection.query_params.get("token", "")):
-            await self.windows.attend(connection)
-        else:
-            await connection.close(1008)
+        return Response(content, headers={"Content-Security-Policy": _VIEWER_POLICY}, media_type=_TYPES[Path(page).suffix])
 
 
 def serve(board: Served, *, browser: bool, port: int = 0) -> None:

@@ -5,15 +5,15 @@ import json
 import math
 import traceback
 from collections import deque
-from collections.abc import Callable, Generator
-from concurrent.futures import Future
+from collections.abc import Generator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import suppress
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from threading import Thread
-from typing import Any, Protocol
+from time import monotonic
+from typing import Protocol
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -43,11 +43,10 @@ class Served(Protocol):
         """Take an action; yield messages as they become known, and whether every window is to have them.
 
         An action whose message says `"stale": true` closes earlier ones that said so and have more to yield: a verdict of a
-        former position is void. All others go on once nothing else waits. An action that
-        says `"passing": true` is left out if its window asks for something else before its turn, as for the next position of
-        what is dragged. `"open"` may be /files/NAME or
-        /viewer?recording=NAME, with NAME quoted, and behind it # and the instant [s] of a recording. WireRopeError or
-        ValueError, whose text is shown in the window that asked, if the action cannot be taken.
+        former position is void. All others go on once nothing else waits. An action that says `"passing": true` is left out if
+        its window asks for something else before its turn, as for the next position of what is dragged. `"open"` may be
+        /files/NAME or /viewer?recording=NAME, with NAME quoted, and behind it # and the instant [s] of a recording.
+        WireRopeError or ValueError, whose text is shown in the window that asked, if the action cannot be taken.
         """
 
     def changed_outside(self) -> Entries | None:
@@ -58,33 +57,6 @@ class Served(Protocol):
 
     def close(self) -> None:
         """Release what the board holds."""
-
-
-class _Worker:
-    """One thread for all computations, beside which the event loop stays free; it keeps no process from ending."""
-
-    def __init__(self) -> None:
-        self._jobs = SimpleQueue[tuple["Future[Any]", Callable[[], Any]] | None]()
-        self._thread = Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def _run(self) -> None:
-        while job := self._jobs.get():
-            future, work = job
-            if future.set_running_or_notify_cancel():
-                try:
-                    future.set_result(work())
-                except BaseException as error:
-                    future.set_exception(error)
-
-    async def do(self, work: Callable[[], Any]) -> Any:
-        future = Future[Any]()
-        self._jobs.put((future, work))
-        return await asyncio.wrap_future(future)
-
-    def end(self) -> None:
-        self._jobs.put(None)
-        self._thread.join(_END)
 
 
 @dataclass(eq=False)
@@ -98,119 +70,118 @@ class _Request:
     replaced: bool = False  # by what its window asked for later
 
 
-@dataclass
 class Windows:
-    """All windows of a board: they are told what changes, and what they ask for is done in one thread, in order."""
+    """All windows of a board: they are told what changes, and what they ask for is done in one thread, in order.
 
-    board: Served
-    _worker: _Worker = field(default_factory=_Worker)
-    _open: list[WebSocket] = field(default_factory=list)
-    _waiting: asyncio.Queue[_Request] = field(default_factory=asyncio.Queue)
-    _passing: dict[WebSocket, _Request] = field(default_factory=dict)  # the last of each window if the next may replace it
-    _begun: list[_Request] = field(default_factory=list)  # that have more to tell, the newest last
-    _known: deque[str] = field(default_factory=lambda: deque(maxlen=_KNOWN))  # ids of actions
+    Requests that have more to tell go on when no other waits, the newest first. The first asks for the verdict, which so is on
+    its way while a browser starts. The thread keeps no process from ending.
+    """
+
+    def __init__(self, board: Served) -> None:
+        self.board = board
+        self._open: list[WebSocket] = []
+        self._asked = SimpleQueue[_Request | None]()  # None: the end
+        self._begun = [_Request(None, {"do": "judge"})]  # that have more to tell, the newest last
+        self._known = deque[str](maxlen=_KNOWN)  # ids of actions
+        self._thread = Thread(target=self._conduct, daemon=True)
+        self._thread.start()
 
     async def attend(self, window: WebSocket) -> None:
         """Show the board in a window until it is closed."""
         await window.accept()
+        self._loop = asyncio.get_running_loop()
+        last = _Request(window, {}, self._opening(window))
+        self._asked.put(last)
         try:
-            first = await self._worker.do(lambda: _text(self.board.open()))
-        except Exception as error:
-            first = _failure(error)
-        self._open.append(window)  # from here on it is told what changes in what it is shown first
-        try:
-            await _tell(window, first)
             while (message := await window.receive())["type"] != "websocket.disconnect":
-                await self._take(window, message.get("text"))
+                action, answer = self._action(message.get("text"))
+                if action is not None:
+                    last.replaced = last.action.get("passing") is True
+                    last = _Request(window, action)
+                    self._asked.put(last)
+                elif answer:
+                    with suppress(WebSocketDisconnect, RuntimeError):  # it was closed
+                        await window.send_text(_text(answer))
         finally:
-            self._open.remove(window)
-            self._passing.pop(window, None)
+            self._forget(window)
 
-    async def _take(self, window: WebSocket, text: str | None) -> None:
-        """Have an action wait for its turn; one that is known is not done again."""
+    def _opening(self, window: WebSocket) -> Steps:
+        self._open.append(window)  # from here on it is told what changes in what it is shown first
+        yield False, self.board.open()
+
+    def _forget(self, window: WebSocket) -> None:
+        with suppress(ValueError):
+            self._open.remove(window)
+
+    def _action(self, text: str | None) -> tuple[Entries | None, Entries]:
+        """Read an action that is to be done, or say at once what there is to say: one that is known is not done again."""
         try:
             action = _read(text)
         except (ValueError, RecursionError):
-            await _tell(window, _text({"said": _FORM, "tone": "bad"}))
-            return
-        number = action.get("id")
-        if number and number in self._known:
-            await _tell(window, _text({"done": number}))
-            return
+            return None, {"said": _FORM, "tone": "bad"}
+        if (number := action.get("id")) and number in self._known:
+            return None, {"done": number}
         if number:
             self._known.append(number)
-        if (older := self._passing.pop(window, None)) is not None:
-            older.replaced = True
-        request = _Request(window, action)
-        if action.get("passing") is True:
-            self._passing[window] = request
-        self._waiting.put_nowait(request)
+        return action, {}
 
-    async def conduct(self) -> None:
-        """Take the requests in order; those that have more to tell go on when no other waits, the newest first.
-
-        The first asks for the verdict, which so is on its way while a browser starts.
-        """
-        self._begun.append(_Request(None, {"do": "judge"}))
+    def _conduct(self) -> None:
+        """Take the requests in order until the end, and look at times for what others have changed."""
+        look, failed = monotonic() + _WATCH, ""
         while True:
-            if not self._begun or not self._waiting.empty():
-                request = await self._waiting.get()
-                if request.replaced:
-                    continue
-                self._begun.append(request)
-            request = self._begun[-1]
-            first = request.steps is None
-            try:
-                everyone, text = await self._worker.do(partial(self._step, request))
-            except Exception as error:
+            with suppress(Empty):
+                request = self._asked.get(not self._begun, max(look - monotonic(), 0.0))
+                if request is None:
+                    return
+                if not request.replaced:
+                    self._begun.append(request)
+            if monotonic() >= look:
+                text, before, failed = "", failed, ""
+                try:
+                    text = _text(message) if (message := self.board.changed_outside()) else ""
+                except Exception as error:
+                    failed = repr(error)
+                    text = _failure(error) if failed != before else ""  # not twice a second
+                self._tell(self._open.copy(), text)
+                look = monotonic() + _WATCH
+            if self._begun:
+                self._go_on(self._begun[-1])
+
+    def _go_on(self, request: _Request) -> None:
+        """Compute as far as the next message, which may make earlier verdicts void, and tell it."""
+        everyone, text, number = False, "", request.action.get("id") if request.steps is None else None
+        try:
+            request.steps = request.steps or self.board.act(request.action)
+            everyone, message = next(request.steps, (False, None))
+            if message is None:
                 self._begun.remove(request)
-                everyone, text = False, _failure(error)
-            for window in self._open.copy() if everyone else filter(None, [request.window]):
-                await _tell(window, text)
-            if request.window and first and (number := request.action.get("id")):
-                await _tell(request.window, _text({"done": number}))
-
-    def _step(self, request: _Request) -> tuple[bool, str]:
-        """Compute as far as the next message, which may make earlier verdicts void; no text if there is none."""
-        if request.steps is None:
-            request.steps = self.board.act(request.action)
-        everyone, message = next(request.steps, (False, None))
-        if message is None:
+            elif message.get("stale") is True and not request.verdict:
+                void = [older for older in self._begun if older.verdict]
+                self._begun = [kept for kept in self._begun if not kept.verdict]
+                request.verdict = True
+                for older in void:
+                    assert older.steps is not None
+                    older.steps.close()
+            text = _text(message) if message is not None else ""
+        except Exception as error:
             self._begun.remove(request)
-            return False, ""
-        if message.get("stale") is True and not request.verdict:
-            void = [older for older in self._begun if older.verdict]
-            self._begun = [kept for kept in self._begun if not kept.verdict]
-            request.verdict = True
-            for older in void:
-                assert older.steps is not None
-                older.steps.close()
-        return everyone, _text(message)
+            everyone, text = False, _failure(error)
+        self._tell(self._open.copy() if everyone else [request.window], text)
+        if number:
+            self._tell([request.window], _text({"done": number}))
 
-    async def watch(self) -> None:
-        """Tell every window what others have changed."""
-        failed = ""
-        while True:
-            await asyncio.sleep(_WATCH)
-            text = ""
-            try:
-                message, failed = await self._worker.do(self.board.changed_outside), ""
-                text = _text(message) if message else ""
-            except Exception as error:
-                if failed != repr(error):  # not twice a second
-                    text, failed = _failure(error), repr(error)
-            for window in self._open.copy():
-                await _tell(window, text)
+    def _tell(self, windows: Sequence[WebSocket | None], text: str) -> None:
+        for window in windows if text else ():
+            if window in self._open:
+                try:
+                    asyncio.run_coroutine_threadsafe(window.send_text(text), self._loop).result()
+                except (WebSocketDisconnect, RuntimeError, CancelledError):  # it was closed
+                    self._forget(window)
 
     def close(self) -> None:
-        self._worker.end()
+        self._asked.put(None)
+        self._thread.join(_END)
         self.board.close()
-
-
-async def _tell(window: WebSocket, text: str) -> None:
-    if text:
-        with suppress(WebSocketDisconnect, RuntimeError):  # it was closed
-            await window.send_text(text)
 
 
 def _read(text: str | None) -> Entries:

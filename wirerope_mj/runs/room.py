@@ -1,29 +1,13 @@
-"""Where things stand on a board while they are dragged, which mounts would stand in each other, and which in thin air."""
-
-from collections.abc import Mapping, Sequence
+"""Room for mounts: which stand in each other, and which so far from the equipment that something unsaid must reach them."""
 
 import numpy as np
 
 from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.runs.board.table_text import TableText
 
 _TOUCH = 1e-4  # by how much mounts may overlap [m]
 _AWAY, _SIZE = 2.0, 0.1  # distance from the equipment in sizes of a mount that a foot bridges, and the size of one without [m]
-
-
-def with_shifted(system: System, tables: Mapping[str, TableText], names: Sequence[str], by: Array) -> System:
-    """Return a variant in which mounts and stops of tables stand elsewhere by a shift [m], (3,), with all that stands at them.
-
-    At a mount stand the stop where it goes solid, and those of a row of stops for several mounts. ModelError: there is none.
-    """
-    held = {name.partition("/")[2] for name in names}
-    rows = {row for kind in ("mounts", "stops") if kind in tables for row in tables[kind].rows}
-    at_mounts = tuple(f"_{name.partition('/')[2]}" for name in names if name.startswith("mount/"))
-    joined = {name for name in system.mounts if name not in rows and name.endswith(at_mounts)}
-    return varied(system, positions=dict.fromkeys([*held, *sorted(joined)], by))
 
 
 def overlapping(system: System) -> list[tuple[str, str]]:
