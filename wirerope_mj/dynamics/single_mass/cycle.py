@@ -89,6 +89,26 @@ def lead_each(p, start, z, memory, cycle):
 
 
 @njit
+def largest_entry(values):
+    """Find the largest magnitude in an array, NaN if it holds one."""
+    # no array expression of NumPy's: Numba names its code by an address, and no two builds would give the same bytes
+    size = 0.0
+    for value in values.flat:
+        if abs(value) > size or np.isnan(value):
+            size = abs(value)
+    return size
+
+
+@njit
+def largest_difference(first, second):
+    """Find the largest magnitude by which the entries of two arrays (n,) differ, NaN if one does."""
+    difference = np.empty(first.size)
+    for k in range(first.size):
+        difference[k] = first[k] - second[k]
+    return largest_entry(difference)
+
+
+@njit
 def closed_states(law, p, turning, n_states):
     """Find the states (n_states,) of a rate-independent law at the start of a cycle that are the same at its end.
 
@@ -104,11 +124,10 @@ def closed_states(law, p, turning, n_states):
     for cycle in range(_ROUNDS if n_states > 0 else 0):
         put(z, 0, start, 0, n_states)
         fine = fine and round_path(law, p, turning, z, c, a)
-        gain = np.abs(z - start).max()
-        if not fine or gain <= _CLOSED * max(np.abs(z).max(), np.abs(start).max()):
+        if not fine or largest_difference(z, start) <= _CLOSED * max(largest_entry(z), largest_entry(start)):
             break
         if n_states > 1:
-            if cycle > 1 and (z == before).all():  # two states that alternate by rounding
+            if cycle > 1 and largest_difference(z, before) == 0.0:  # two states that alternate by rounding
                 break
             put(start, 0, before, 0, n_states)
             if law == PARALLEL and not lead_each(p, start, z, memory, cycle) and cycle > 3:
@@ -132,7 +151,7 @@ def steady_force(law, p, deflection, rate, interval, n_states):
     c, a, unused = np.empty(ORDER + 1), np.empty(ORDER + 1), np.empty(n_states + 1)
     force, sample = np.full(deflection.size, np.nan), 0
     for t in range(path.size):
-        if not (np.isfinite(z).all() and (t == 0 or carry(law, p, path[t - 1], path[t], z, c, a))):
+        if not (largest_entry(z) < np.inf and (t == 0 or carry(law, p, path[t - 1], path[t], z, c, a))):
             break
         if t == place[sample]:
             force[sample] = evaluate(law, p, 0, path[t], 0.0, z, 0, unused, 0)
@@ -149,13 +168,13 @@ def closed_states_in_time(law, p, time, deflection, rate, n_states):
         put(z, 0, start, 0, n_states)
         _, states, _ = follow_time(law, p, time, deflection, rate, z, n_states)
         put(states[-1], 0, z, 0, n_states)
-        if not np.isfinite(z).all() or np.abs(z - start).max() <= 1e-14 * np.abs(states).max():
+        if not largest_entry(z) < np.inf or largest_difference(z, start) <= 1e-14 * largest_entry(states):
             break
         if n_states > 1:
             continue
         starts[0], gains[0] = starts[1], gains[1]
         starts[1], gains[1] = start[0], z[0] - start[0]
-        if cycle > 3 and abs(gains[1]) >= abs(gains[0]) and abs(gains[1]) < 1e-12 * np.abs(states).max():
+        if cycle > 3 and abs(gains[1]) >= abs(gains[0]) and abs(gains[1]) < 1e-12 * largest_entry(states):
             break  # rounding of the integration
         z[0] = next_start(starts, gains, bracket)
     return start

@@ -97,7 +97,7 @@ def integrate_in_time(law, p, i, cubic, start, end, z, j):
         # An interval between a reversal and a sample may be as short as the rounding of its instants.
         t = end if step >= end - t or t + step <= t else t + step
         now, work = after, work + gain
-        k[0] = k[6]
+        k[0, 0], k[0, 1] = k[6, 0], k[6, 1]
         step = max(smallest, min(step * min(5.0, 0.9 * (min(ratio, 1.0) + 1e-10) ** -0.2), _WIDEST * (end - start)))
     z[j] = now
     return work
