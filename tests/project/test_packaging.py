@@ -62,3 +62,12 @@ def test_the_paper_is_of_the_length_and_the_parts_that_its_journal_asks_for():
     assert cited == listed
     for picture in re.findall(r"!\[[^]]*\]\(([^)]+)\)", body):
         assert (ROOT / "paper" / picture).is_file(), picture
+
+
+def test_workflows_name_actions_by_commit_and_say_the_release():
+    workflows = sorted((ROOT / ".github/workflows").glob("*.yml"))
+    if not workflows:
+        pytest.skip("a source distribution brings no workflows")
+    used = [line.strip(" -") for path in workflows for line in path.read_text(encoding="utf-8").splitlines() if "uses:" in line]
+    assert used
+    assert [line for line in used if not re.fullmatch(r"uses: [\w/.-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+", line)] == []
