@@ -50,7 +50,16 @@ def columns_of_array_file(path: Path, wanted: Collection[str] = ()) -> Header | 
         head = file.read(1024)
     ending = path.suffix.lower()
     if head.startswith(b"PAR1") or ending == ".parquet":
-        return _parquet(path, wanted)
+        table = read_table(path, kind="a Parquet file", remedy=_REMEDY)
+        columns = {}
+        for name, column in zip(table.column_names, table.columns, strict=True):
+            values = column.to_numpy()
+            if values.dtype.kind == "M":
+                values = (values - values[0]) / np.timedelta64(1, "s") if values.size else values.astype(np.float64)
+                name = f"{name} [s]"
+            if values.dtype.kind in "fiu":
+                columns[str(name)] = values.astype(np.float64)
+        return _select_columns(path, columns, {}, wanted, left_out=())
     if _HDF5 in (head[:6], head[512:518]):
         kind, read, library = "HDF5", _hdf5, "h5py"
     elif head.startswith(b"MATLAB") or ending == ".mat":
@@ -80,19 +89,6 @@ def columns_of_array_file(path: Path, wanted: Collection[str] = ()) -> Header | 
             raise RecordError(f"{path}: the record cannot be read: {why_unread(error)}") from None
         raise RecordError(f"{path}: this is no {kind} file that can be read. {_REMEDY}") from None
     return _columns_of_variables(path, content, wanted)
-
-
-def _parquet(path: Path, wanted: Collection[str]) -> Header:
-    table = read_table(path, kind="a Parquet file", remedy=_REMEDY)
-    columns = {}
-    for name, column in zip(table.column_names, table.columns, strict=True):
-        values = column.to_numpy()
-        if values.dtype.kind == "M":
-            values = (values - values[0]) / np.timedelta64(1, "s") if values.size else values.astype(np.float64)
-            name = f"{name} [s]"
-        if values.dtype.kind in "fiu":
-            columns[str(name)] = values.astype(np.float64)
-    return _select_columns(path, columns, {}, wanted, left_out=())
 
 
 def _select_columns(

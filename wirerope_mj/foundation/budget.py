@@ -75,7 +75,6 @@ def bytes_text(size: float) -> str:
 
 
 def _free_memory() -> float:
-    """Estimate the memory that this process can still have [B]."""
     return min(_limits(), default=UNKNOWN_MEMORY)
 
 

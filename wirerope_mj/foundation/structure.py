@@ -21,7 +21,6 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import msgspec
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.faults import each
 from wirerope_mj.foundation.plain_text import quoted, short
@@ -167,7 +166,19 @@ def checked(name: str, value: object, hint: Any) -> Any:
         return value
     marks = marks_of(hint)
     if shape := next((mark for mark in marks if isinstance(mark, Shape)), None):
-        return _array(name, value, shape)
+        try:
+            array = np.array(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            array = np.array(math.nan)
+        if not array.size and None in shape.sizes:
+            return np.zeros([size or 0 for size in shape.sizes])
+        fits = len(shape.sizes) == array.ndim and all(
+            size in (None, n) for size, n in zip(shape.sizes, array.shape, strict=True)
+        )
+        if not fits or (shape.finite and not np.isfinite(array).all()):
+            sizes = " x ".join("n" if size is None else str(size) for size in shape.sizes)
+            raise ValueError(f"`{name}` must be {sizes} finite numbers, got {quoted(value, 60)}.")
+        return array
     if UNKNOWN in marks and isinstance(value, float) and not math.isfinite(value):
         return value
     value = str(value) if isinstance(value, date) and DATE in marks else _plain(value)
@@ -193,20 +204,6 @@ def checked(name: str, value: object, hint: Any) -> Any:
         if most is not None and isinstance(value, int | float) and most < value <= 1e3 * most:
             meant = f" If these are millimetres, write {1e-3 * value:.6g}."
     raise ValueError(f"`{name}` must be {said_of(hint)}, got {quoted(value)}.{meant}")
-
-
-def _array(name: str, value: object, shape: Shape) -> Array:
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.array(math.nan)
-    if not array.size and None in shape.sizes:
-        return np.zeros([size or 0 for size in shape.sizes])
-    fits = len(shape.sizes) == array.ndim and all(size in (None, n) for size, n in zip(shape.sizes, array.shape, strict=True))
-    if not fits or (shape.finite and not np.isfinite(array).all()):
-        sizes = " x ".join("n" if size is None else str(size) for size in shape.sizes)
-        raise ValueError(f"`{name}` must be {sizes} finite numbers, got {quoted(value, 60)}.")
-    return array
 
 
 def said_of(hint: Any, *, plural: bool = False) -> str:

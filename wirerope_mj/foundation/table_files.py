@@ -71,32 +71,28 @@ def read_header(
         if foreign := foreign_kind(path):
             raise RecordError(f"{path}: {foreign}")
         if is_workbook(path):
-            return _workbook_header(path, sheet, wanted)
+            titles = sheet_names(path)
+            chosen = [sheet] if sheet in titles else titles  # a cover may stand before the sheet that is meant
+            for order in (chosen, chosen[:1]):
+                for name in order:
+                    title, filled = xlsx_rows(path, name)
+                    header = find_header(path, filled[:_ABOVE])
+                    if header is not None and header.surety > 0:
+                        break
+                else:
+                    continue
+                break
+            if not filled:
+                raise RecordError(f"{path}: the sheet {short(plain(title))} is empty. {wanted}")
+            if header is None:
+                raise _without_header(f"{path}, sheet {short(plain(title))}, row {filled[0][0]}", wanted)
+            below = [row for row in filled if row[0] > header.last]
+            header = replace(header, sheet=title, content=below)
+            return _checked(replace(header, decimal=_decimal_sign(header, (cells for _, cells in below[:_LOOKED_AT]))))
         header = columns_of_logger(path)
         return _text_header(path, wanted) if header is None else _checked(header)
     except OSError as error:
         raise RecordError(f"{path}: the {kind} cannot be read: {why_unread(error)}") from None
-
-
-def _workbook_header(path: Path, sheet: str, wanted: str) -> Header:
-    titles = sheet_names(path)
-    chosen = [sheet] if sheet in titles else titles  # a cover may stand before the sheet that is meant
-    for order in (chosen, chosen[:1]):
-        for name in order:
-            title, filled = xlsx_rows(path, name)
-            header = find_header(path, filled[:_ABOVE])
-            if header is not None and header.surety > 0:
-                break
-        else:
-            continue
-        break
-    if not filled:
-        raise RecordError(f"{path}: the sheet {short(plain(title))} is empty. {wanted}")
-    if header is None:
-        raise _without_header(f"{path}, sheet {short(plain(title))}, row {filled[0][0]}", wanted)
-    below = [row for row in filled if row[0] > header.last]
-    header = replace(header, sheet=title, content=below)
-    return _checked(replace(header, decimal=_decimal_sign(header, (cells for _, cells in below[:_LOOKED_AT]))))
 
 
 def _text_header(path: Path, wanted: str) -> Header:
