@@ -137,6 +137,9 @@ def psd_points(path: Path) -> Points:
     return points
 
 
+_MEETS = 0.5  # Largest step at the end of a slope [dB]: slopes are printed in whole decibels
+
+
 def _density(path: Path) -> Points:
     """Read the points of `psd_points`."""
     example = '"frequency [Hz], psd [g^2/Hz]"'
@@ -162,14 +165,6 @@ def _density(path: Path) -> Points:
         if math.isnan(level) == math.isnan(slope) or level <= 0.0:
             raise RecordError(f"{place}: a band has either a level > 0 or a slope, the other cell is empty.")
         bands.append((low, high, level, slope))
-    return _joined_bands(header.location, bands)
-
-
-_MEETS = 0.5  # Largest step at the end of a slope [dB]: slopes are printed in whole decibels
-
-
-def _joined_bands(location: str, bands: Sequence[tuple[float, float, float, float]]) -> Points:
-    """Return the points of bands (from, to, level, slope) [Hz, Hz, level, dB/octave]; a slope goes on from a band beside it."""
     ends = [(level, level) for _, _, level, _ in bands]
     growths = [(high / low) ** (slope / (10.0 * math.log10(2.0))) for low, high, _, slope in bands]
     for order in (range(len(bands)), reversed(range(len(bands)))):  # on from the band before, else from that behind
@@ -179,13 +174,13 @@ def _joined_bands(location: str, bands: Sequence[tuple[float, float, float, floa
             elif math.isnan(ends[i][0]) and i + 1 < len(bands) and not math.isnan(ends[i + 1][0]):
                 ends[i] = (ends[i + 1][0] / growths[i], ends[i + 1][0])
     if any(math.isnan(level) for level, _ in ends):
-        raise RecordError(f"{location}: no band has a level; one with a slope goes on from it.")
+        raise RecordError(f"{header.location}: no band has a level; one with a slope goes on from it.")
     for i, (low, high, level, slope) in enumerate(bands[:-1]):
         gap = 10.0 * math.log10(ends[i + 1][0] / ends[i][1])
         if math.isnan(level) and abs(gap) > _MEETS:
             meets = slope + gap / math.log2(high / low)
             raise RecordError(
-                f"{location}: the slope of {slope:g} dB/octave from {low:g} Hz ends {abs(gap):.2g} dB "
+                f"{header.location}: the slope of {slope:g} dB/octave from {low:g} Hz ends {abs(gap):.2g} dB "
                 f"{'below' if gap > 0 else 'above'} the level from {high:g} Hz on; {meets:.3g} dB/octave would meet it."
             )
     points: list[tuple[float, float]] = []

@@ -19,7 +19,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, ModelWarning
 from wirerope_mj.foundation.faults import each
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.quantities import Phrase, parse_phrase
+from wirerope_mj.foundation.quantities import parse_phrase
 from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.foundation.resources import scenarios_folder
 from wirerope_mj.foundation.structure import Among, Key, Place, structure
@@ -97,7 +97,24 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None, alon
         phrase = parse_phrase(rest, words=spoken.words, takes=[*spoken.needs, *spoken.may])
         if along and spoken.directed and not phrase.directions:
             phrase = replace(phrase, directions=(along,))
-        _check_phrase(spoken, phrase)
+        for quantity in dict.fromkeys((*spoken.needs, *phrase.quantities)):
+            found, needed = len(phrase.quantities.get(quantity, ())), spoken.needs.get(quantity, 0)
+            if found <= spoken.may.get(quantity, -1):
+                continue
+            are = "is none" if found == 0 else "is one" if found == 1 else f"are {found}"
+            if found < needed:
+                article = "an" if quantity[0] in "au" else "a"
+                counted = f"{article} {quantity}" if needed == 1 else f"{needed} values of {quantity}"
+                raise ValueError(f"{counted} must stand there ({', '.join(PHRASE_UNITS[quantity])}), and there {are}.")
+            if found > needed:
+                raise ValueError(f"there {are} of {quantity}, and {needed or 'none'} is expected.")
+        for word in spoken.needed_words:
+            if word not in phrase.named:
+                raise ValueError(f'"{word}" and its value must stand there.')
+        if spoken.directed and not phrase.directions:
+            raise ValueError("a direction must stand there: x, y, z, several as in xyz, -z or a vector such as 1,1,0.")
+        if phrase.directions and not spoken.directed:
+            raise ValueError("a direction stands there, and none is expected: its parts or the columns of its table say it.")
         directions = phrase.directions if spoken.directed else ("z",)
         motions = [spoken.make(phrase, direction, n, prefix) for n, direction in enumerate(directions)]
     except ValueError as error:
@@ -137,28 +154,6 @@ def motion_from_words(text: str) -> BaseMotion:
         f'"{short(text)}" names no kind of motion: {", ".join(SPOKEN_MOTIONS)}.{meant} It is written like '
         '"half-sine 15 g 11 ms z".'
     )
-
-
-def _check_phrase(spoken: SpokenMotion, phrase: Phrase) -> None:
-    """Raise ValueError unless a phrase has the quantities, words and direction that its kind needs, and no more."""
-    for quantity in dict.fromkeys((*spoken.needs, *phrase.quantities)):
-        found, needed = len(phrase.quantities.get(quantity, ())), spoken.needs.get(quantity, 0)
-        if found <= spoken.may.get(quantity, -1):
-            continue
-        are = "is none" if found == 0 else "is one" if found == 1 else f"are {found}"
-        if found < needed:
-            article = "an" if quantity[0] in "au" else "a"
-            counted = f"{article} {quantity}" if needed == 1 else f"{needed} values of {quantity}"
-            raise ValueError(f"{counted} must stand there ({', '.join(PHRASE_UNITS[quantity])}), and there {are}.")
-        if found > needed:
-            raise ValueError(f"there {are} of {quantity}, and {needed or 'none'} is expected.")
-    for word in spoken.needed_words:
-        if word not in phrase.named:
-            raise ValueError(f'"{word}" and its value must stand there.')
-    if spoken.directed and not phrase.directions:
-        raise ValueError("a direction must stand there: x, y, z, several as in xyz, -z or a vector such as 1,1,0.")
-    if phrase.directions and not spoken.directed:
-        raise ValueError("a direction stands there, and none is expected: its parts or the columns of its table say it.")
 
 
 def motion_from_dict(stored: Entries, *, folder: str | Path | None = None) -> BaseMotion:

@@ -18,7 +18,6 @@ _ORTHONORMAL = 1e-9  # largest error of a product of rows of a rotation: a matri
 
 
 def _forwarded(name: str) -> Any:
-    """Return a property that has the value of the inner motion's attribute."""
     return property(lambda self: getattr(self.motion, name))
 
 

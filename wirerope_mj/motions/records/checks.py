@@ -56,9 +56,19 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
         low, high = float(a.min()), float(a.max())
         if high > low:
             yield from _wrong_unit(axis, quiet_level(a), reading, corrected)
-            yield from _cut_off(axis, a, offset_of(a))
+            rest = offset_of(a)
+            peak, pulse = peak_from(a, rest), is_pulse(a, rest)
+            limit = _PULSE_END if pulse else _VIBRATION_END  # of what is left at an end
+            for verb, index, side in (("begins", 0, "before"), ("ends", -1, "after")):
+                ratio = min(abs(float(a[index]) - rest), abs(float(a[index]))) / peak
+                if ratio > limit:
+                    reason = "it is shorter than its pulse" if pulse else "it was cut out of a longer one"
+                    yield (
+                        f"along {axis} it {verb} at {100.0 * ratio:.0f} % of its peak: {reason}, and {side} it the base's "
+                        "acceleration is zero."
+                    )
             yield from (clipped_text(f"along {axis}", reading.text(top, 5), n) for top, n in flat_tops(a))
-            yield from resolution_warnings(f"along {axis}", a / factor, offset_of(a) / factor, rate, unit=unit)
+            yield from resolution_warnings(f"along {axis}", a / factor, rest / factor, rate, unit=unit)
             yield from level_warnings(f"along {axis}", reading.time, a, (unit, factor))
 
 
@@ -187,20 +197,6 @@ def _wrong_unit(axis: str, rest: float | None, reading: Reading, corrected: bool
             f"{level}which is gravity if the values are in {' or '.join(found)} and not in {unit}. If so, say "
             f'unit="{found[0]}" (--unit), and baseline="rest" (--baseline rest).'
         )
-
-
-def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:
-    """Yield a warning about a record that begins or ends far from rest."""
-    peak, pulse = peak_from(a, rest), is_pulse(a, rest)
-    limit = _PULSE_END if pulse else _VIBRATION_END
-    for verb, index, side in (("begins", 0, "before"), ("ends", -1, "after")):
-        ratio = min(abs(float(a[index]) - rest), abs(float(a[index]))) / peak
-        if ratio > limit:
-            reason = "it is shorter than its pulse" if pulse else "it was cut out of a longer one"
-            yield (
-                f"along {axis} it {verb} at {100.0 * ratio:.0f} % of its peak: {reason}, and {side} it the base's acceleration "
-                "is zero."
-            )
 
 
 def flat_tops(a: Array) -> Iterator[tuple[float, int]]:

@@ -5,7 +5,6 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
@@ -98,7 +97,17 @@ def evenly_sampled(path: Path, reading: Reading, *, gaps: str) -> Reading:
         )
     regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _rounding(time, usual))
     if np.mean(regular) >= _REGULAR and np.all(intervals[~regular] >= _GAP * usual):
-        return _without_gaps(path, reading, np.flatnonzero(~regular), usual, fill=gaps == "fill")
+        holes = np.flatnonzero(~regular)
+        listed = [f"{time[hole]:.6g} to {time[hole + 1]:.6g} s" for hole in holes[:3]] + ["..."] * (holes.size > 3)
+        missing = sum(round(float(time[hole + 1] - time[hole]) / usual) - 1 for hole in holes)
+        text = f"{holes.size} {'gap' if holes.size == 1 else 'gaps'} ({', '.join(listed)}) of {missing} samples in all"
+        if gaps != "fill":
+            raise RecordError(
+                f"{path}: the record has {text}, where others are {usual:.6g} s apart. Nobody knows how the base moved there: "
+                'use what lies before or behind, or have them filled with straight lines, gaps="fill" (--gaps fill).'
+            )
+        even_time = np.linspace(time[0], time[-1], round(float(time[-1] - time[0]) / usual) + 1)
+        return _interpolated(reading, even_time).warned(f"{text} filled with straight lines.")
     # curves, finer where samples are dense, then the filter
     fine = int(np.clip(np.ceil(usual / float(intervals.min())), 1, _FINEST))
     count = max(int(np.floor(float(time[-1] - time[0]) / usual * (1.0 + 1e-9))) + 1, 2)
@@ -167,22 +176,6 @@ def _rounding(time: Array, step: float) -> float:
     return 0.0
 
 
-def _without_gaps(path: Path, reading: Reading, gaps: NDArray[np.intp], usual: float, *, fill: bool) -> Reading:
-    """Return the record with straight lines in its gaps, or raise RecordError."""
-    time = reading.time
-    listed = [f"{time[gap]:.6g} to {time[gap + 1]:.6g} s" for gap in gaps[:3]] + ["..."] * (gaps.size > 3)
-    missing = sum(round(float(time[gap + 1] - time[gap]) / usual) - 1 for gap in gaps)
-    text = f"{gaps.size} {'gap' if gaps.size == 1 else 'gaps'} ({', '.join(listed)}) of {missing} samples in all"
-    if not fill:
-        raise RecordError(
-            f"{path}: the record has {text}, where others are {usual:.6g} s apart. Nobody knows how the base moved there: "
-            'use what lies before or behind, or have them filled with straight lines, gaps="fill" (--gaps fill).'
-        )
-    count = round(float(time[-1] - time[0]) / usual) + 1
-    even_time = np.linspace(time[0], time[-1], count)
-    return _interpolated(reading, even_time).warned(f"{text} filled with straight lines.")
-
-
 def _interpolated(reading: Reading, time: Array) -> Reading:
     columns = [np.interp(time, reading.time, column) for column in reading.samples.T]
     return replace(reading, time=time, samples=np.column_stack(columns))
@@ -211,7 +204,25 @@ def without_baseline(time: Array, samples: Array, baseline: str, highpass: float
     or more, or lower than can be meant.
     """
     if highpass is not None:
-        return _highpassed(time, samples, highpass)
+        from scipy.signal import butter, sosfiltfilt
+
+        step = float(time[-1] - time[0]) / (time.size - 1)
+        if highpass >= (0.5 - 1e-9) / step:
+            raise ValueError(f"`highpass` must be below half the sampling rate, {0.5 / step:.6g}, got {highpass!r}.")
+        quiet = int(np.ceil(_QUIET / (highpass * step)))
+        if 2 * quiet > _MOST_ADDED:
+            raise ValueError(
+                f"`highpass` must be at least {2.0 * _QUIET / (_MOST_ADDED * step):.3g} Hz at {1.0 / step:.6g} samples a "
+                f"second, got {highpass!r}: the filter needs {_QUIET:g} of its periods at rest before and behind the record."
+            )
+        sections = butter(_FILTER_ORDER, highpass, "highpass", fs=1.0 / step, output="sos")
+        longer = np.zeros((time.size + 2 * quiet, samples.shape[1]))
+        for column, filtered in zip(samples.T, longer.T, strict=True):
+            if column.any():
+                # An offset that goes on for ever is nothing after the filter; taken off first, it makes no jump at the ends.
+                filtered[quiet:-quiet] = column - offset_of(column)
+                filtered[:] = sosfiltfilt(sections, filtered, padtype="constant", padlen=quiet)
+        return time[0] + step * np.arange(len(longer)), longer
     for column in samples.T:
         if baseline == "rest":
             column -= offset_of(column)
@@ -222,26 +233,3 @@ def without_baseline(time: Array, samples: Array, baseline: str, highpass: float
             gained = column.sum() - (column[0] + column[-1]) / 2.0
             column -= gained / (time.size - 1)
     return time, samples
-
-
-def _highpassed(time: Array, samples: Array, cutoff: float) -> tuple[Array, Array]:
-    """Return instants and accelerations, lengthened by rest and high-pass filtered without phase at a cutoff [Hz]."""
-    from scipy.signal import butter, sosfiltfilt
-
-    step = float(time[-1] - time[0]) / (time.size - 1)
-    if cutoff >= (0.5 - 1e-9) / step:
-        raise ValueError(f"`highpass` must be below half the sampling rate, {0.5 / step:.6g}, got {cutoff!r}.")
-    quiet = int(np.ceil(_QUIET / (cutoff * step)))
-    if 2 * quiet > _MOST_ADDED:
-        raise ValueError(
-            f"`highpass` must be at least {2.0 * _QUIET / (_MOST_ADDED * step):.3g} Hz at {1.0 / step:.6g} samples a second, "
-            f"got {cutoff!r}: the filter needs {_QUIET:g} of its periods at rest before and behind the record."
-        )
-    sections = butter(_FILTER_ORDER, cutoff, "highpass", fs=1.0 / step, output="sos")
-    longer = np.zeros((time.size + 2 * quiet, samples.shape[1]))
-    for column, filtered in zip(samples.T, longer.T, strict=True):
-        if column.any():
-            # An offset that goes on for ever is nothing after the filter; taken off first, it makes no jump at the ends.
-            filtered[quiet:-quiet] = column - offset_of(column)
-            filtered[:] = sosfiltfilt(sections, filtered, padtype="constant", padlen=quiet)
-    return time[0] + step * np.arange(len(longer)), longer

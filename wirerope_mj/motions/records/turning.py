@@ -18,7 +18,7 @@ from wirerope_mj.motions.piecewise import PiecewiseLinear
 from wirerope_mj.motions.records.sampling import without_baseline
 
 if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
+    pass
 
 AXES_OF_SENSORS = ("base", "world")
 RATE, ACCELERATION = "rate", "acceleration"
@@ -91,14 +91,26 @@ def turned(
     if fade is not None:
         measured *= fade_factor(time, fade)[:, np.newaxis]
     if kind == RATE:
-        _come_to_rest(path, measured)
+        for row, when in ((0, "begins"), (-1, "ends")):
+            fastest = np.abs(measured).max()
+            if np.abs(measured[row]).max() > _STILL * fastest:
+                raise RecordError(
+                    f"{path}: it {when} while the base turns at {np.degrees(np.abs(measured[row]).max()):.3g} deg/s, "
+                    f"{100.0 * np.abs(measured[row]).max() / fastest:.2g} % of its fastest: have it rise from rest and fall to "
+                    'rest smoothly, fade=1.0 (--fade 1, in seconds), or take off an offset, baseline="rest" (--baseline rest).'
+                )
+            measured[row] = 0.0
         rates, gains = measured, np.diff(PiecewiseLinear(time, measured).derivative(time, 1), axis=0)
     else:
         integrals = PiecewiseLinear(time, measured)
         rates, gains = integrals.derivative(time, 1), np.diff(integrals.derivative(time, 0), axis=0)
     step, own = float(time[1] - time[0]), axes == "base"
     gains += (1.0 if own else -1.0) * step**2 / 12.0 * np.cross(rates[:-1], rates[1:])
-    turns = _products(Rotation.from_rotvec(np.concatenate([np.zeros((1, 3)), gains])), left=not own)
+    turns, shift = Rotation.from_rotvec(np.concatenate([np.zeros((1, 3)), gains])), 1
+    while shift < len(turns):  # products of all rotations up to each, in log2(n) passes
+        before, here = turns[:-shift], turns[shift:]
+        turns = Rotation.concatenate([turns[:shift], before * here if own else here * before])
+        shift *= 2
     angles = np.unwrap(turns.as_euler("xyz"), axis=0)
     if np.abs(angles[:, 1]).max() > _STEEPEST:
         raise RecordError(f"{path}: the base pitches by {np.degrees(np.abs(angles[:, 1]).max()):.3g} deg, and 89 is the most.")
@@ -169,28 +181,3 @@ def fade_factor(time: Array, length: float) -> Array:
     if not 0.0 < 2.0 * length <= time[-1] - time[0]:
         raise ValueError(f"`fade` must be > 0 and at most half the record's {time[-1] - time[0]:.6g} s, got {length!r}.")
     return Envelope(start=float(time[0]), stop=float(time[-1]), rise=length, fall=length).derivatives(time)[0]
-
-
-def _come_to_rest(path: Path, rates: Array) -> None:
-    """Set the first and the last rates to zero; RecordError if they are more than noise."""
-    for row, when in ((0, "begins"), (-1, "ends")):
-        fastest = np.abs(rates).max()
-        if np.abs(rates[row]).max() > _STILL * fastest:
-            raise RecordError(
-                f"{path}: it {when} while the base turns at {np.degrees(np.abs(rates[row]).max()):.3g} deg/s, "
-                f"{100.0 * np.abs(rates[row]).max() / fastest:.2g} % of its fastest: have it rise from rest and fall to rest "
-                'smoothly, fade=1.0 (--fade 1, in seconds), or take off an offset, baseline="rest" (--baseline rest).'
-            )
-        rates[row] = 0.0
-
-
-def _products(steps: "Rotation", *, left: bool) -> "Rotation":
-    """Return the products of all rotations up to each, a later one on the `left` or the right; in log2(n) passes."""
-    from scipy.spatial.transform import Rotation
-
-    shift = 1
-    while shift < len(steps):
-        before, here = steps[:-shift], steps[shift:]
-        steps = Rotation.concatenate([steps[:shift], here * before if left else before * here])
-        shift *= 2
-    return steps
