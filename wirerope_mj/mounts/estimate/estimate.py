@@ -180,30 +180,25 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     geometry = fitted.geometry
     if geometry is not None and estimate.bar_assumed:
         geometry = replace(geometry, bar=None)
-    spread = _spread(fitted, estimate)
+    errors = left_out_errors(estimate.left_out)
+    names, forces, rows = [], [], []
+    for axis, law in fitted.axes.items():
+        for key, value in ({} if law is None else law.to_dict()).items():
+            if key in _FORCES and value != 0.0:
+                names.append(f"{axis}.{key}")
+                forces.append(value)
+                rows.append(errors[_AXIS_VALUE[axis]])
+    covariance = np.outer(forces, forces) * np.cov(np.stack(rows))
+    if fitted.spread is not None:
+        known = np.array(fitted.spread.covariance)
+        zero = np.zeros((len(names), len(known)))
+        covariance = np.block([[covariance, zero], [zero.T, known]])
+        names += fitted.spread.parameters
+    rounded = tuple(tuple(float(f"{value:.9g}") for value in row) for row in covariance)
+    spread = Spread(parameters=tuple(names), covariance=rounded)
     return replace(fitted, provenance=provenance, spread=spread, rotation=rotation, geometry=geometry)
 
 
 def _rounded(value: float) -> float:
     """Round an estimate to four digits: more would look like knowledge."""
     return float(f"{value:.4g}")
-
-
-def _spread(isolator: Isolator, estimate: LoopEstimate) -> Spread:
-    """Return the scatter of all force parameters: each axis scales with its shock stiffness."""
-    errors = left_out_errors(estimate.left_out)
-    names, values, rows = [], [], []
-    for axis, law in isolator.axes.items():
-        for key, value in ({} if law is None else law.to_dict()).items():
-            if key in _FORCES and value != 0.0:
-                names.append(f"{axis}.{key}")
-                values.append(value)
-                rows.append(errors[_AXIS_VALUE[axis]])
-    covariance = np.outer(values, values) * np.cov(np.stack(rows))
-    if isolator.spread is not None:
-        known = np.array(isolator.spread.covariance)
-        zero = np.zeros((len(names), len(known)))
-        covariance = np.block([[covariance, zero], [zero.T, known]])
-        names += isolator.spread.parameters
-    rounded = tuple(tuple(float(f"{value:.9g}") for value in row) for row in covariance)
-    return Spread(parameters=tuple(names), covariance=rounded)

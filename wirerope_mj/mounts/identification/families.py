@@ -100,7 +100,6 @@ def least_exponent(s: Scales) -> float:
 
 
 def _slip_starts(s: Scales) -> list[float]:
-    """List the slip deflections [m] from which searches begin."""
     return np.geomspace(0.1 * s.least, s.deflection, 8).tolist()
 
 

@@ -48,7 +48,6 @@ def _read(path: Path) -> Isolator:
 
 @lru_cache(maxsize=256)  # of a model whose mounts name the same files again and again
 def _isolator_in(path: Path, content: bytes) -> Isolator:
-    """Make the isolator of a file that has this content."""
     return Isolator.from_dict(read_toml(path, "isolator file"), where=path)
 
 

@@ -95,7 +95,14 @@ def read_table(path: Path, series: Series) -> list[VendorPart]:
         factors = {name: header.factor(i, _UNITS) for i, name in enumerate(header.names) if name != "part"}
         for _, location, cells in rows_below(header):
             row = dict(zip(header.names, cells, strict=True))
-            values = {name: _stated(location, name, row[name], factor) for name, factor in factors.items()}
+            values: dict[str, float | None] = {}
+            for name, factor in factors.items():
+                value = number_in(location, name, row[name]) if row[name] else None
+                if value is not None and value <= 0.0:
+                    raise RecordError(
+                        f'{location}: "{row[name]}" in column "{name}" must be > 0, or empty if it is not stated.'
+                    )
+                values[name] = None if value is None else in_si(value, factor)
             loops, stated = values["loops"], [item.name for item in fields(ModeValues)]
             modes = {mode: ModeValues(**{name: values.get(f"{mode} {name}") for name in stated}) for mode in MODES}
             measures = {name: values.get(name) for name in ("rope", "height", "width", "bar")}
@@ -104,13 +111,3 @@ def read_table(path: Path, series: Series) -> list[VendorPart]:
     except RecordError as error:
         raise ModelError(str(error)) from None
     return parts
-
-
-def _stated(location: str, name: str, cell: str, factor: float) -> float | None:
-    """Return a cell in SI; None for an empty cell."""
-    if not cell:
-        return None
-    value = number_in(location, name, cell)
-    if value <= 0.0:
-        raise RecordError(f'{location}: "{cell}" in column "{name}" must be > 0, or empty if it is not stated.')
-    return in_si(value, factor)

@@ -81,9 +81,18 @@ def fit_sheet(sheet: DataSheet) -> Isolator:
         ),
         rotation=_rotation(sheet, axial, across.get("roll"), curves), temperature=sheet.temperature, **across,
     )  # fmt: skip
+    units = {"N/mm": "N_per_mm", "N": "N"}
+    check_45: dict[str, float] = {}
+    for row in diagonal_values(sheet.diagonal, isolator):
+        name = row.name.replace(" ", "_")
+        if row.vendor is None or row.error is None:
+            continue
+        check_45[f"{name}_vendor_{units[row.unit]}"] = float(f"{row.vendor:.6g}")
+        check_45[f"{name}_fitted_{units[row.unit]}"] = float(f"{row.fitted:.6g}")
+        check_45[f"{name}_relative_error"] = round(row.error, 4)
     provenance = Provenance(
         kind="catalogue", source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),
-        check_45=_check_45(sheet, isolator),
+        check_45=check_45,
     )  # fmt: skip
     return replace(isolator, provenance=provenance)
 
@@ -198,19 +207,6 @@ def diagonal_values(stated: AxisValues | None, isolator: Isolator) -> list[Compa
     followed = [value for value in stated.stated if value.unit != "Hz"]
     secants = [diagonal_secant(law, value.deflection, steady=value.steady) for value in followed]
     return [value.beside(DIAGONAL, secant) for value, secant in zip(followed, secants, strict=True)]
-
-
-def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
-    units = {"N/mm": "N_per_mm", "N": "N"}
-    table: dict[str, float] = {}
-    for row in diagonal_values(sheet.diagonal, isolator):
-        name = row.name.replace(" ", "_")
-        if row.vendor is None or row.error is None:
-            continue
-        table[f"{name}_vendor_{units[row.unit]}"] = float(f"{row.vendor:.6g}")
-        table[f"{name}_fitted_{units[row.unit]}"] = float(f"{row.fitted:.6g}")
-        table[f"{name}_relative_error"] = round(row.error, 4)
-    return table
 
 
 # Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's from 9.5 mm of rope on,
