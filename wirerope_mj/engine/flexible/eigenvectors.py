@@ -5,7 +5,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -147,8 +146,15 @@ def _universal(path: Path) -> Eigenvectors:
             raise RecordError(f"{path}: mode {number} stands there twice.")
         if list(map(int, dataset["node_nums"])) != nodes:
             raise RecordError(f"{path}: mode {number} is at other nodes than mode {numbers[0]}; write all at the same ones.")
-    for dataset in sets:
-        _require_whole(path, dataset)
+    for dataset in sets:  # each lists every node once, with three numbers: a lost line shifts all that follow
+        shapes, listed = dataset["type"] == 55, [*map(int, dataset["node_nums"])]
+        sizes = {np.size(dataset.get(name, ())) for name in (("r1", "r2", "r3") if shapes else "xyz")}
+        if sizes != {len(listed)} or len(set(listed)) != len(listed):
+            title = f"mode {int(dataset['mode_n'])}" if shapes else f"dataset {dataset['type']}"
+            raise RecordError(
+                f"{path}: {title} is damaged: {len(listed)} nodes, {len(set(listed))} different ones, {max(sizes)} rows of "
+                "numbers. A line is lost or doubled; write the file again."
+            )
     values = np.array([[dataset["r1"], dataset["r2"], dataset["r3"]] for dataset in data])  # (m, 3, n)
     places = {
         int(node): np.array([dataset[axis][n] for axis in "xyz"])
@@ -165,20 +171,7 @@ def _universal(path: Path) -> Eigenvectors:
     )  # fmt: skip
 
 
-def _require_whole(path: Path, dataset: Mapping[str, Any]) -> None:
-    """Raise RecordError unless a dataset lists every node once, with three numbers: a lost line shifts all that follow."""
-    shapes, nodes = dataset["type"] == 55, [*map(int, dataset["node_nums"])]
-    sizes = {np.size(dataset.get(name, ())) for name in (("r1", "r2", "r3") if shapes else "xyz")}
-    if sizes != {len(nodes)} or len(set(nodes)) != len(nodes):
-        title = f"mode {int(dataset['mode_n'])}" if shapes else f"dataset {dataset['type']}"
-        raise RecordError(
-            f"{path}: {title} is damaged: {len(nodes)} nodes, {len(set(nodes))} different ones, {max(sizes)} rows of numbers. "
-            "A line is lost or doubled; write the file again."
-        )
-
-
 def _without_modal_mass(frequencies: Array, shapes: Mapping[int, Array]) -> Eigenvectors:
-    """Return eigenvectors whose modal mass, damping and node positions are not stated."""
     zero = np.zeros(len(frequencies))
     return Eigenvectors(frequencies=frequencies, modal_mass=zero, damping=zero, places={}, shapes=shapes)
 

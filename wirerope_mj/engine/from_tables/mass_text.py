@@ -81,7 +81,17 @@ def read_mass_text(path: Path, *, products: str = "") -> list[tuple[str, MassPro
         raise RecordError(f"{path}: the mass properties cannot be read: {why_unread(error)}") from None
     # small letters of ASCII
     folded = [unicodedata.normalize("NFKD", line.casefold()).encode("ascii", "ignore").decode() for line in lines]
-    text = _with_points(path, "\n".join(folded))
+    text = "\n".join(folded)
+    numbers = re.findall(r"=\s*[-+]?(\d[\d.,]*\d|\d)", text)
+    commas = [number for number in numbers if "," in number]
+    if commas and (
+        any("." in number for number in numbers) or all(re.fullmatch(r"\d{1,3}(,\d{3})+", number) for number in commas)
+    ):
+        raise RecordError(
+            f'{path}: "{short(commas[0])}" holds a comma: of thousands, or of decimals? Write all numbers with decimal points, '
+            "and without signs of thousands."
+        )
+    text = re.sub(r"(?<=\d),(?=\d)", ".", text) if commas else text
     program = next((name for words, name in _OTHERS.items() if re.search(words, text)), "")
     masses = list(_MASS.finditer(text))
     if program or not masses:
@@ -252,17 +262,3 @@ def _unit(where: str, name: str, known: Mapping[str, float]) -> float:
         listed = "grams, kilograms, tonnes, pounds" if known is _MASSES else "millimeters, centimeters, meters, inches, feet"
         raise RecordError(f'{where}: the unit "{name}" is unknown. Known units: {listed}.')
     return factor
-
-
-def _with_points(path: Path, text: str) -> str:
-    """Replace decimal commas by points; RecordError if numbers mix both signs, or commas may separate thousands."""
-    numbers = re.findall(r"=\s*[-+]?(\d[\d.,]*\d|\d)", text)
-    commas = [number for number in numbers if "," in number]
-    if commas and (
-        any("." in number for number in numbers) or all(re.fullmatch(r"\d{1,3}(,\d{3})+", number) for number in commas)
-    ):
-        raise RecordError(
-            f'{path}: "{short(commas[0])}" holds a comma: of thousands, or of decimals? Write all numbers with decimal points, '
-            "and without signs of thousands."
-        )
-    return re.sub(r"(?<=\d),(?=\d)", ".", text) if commas else text

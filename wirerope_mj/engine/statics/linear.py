@@ -55,7 +55,23 @@ def linear_system(system: System, *, closed: bool) -> Linear:
             single = model.jnt_type[model.dof_jntid] >= int(mujoco.mjtJoint.mjJNT_SLIDE)
             springs = np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)
             besides = np.diag(springs), np.diag(model.dof_damping)
-        matrices = zip(_mount_matrices(system, data, closed), besides, strict=True)
+        rates: list[Array] = [np.zeros((0, system.model.nv))]
+        resistances: list[tuple[float, float]] = []
+        for mount, (moves, turns) in zip(system.mounts.values(), mount_rates(system, data), strict=True):
+            rates.append(mount.axes.T @ moves)  # of the deflections, (3, n_v)
+            for law in mount.isolator.axes.values():
+                if law is None:
+                    resistances.append((0.0, 0.0))
+                elif closed:
+                    resistances.append((law.closed_stiffness, law.closed_damping))
+                else:
+                    resistances.append((law.initial_stiffness, law.damping_coefficient))
+            if mount.isolator.rotation is not None:
+                rates.append(mount.axes.T @ turns)
+                resistances += [(stiffness, 0.0) for stiffness in rotational_stiffness(mount.isolator)]
+        to_deflections = np.concatenate(rates)
+        along, resisting = (to_deflections.T * row @ to_deflections for row in np.array(resistances).reshape(-1, 2).T)
+        matrices = zip((along, resisting), besides, strict=True)
         stiffness, damping = ((mounts + of_joints)[np.ix_(free, free)] for mounts, of_joints in matrices)
         numbers = equality_rows(data) if model.neq else np.zeros(0, dtype=np.int64)
         rows = jacobian(model, data)[np.ix_(numbers, free)] if numbers.size else np.zeros((0, free.size))
@@ -66,30 +82,6 @@ def linear_system(system: System, *, closed: bool) -> Linear:
         mass=mass[np.ix_(free, free)], stiffness=stiffness, damping=damping, motions=free_motions(rows), equalities=equalities,
         rows=rows, soft=soft,
     )  # fmt: skip
-
-
-def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:
-    """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
-
-    Stiffness is that of the unloaded mounts in the modelled geometry, with stops open or closed, damping the laws' largest.
-    """
-    rows: list[Array] = [np.zeros((0, system.model.nv))]
-    numbers: list[tuple[float, float]] = []
-    for mount, (moves, turns) in zip(system.mounts.values(), mount_rates(system, data), strict=True):
-        rows.append(mount.axes.T @ moves)  # of the deflections, (3, n_v)
-        for law in mount.isolator.axes.values():
-            if law is None:
-                numbers.append((0.0, 0.0))
-            elif closed:
-                numbers.append((law.closed_stiffness, law.closed_damping))
-            else:
-                numbers.append((law.initial_stiffness, law.damping_coefficient))
-        if mount.isolator.rotation is not None:
-            rows.append(mount.axes.T @ turns)
-            numbers += [(stiffness, 0.0) for stiffness in rotational_stiffness(mount.isolator)]
-    to_deflections = np.concatenate(rows)
-    along, resisting = (to_deflections.T * row @ to_deflections for row in np.array(numbers).reshape(-1, 2).T)
-    return along, resisting
 
 
 def beyond_joints(model: mujoco.MjModel) -> bool:

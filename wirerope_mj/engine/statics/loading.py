@@ -260,7 +260,6 @@ class Loading:
         return self.system.assembly.tables.user.mount_rows(self.system.assembly.user(self.data.userdata))
 
     def _fastest(self, qpos: Array) -> str:
-        """Name the body that accelerates most in a position."""
         fastest = self.free[int(np.argmax(np.abs(self._accelerations(qpos))))]
         return str(self.model.body(self.model.dof_bodyid[fastest]).name)
 

@@ -127,7 +127,13 @@ def _masses(system: System, data: mujoco.MjData, payload: Payload, mounts: Seque
     model = system.model
     modal = {mode.body for mode in system.assembly.subjects.modes}
     bodies = [body for body in payload.bodies if model.body_mass[body] > 0.0 and model.body(body).name not in modal]
-    corners = _corners(model, data, payload.bodies)
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    boxes = [  # around all geoms, world frame [m]
+        data.geom_xpos[geom]
+        + (model.geom_aabb[geom, :3] + signs * model.geom_aabb[geom, 3:]) @ data.geom_xmat[geom].reshape(3, 3).T
+        for geom in np.flatnonzero(np.isin(model.geom_bodyid, payload.bodies) & (model.geom_rbound > 0.0))
+    ]
+    corners = np.concatenate(boxes) if boxes else None
     total, inertia = 0.0, np.zeros((3, 3))
     centre = payload.centre(data, model.body_subtreemass)
     for body in bodies:
@@ -189,17 +195,6 @@ def _about_origin(tensor: Array, mass: float, at: Array, origin: Array, low: Arr
         if np.linalg.eigvalsh(moved)[0] > 0.0 and (squares > 0.0).all() and (squares <= most).all():
             return name
     return ""
-
-
-def _corners(model: mujoco.MjModel, data: mujoco.MjData, bodies: Sequence[int]) -> Array | None:
-    """Return the corners of the boxes around all geoms of bodies, world frame [m], (n, 3); None without any geom."""
-    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-    found = [
-        data.geom_xpos[geom]
-        + (model.geom_aabb[geom, :3] + signs * model.geom_aabb[geom, 3:]) @ data.geom_xmat[geom].reshape(3, 3).T
-        for geom in np.flatnonzero(np.isin(model.geom_bodyid, bodies) & (model.geom_rbound > 0.0))
-    ]
-    return np.concatenate(found) if found else None
 
 
 def _at_an_end(system: System, data: mujoco.MjData, mount: Mount, payload: Payload) -> Iterator[str]:

@@ -174,7 +174,6 @@ def unresisted(system: System, data: mujoco.MjData, free: Integers, acceleration
 
 
 def _mounts_below(system: System, body: int) -> list[str]:
-    """Return the mounts that carry a body, or one that is attached to it."""
     model, mounts = system.model, system.mounts.items()
     return [name for name, mount in mounts if body in carriers(model, model.body(mount.payload_body).id)]
 

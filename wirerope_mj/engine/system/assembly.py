@@ -123,8 +123,21 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     spec.add_numeric(name=at.LAYOUT, size=tables.layout.size, data=tables.layout.tolist())
     parameters = [*tables.parameters.tolist(), 0.0]  # never empty
     spec.add_numeric(name=at.PARAMETERS, size=len(parameters), data=parameters)
+    # The internal states are activations of an actuator; any joint carries it, a slide is the cheapest.
     first = int(plain.nnumericdata)
-    _add_state_actuator(spec, plain, tables, [first, first + tables.layout.size, userdata, int(plain.na)])
+    addresses = [first, first + tables.layout.size, userdata, int(plain.na)]
+    if plain.njnt == 0:
+        raise ModelError("the model has no joint: nothing in it can move.")
+    carrier = int(np.argmax(plain.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE))
+    joint = next(element for element in spec.joints if element.id == carrier)
+    if not joint.name:
+        joint.name = "wirerope/carrier"
+    n_states = tables.user.n_states
+    spec.add_actuator(
+        name=at.STATE_ACTUATOR, dyntype=mujoco.mjtDyn.mjDYN_USER if n_states else mujoco.mjtDyn.mjDYN_NONE,
+        actdim=n_states if n_states else -1, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name, gainprm=[0.0] * 10,
+        biasprm=[0.0] * 10, dynprm=[at.MAGIC, *map(float, addresses), 0.0, 0.0, 0.0, 0.0, 0.0],
+    )  # fmt: skip
     sizes = {f"body/{name}": at.KINEMATICS for name in subjects.body_names}
     sizes |= {plain.site(site).name: at.POINT_VALUES for site in points}
     sizes |= {f"mount/{mount.name}": at.MOUNT_VALUES + mount.isolator.n_states for mount in declared}
@@ -158,19 +171,3 @@ def _check_hinges(model: mujoco.MjModel, base: int, joints: list[int]) -> None:
             "base/roll about the world's z, y and x axes at its own origin, has no other joints and does not bend; it has "
             f"{[model.joint(joint).name for joint in joints]}. `wirerope_mj.with_rotation(system)` writes them."
         )
-
-
-def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tables, addresses: list[int]) -> None:
-    """Add the actuator whose activations are the internal states; any joint carries it, a slide is the cheapest."""
-    if model.njnt == 0:
-        raise ModelError("the model has no joint: nothing in it can move.")
-    carrier = int(np.argmax(model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE))
-    joint = next(element for element in spec.joints if element.id == carrier)
-    if not joint.name:
-        joint.name = "wirerope/carrier"
-    n_states = tables.user.n_states
-    spec.add_actuator(
-        name=at.STATE_ACTUATOR, dyntype=mujoco.mjtDyn.mjDYN_USER if n_states else mujoco.mjtDyn.mjDYN_NONE,
-        actdim=n_states if n_states else -1, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name, gainprm=[0.0] * 10,
-        biasprm=[0.0] * 10, dynprm=[at.MAGIC, *map(float, addresses), 0.0, 0.0, 0.0, 0.0, 0.0],
-    )  # fmt: skip

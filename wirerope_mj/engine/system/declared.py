@@ -100,15 +100,6 @@ def declared_mounts(
             "the model has no mount. A mount is a <tuple> in <custom> whose name contains 'mount/', of a payload site, a "
             "base site and a text that names the isolator's file."
         )
-    _check(model, mounts)
-    unknown = sorted(set(isolators) - {mount.isolator_name for mount in mounts})
-    if unknown:
-        known = sorted({mount.isolator_name for mount in mounts})
-        raise ModelError(f"no mount uses the isolator {unknown[0]!r}. Isolators that the model names: {known}.")
-    return mounts
-
-
-def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mounts_by_sites: dict[tuple[int, int, str], str] = {}
@@ -137,6 +128,11 @@ def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
         mounts_by_sites[key] = mount.name
         if all(law is None for law in mount.isolator.axes.values()):
             raise ModelError(f"mount {mount.name!r}: isolator {mount.isolator.name!r} has no law on any axis.")
+    unknown = sorted(set(isolators) - {mount.isolator_name for mount in mounts})
+    if unknown:
+        known = sorted({mount.isolator_name for mount in mounts})
+        raise ModelError(f"no mount uses the isolator {unknown[0]!r}. Isolators that the model names: {known}.")
+    return mounts
 
 
 def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:

@@ -1,7 +1,7 @@
 """A model's text rewritten: on a deck or with a body that bends, with another part in its mounts' places, turned in gravity."""
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.flexible import Deck, FlexiblePart, deck_of
-from wirerope_mj.engine.flexible.panel import NAME, Panel, add_panel
+from wirerope_mj.engine.flexible.panel import NAME, add_panel
 from wirerope_mj.engine.flexible.part import add_part
 from wirerope_mj.engine.system.named_files import named_files
 from wirerope_mj.engine.system.system import System, load_system
@@ -139,7 +139,17 @@ def deck_text(system: System, deck: Deck) -> str:
     if mujoco.mj_name2id(system.model, mujoco.mjtObj.mjOBJ_BODY, NAME) >= 0:
         raise ModelError(f"the model has a body {NAME!r} already: change its joint, or rename it.")
     carried = sum(float(system.model.body_subtreemass[system.model.body(name).id]) for name in system.payloads)
-    for doubt in _deck_doubts(deck, carried):
+    doubts = []  # about the units
+    if 0.0 < deck.damping < _UNDAMPED:
+        doubts.append(
+            f"no deck is damped so little; damping is said in per cent of the critical: was {100.0 * deck.damping:.2g} the "
+            f"ratio? Then say {1e4 * deck.damping:.3g} %."
+        )
+    if deck.mass < _LIGHT * carried:
+        doubts.append(
+            f"what stands on it has {carried:.4g} kg: is its mass of {deck.mass:.4g} kg in t? Say the unit, such as 0.8 t."
+        )
+    for doubt in doubts:
         warnings.warn(f'deck "{deck.description}": {doubt}', ModelWarning, stacklevel=2)
     root = model_root(system)
     with system.assembly.scratch.data(system.model) as data:
@@ -152,17 +162,6 @@ def deck_text(system: System, deck: Deck) -> str:
 # damping ratio below which no built deck is, a bare weld being above; mass over what it carries: a deck in t said as kg has a
 # thousandth of its usual tenth to eightfold
 _UNDAMPED, _LIGHT = 1e-3, 0.008
-
-
-def _deck_doubts(deck: Panel, carried: float) -> Iterator[str]:
-    """Yield questions about the units of a panel that carries a mass [kg]."""
-    if 0.0 < deck.damping < _UNDAMPED:
-        yield (
-            f"no deck is damped so little; damping is said in per cent of the critical: was {100.0 * deck.damping:.2g} the "
-            f"ratio? Then say {1e4 * deck.damping:.3g} %."
-        )
-    if deck.mass < _LIGHT * carried:
-        yield f"what stands on it has {carried:.4g} kg: is its mass of {deck.mass:.4g} kg in t? Say the unit, such as 0.8 t."
 
 
 def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str:

@@ -161,11 +161,25 @@ def make_tables(
             about = [[float(model.joint(joint).name.endswith(name)) for name in TURNS] for joint in hinges]
             drive, turning = np.vstack([drive, np.zeros((len(hinges), 3))]), np.vstack([turning, about])
         n_stops = sum(len(isolator.conditioned.stops) for isolator in isolators.values())
-    n_states, channels = sum(isolator.n_states for isolator in isolators.values()), _channels(on, declared)
+    # body accelerations, point accelerations and displacements, mount deflections and forces
+    channels = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
+    first = at.KINEMATICS * len(on.bodies)
+    for i in range(len(on.points)):
+        channels += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
+    first += at.POINT_VALUES * len(on.points)
+    for mount in declared:
+        channels += [first, first + 3]
+        first += at.MOUNT_VALUES + mount.isolator.n_states
+    n_states = sum(isolator.n_states for isolator in isolators.values())
     # What pushes back on the world, or on a base whose only freedom is the drive, moves nothing.
     still = {0, on.base} if on.base and model.body_dofnum[on.base] == len(on.driven) else {0}
     mounts, modelled, inverse = np.zeros((len(declared), at.MOUNT_COLUMNS)), np.empty(4), np.empty(4)
-    bodies, roots, shapes = model.site_bodyid, model.body_rootid, _shape_rows(model, on)
+    bodies, roots = model.site_bodyid, model.body_rootid
+    shapes = {}  # at each site of flexible parts
+    for site, modes in on.shapes.items():
+        shapes[site] = [float(len(modes))]
+        for dof, shape in modes:
+            shapes[site] += [dof, float(model.jnt_qposadr[model.dof_jntid[dof]]), *shape]
     for row, mount in zip(mounts, declared, strict=True):
         both = [mount.payload_site, mount.base_site]
         mujoco.mju_negQuat(inverse, data.site_xquat[mount.base_site])
@@ -215,7 +229,12 @@ def make_tables(
     header[at.USER_MOUNTS : at.USER_STOPS + 1] = addresses
     header[at.USER_FORCES], header[at.USER_TRAVELS], header[at.USER_CLOSINGS] = user.forces, user.travels, user.closings
     header[at.USER_TURNS] = user.turns if rotates else 0
-    base_channels = _base_channels(model, on)
+    base_channels: tuple[int, ...] = ()
+    if on.base:
+        fixed = [i for i, body in enumerate(on.bodies) if model.body_weldid[body] == on.base]
+        rigid = [(i, site) for i, site in enumerate(on.points) if site not in on.shapes]
+        fixed += [len(on.bodies) + 2 * i for i, site in rigid if model.body_weldid[model.site_bodyid[site]] == on.base]
+        base_channels = tuple(fixed)
     tables = Tables(
         layout=np.concatenate([header, *flat]), parameters=np.zeros(0), user=user, drive=drive, turning=turning,
         channels=np.array(channels, dtype=np.int64), base_channels=base_channels,
@@ -280,36 +299,3 @@ def rated_travel(isolator: Isolator) -> list[float]:
     ratings = ("roll", "shear", "compression", "tension")
     # a number, for any length
     return [(1.0 / max(stated[rating], 1e-100)) ** 2 if rating in stated else 0.0 for rating in ratings]
-
-
-def _channels(on: Subjects, declared: list[DeclaredMount]) -> list[int]:
-    """Return the indices of body accelerations, point accelerations and displacements, mount deflections and forces."""
-    indices = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
-    first = at.KINEMATICS * len(on.bodies)
-    for i in range(len(on.points)):
-        indices += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
-    first += at.POINT_VALUES * len(on.points)
-    for mount in declared:
-        indices += [first, first + 3]
-        first += at.MOUNT_VALUES + mount.isolator.n_states
-    return indices
-
-
-def _shape_rows(model: mujoco.MjModel, on: Subjects) -> dict[int, list[float]]:
-    """Return the shapes at each site of flexible parts as rows of numbers."""
-    rows = {}
-    for site, modes in on.shapes.items():
-        rows[site] = [float(len(modes))]
-        for dof, shape in modes:
-            rows[site] += [dof, float(model.jnt_qposadr[model.dof_jntid[dof]]), *shape]
-    return rows
-
-
-def _base_channels(model: mujoco.MjModel, on: Subjects) -> tuple[int, ...]:
-    if not on.base:
-        return ()
-    fixed = [i for i, body in enumerate(on.bodies) if model.body_weldid[body] == on.base]
-    n = len(on.bodies)
-    rigid = [(i, site) for i, site in enumerate(on.points) if site not in on.shapes]
-    fixed += [n + 2 * i for i, site in rigid if model.body_weldid[model.site_bodyid[site]] == on.base]
-    return tuple(fixed)
