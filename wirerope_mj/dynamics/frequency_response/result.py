@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -239,25 +240,20 @@ def frequency_response(
         except SimulationError as error:
             raise SimulationError(f"level {acceleration:.4g} m/s^2: {error}") from None
         except ConvergenceError as error:
-            beside = _other_start(system, options, acceleration)
+            tried = [options.range[0] + part * (options.range[1] - options.range[0]) for part in OTHER_STARTS]
+            beside = f"None was found at {' and '.join(f'{frequency:.6g}' for frequency in tried)} Hz either."
+            for frequency in tried:
+                with suppress(ConvergenceError, SimulationError):
+                    periodic_orbit(
+                        system, frequency=frequency, acceleration=acceleration, direction=options.direction,
+                        periods=options.periods, smoothing=options.smoothing,
+                    )  # fmt: skip
+                    beside = (
+                        f"At {frequency:.6g} Hz there is a periodic motion, found here: --start {frequency:.6g} begins with it."
+                    )
+                    break
             raise ConvergenceError(f"level {acceleration:.4g} m/s^2: {error} {beside}") from None
     return FrequencyResponse(system=system, name=name, options=options, levels=tuple(levels))
-
-
-def _other_start(system: System, options: ResponseOptions, acceleration: float) -> str:
-    """State a frequency near the start of the range from which a branch can be followed, by trials; or that none is known."""
-    start, stop = options.range
-    tried = [start + part * (stop - start) for part in OTHER_STARTS]
-    for frequency in tried:
-        try:
-            periodic_orbit(
-                system, frequency=frequency, acceleration=acceleration, direction=options.direction, periods=options.periods,
-                smoothing=options.smoothing,
-            )  # fmt: skip
-        except (ConvergenceError, SimulationError):
-            continue
-        return f"At {frequency:.6g} Hz there is a periodic motion, found here: --start {frequency:.6g} begins with it."
-    return f"None was found at {' and '.join(f'{one:.6g}' for one in tried)} Hz either."
 
 
 def _level(

@@ -147,9 +147,17 @@ def peaks_of(branch: Branch) -> list[ResonancePeak]:
     if top not in [index for index, *_ in points]:
         at_edge = top in (0, branch.frequency.size - 1)
         points.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), at_edge))
-    first = max(points, key=lambda point: point[2])
-    if not first[3]:
-        points += _superharmonics(branch, first[1], [frequency for _, frequency, *_ in points])
+    first, listed = max(points, key=lambda point: point[2]), [frequency for _, frequency, *_ in points]
+    for order in ORDERS if not first[3] else ():  # superharmonics below the highest peak: where harmonic 2 or 3 is largest
+        near = np.flatnonzero(np.abs(branch.frequency * order / first[1] - 1.0) < NEAR)
+        near = near[(near > 0) & (near < branch.frequency.size - 1)]
+        if any(abs(frequency * order / first[1] - 1.0) < NEAR for frequency in listed) or near.size < 3:
+            continue
+        contents = [_content(branch, int(point)) for point in near]
+        most = int(np.argmax([content.of(order) for content in contents]))
+        if 0 < most < near.size - 1 and contents[most].of(order) > SEEN * contents[most].of(1):
+            top = int(near[most])
+            points.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), False))
     peaks = []
     rest = sorted((point for point in points if point is not first), key=lambda point: point[1])
     for point, frequency, amplitude, at_edge in (first, *rest):
@@ -167,22 +175,7 @@ def peaks_of(branch: Branch) -> list[ResonancePeak]:
     return peaks
 
 
-def _superharmonics(branch: Branch, top: float, listed: Sequence[float]) -> Iterator[tuple[int, float, float, bool]]:
-    """Yield superharmonic resonances below the highest peak at `top` [Hz]: points where harmonic 2 or 3 is largest."""
-    for order in ORDERS:
-        near = np.flatnonzero(np.abs(branch.frequency * order / top - 1.0) < NEAR)
-        near = near[(near > 0) & (near < branch.frequency.size - 1)]
-        if any(abs(frequency * order / top - 1.0) < NEAR for frequency in listed) or near.size < 3:
-            continue
-        contents = [_content(branch, int(point)) for point in near]
-        most = int(np.argmax([content.of(order) for content in contents]))
-        if 0 < most < near.size - 1 and contents[most].of(order) > SEEN * contents[most].of(1):
-            point = int(near[most])
-            yield point, float(branch.frequency[point]), float(branch.amplitude[point]), False
-
-
 def _content(branch: Branch, point: int) -> HarmonicContent:
-    """Compute the harmonics of the payload's acceleration at a point of a branch."""
     along = branch.response_direction
     return harmonic_content(branch.orbit(point), payload=branch.payload, direction=along, highest=HARMONICS)
 

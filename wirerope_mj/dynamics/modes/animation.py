@@ -6,7 +6,7 @@ from importlib.metadata import version
 import mujoco
 import numpy as np
 
-from wirerope_mj.dynamics.modes.rest import STATE, AtRest, linearise
+from wirerope_mj.dynamics.modes.rest import STATE, linearise
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples, Numerics
@@ -40,36 +40,6 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
     subjects = system.assembly.subjects
     mounted = [(name, ()) for name in system.mounts]
     plan = ColumnPlan(bodies=subjects.body_names, points=subjects.point_names, mounts=mounted)
-    values = _values(system, modes, rest, plan, amplitude)
-    samples = MemorySamples(names=plan.names, values=values)
-    parts = plan.parts(samples)
-    bodies, points, mounts = (parts[name] for name in ("bodies", "points", "mounts"))
-    response = Response(
-        time=values[:, 0].copy(),
-        **parts,
-        peaks=Peaks(
-            bodies={name: BodyPeaks(acceleration=_peak(body.acceleration)) for name, body in bodies.items()},
-            points={
-                name: PointPeaks(acceleration=_peak(p.acceleration), relative_displacement=_peak(p.relative_displacement))
-                for name, p in points.items()
-            },
-            mounts={name: MountPeaks(deflection=_peak(m.deflection), force=_peak(m.force)) for name, m in mounts.items()},
-        ),
-        scene=scene_of(system), motion={}, events=(),
-        numerics=Numerics(
-            timestep=np.nan, accuracy=np.nan, error_estimate=np.nan, steps=0, callback="",
-            versions={"mujoco": version("mujoco")},
-        ),
-        initial_state=modes.equilibrium.state,
-        final_state=modes.equilibrium.state,
-        samples=samples,
-    )  # fmt: skip
-    starts = PERIODS * np.arange(modes.frequencies.size, dtype=np.float64)
-    return ModeAnimation(modes=modes, starts=starts, amplitude=amplitude, response=response)
-
-
-def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplitude: float) -> Array:
-    """Sample the animation of all modes one after the other in the plan's columns, (n_t, n_columns)."""
     model = system.model.__copy__()
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, modes.equilibrium.state.values, STATE)
@@ -98,7 +68,31 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
             moved = swing * shape[mode]
             line[part(f"mounts/{name}/deflection/roll")] = rest.mounts[name].deflection + moved
             line[part(f"mounts/{name}/force/roll")] = stiffness[name] @ moved
-    return values
+    samples = MemorySamples(names=plan.names, values=values)
+    parts = plan.parts(samples)
+    bodies, points, mounts = (parts[name] for name in ("bodies", "points", "mounts"))
+    response = Response(
+        time=values[:, 0].copy(),
+        **parts,
+        peaks=Peaks(
+            bodies={name: BodyPeaks(acceleration=_peak(body.acceleration)) for name, body in bodies.items()},
+            points={
+                name: PointPeaks(acceleration=_peak(p.acceleration), relative_displacement=_peak(p.relative_displacement))
+                for name, p in points.items()
+            },
+            mounts={name: MountPeaks(deflection=_peak(m.deflection), force=_peak(m.force)) for name, m in mounts.items()},
+        ),
+        scene=scene_of(system), motion={}, events=(),
+        numerics=Numerics(
+            timestep=np.nan, accuracy=np.nan, error_estimate=np.nan, steps=0, callback="",
+            versions={"mujoco": version("mujoco")},
+        ),
+        initial_state=modes.equilibrium.state,
+        final_state=modes.equilibrium.state,
+        samples=samples,
+    )  # fmt: skip
+    starts = PERIODS * np.arange(modes.frequencies.size, dtype=np.float64)
+    return ModeAnimation(modes=modes, starts=starts, amplitude=amplitude, response=response)
 
 
 def _peak(values: Array) -> Peak:

@@ -157,7 +157,6 @@ def _evaluator(law: Law) -> Evaluated:
 
 
 def _force_states(law: Law) -> list[int]:
-    """Indices of the internal states that are hysteretic forces."""
     return [i for i, name in enumerate(law.state_names) if name.startswith(("z", "w"))]
 
 
@@ -172,7 +171,6 @@ def _slope(evaluated: Evaluated, deflection: float, states: Array) -> float:
 
 
 def _component_states(law: Law, states: Array) -> list[tuple[Law, Array]]:
-    """Pair each of the laws in parallel with its states."""
     ends = np.cumsum([part.n_states for part in law.components])
     return list(zip(law.components, np.split(states, ends[:-1]), strict=True))
 
@@ -296,7 +294,6 @@ def in_series(stiffness: AnyArray, brackets: tuple[float, float] | None) -> AnyA
 
 @lru_cache(maxsize=64)
 def _without_elastic_part(law: Law) -> Law:
-    """Make the Bouc-Wen law of a law's hysteretic force alone."""
     alpha, beta, gamma, n = (float(value) for value in law.kernel_parameters()[:4])
     return BoucWen(alpha=alpha, beta=beta, gamma=gamma, n=n)
 

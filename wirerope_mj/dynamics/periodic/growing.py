@@ -154,7 +154,11 @@ class GrowingBranch:
             return last, length
         if (point.parameter - options.stop) * options.sign >= 0.0:
             point = self.path.at_value(last, options.stop) or point
-            self.complete, self.message = True, f"reached {self._where(point)}{self._not_followed()}"
+            gaps = "".join(f"; not followed from {a:.5g} to {b:.5g}" for a, b in self.gaps)
+            if len(self.gaps) > 2:
+                low, high = min(map(min, self.gaps)), max(map(max, self.gaps))
+                gaps = f"; not followed in {len(self.gaps)} places from {low:.5g} to {high:.5g}"
+            self.complete, self.message = True, f"reached {self._where(point)}{gaps}"
         elif (point.parameter - options.start) * options.sign < 0.0 and len(self.rows) > 2:
             self.message = f"ended at {self._where(point)}: it passed its start again"
         elif not leapt:
@@ -273,13 +277,6 @@ class GrowingBranch:
 
     def _where(self, point: Point) -> str:
         return f"{point.parameter:.5g} {'Hz' if self.options.parameter == 'frequency' else 'm/s^2'}"
-
-    def _not_followed(self) -> str:
-        """Describe the gaps of a branch, more than two by their number and range."""
-        if len(self.gaps) > 2:
-            low, high = min(map(min, self.gaps)), max(map(max, self.gaps))
-            return f"; not followed in {len(self.gaps)} places from {low:.5g} to {high:.5g}"
-        return "".join(f"; not followed from {a:.5g} to {b:.5g}" for a, b in self.gaps)
 
     def _content(self) -> Entries:
         options = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.options).items()}

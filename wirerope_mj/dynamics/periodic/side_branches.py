@@ -88,19 +88,18 @@ def unstable_stretches(
             continue
         worst = max(range(first, behind), key=lambda i: float(np.abs(rows[i].multipliers[0])))
         tried = [rows[i] for i in sorted({(3 * first + behind) // 4, worst, (first + 3 * behind) // 4})]
-        difference = float(np.max([abs(_settled_amplitude(search, options, row) / row.amplitude - 1.0) for row in tried]))
+        differences = []
+        for row in tried:  # the amplitude on which the system settles from the disturbed unstable motion; NaN if it diverges
+            per_period = row.steps // options.periods
+            drive = Drive(frequency=row.frequency, acceleration=row.acceleration, periods=SETTLING, steps=SETTLING * per_period)
+            begin = shot(search.flow, row.unknowns, replace(drive, periods=options.periods, steps=row.steps))
+            # A reproducible disturbance, along no special direction of the system.
+            moved = begin.x + DISTURBANCE * begin.scale * np.cos(np.arange(begin.x.size))
+            end = search.flow.ends(moved[np.newaxis], drive)[0]
+            seen = search.flow.follow(end, replace(drive, periods=OBSERVED, steps=OBSERVED * per_period))
+            settled = amplitude_of(search.system, seen, options.payload, options.response_direction)
+            differences.append(abs(settled / row.amplitude - 1.0))
+        difference = float(np.max(differences))
         if difference < ALIKE:
             start, stop = (options.followed(rows[i]) for i in (first, behind - 1))
             yield slice(first, behind), SideBranch(start=start, stop=stop, difference=difference)
-
-
-def _settled_amplitude(search: OrbitSearch, options: BranchOptions, row: Row) -> float:
-    """Compute the amplitude on which the system settles from a disturbed unstable motion [m/s^2]; NaN if it diverges."""
-    per_period = row.steps // options.periods
-    drive = Drive(frequency=row.frequency, acceleration=row.acceleration, periods=SETTLING, steps=SETTLING * per_period)
-    start = shot(search.flow, row.unknowns, replace(drive, periods=options.periods, steps=row.steps))
-    # A reproducible disturbance, along no special direction of the system.
-    moved = start.x + DISTURBANCE * start.scale * np.cos(np.arange(start.x.size))
-    end = search.flow.ends(moved[np.newaxis], drive)[0]
-    seen = search.flow.follow(end, replace(drive, periods=OBSERVED, steps=OBSERVED * per_period))
-    return amplitude_of(search.system, seen, options.payload, options.response_direction)

@@ -23,7 +23,7 @@ import numpy as np
 from mujoco.batch import Batch
 
 from wirerope_mj.dynamics.periodic.flow import Flow, KernelFlow, MujocoFlow
-from wirerope_mj.dynamics.periodic.laws import ScaledStates, Slopes
+from wirerope_mj.dynamics.periodic.laws import ScaledStates
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
 from wirerope_mj.dynamics.periodic.stepping import integrate_linear
 from wirerope_mj.engine.control import layout as at
@@ -95,7 +95,19 @@ class Variational(ABC):
         slopes = self.scaled.along(track, self._flow.width, 2 * nf)
         fast = np.maximum(slopes.decay * (-2.0 * step / FASTEST), 1.0)  # the same for scaled states near their bounds
         slopes = replace(slopes, gain=slopes.gain / fast, decay=slopes.decay / fast)
-        return _integrate(a, step, slopes)
+        # Integrate d/dt phi = A phi from the identity, a step over two samples. Columns of A beyond n are padding to whole
+        # lanes; most of A is zero: a mount's states do not depend on other mounts'.
+        _, n, width = a.shape
+        filled_rows, columns = np.nonzero((a[:, :, :n] != 0.0).any(axis=0))
+        begin = np.searchsorted(filled_rows, np.arange(n + 1))
+        phi = np.zeros((n, width))
+        phi[:, :n] = np.diag(1.0 / slopes.begin)
+        phi = np.ascontiguousarray(phi.reshape(n, -1, WIDTH).swapaxes(0, 1))
+        integrate_linear(
+            begin, np.ascontiguousarray(columns), a, step, slopes.scale, slopes.gain, slopes.decay, slopes.turns,
+            slopes.waits, phi, np.empty((5 * n, WIDTH)),
+        )  # fmt: skip
+        return phi.swapaxes(0, 1).reshape(n, -1)[:, :n] * slopes.end[:, np.newaxis]
 
     @abstractmethod
     def _fill(self, at_shot: Shot, out: Array) -> bool:
@@ -211,21 +223,3 @@ class MujocoVariational(Variational):
 
 def variational_of(flow: Flow) -> Variational:
     return KernelVariational(flow) if isinstance(flow, KernelFlow) else MujocoVariational(cast(MujocoFlow, flow))
-
-
-def _integrate(derivative: Array, step: float, slopes: Slopes) -> Array:
-    """Integrate d/dt phi = A phi from the identity over samples of A, (n_t, n, n or more); n_t is even, for a step spans two.
-
-    Columns of A beyond n are padding to whole lanes. Most of A is zero: a mount's states do not depend on other mounts'.
-    """
-    _, n, width = derivative.shape
-    rows, columns = np.nonzero((derivative[:, :, :n] != 0.0).any(axis=0))
-    begin = np.searchsorted(rows, np.arange(n + 1))
-    phi = np.zeros((n, width))
-    phi[:, :n] = np.diag(1.0 / slopes.begin)
-    phi = np.ascontiguousarray(phi.reshape(n, -1, WIDTH).swapaxes(0, 1))
-    integrate_linear(
-        begin, np.ascontiguousarray(columns), derivative, step, slopes.scale, slopes.gain, slopes.decay, slopes.turns,
-        slopes.waits, phi, np.empty((5 * n, WIDTH)),
-    )  # fmt: skip
-    return phi.swapaxes(0, 1).reshape(n, -1)[:, :n] * slopes.end[:, np.newaxis]
