@@ -48,11 +48,11 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
     is a run that does not begin at rest in equilibrium.
     """
     moving = payload_bodies(response)
-    start = [float(np.abs(read_start(response, f"bodies/{name}/acceleration/x", 3)).max()) for name in moving]
+    start = [float(np.abs(read_start(response, f"bodies/{name}/acceleration/x")).max()) for name in moving]
     unsettled = "" if max(start, default=0.0) < AT_REST else "the run does not begin at rest in equilibrium"
     return tuple(
         _static_load_verdict(
-            Criterion(STATIC_LOAD), mount.name, read_start(response, f"mounts/{mount.name}/force/roll", 3), mount.static_load,
+            Criterion(STATIC_LOAD), mount.name, read_start(response, f"mounts/{mount.name}/force/roll"), mount.static_load,
             "" if math.isnan(mount.static_load) else unsettled,
         )
         for mount in response.scene.isolating
@@ -182,7 +182,7 @@ def _stop_verdicts(response: Response, kind: str, limit: float, name: str, stop:
         return [Verdict(criterion=Criterion(which), subject=name, value=speed, limit=limit, unit=unit, time=when)]
     peak, axis, verdicts = response.peaks.mounts[stop.mount].deflection, AXES.index(stop.axis), []
     rest = stop.rest or 0.0
-    start = read_start(response, f"mounts/{stop.mount}/deflection/roll", 3)[axis] - rest
+    start = read_start(response, f"mounts/{stop.mount}/deflection/roll")[axis] - rest
     ends = {
         "below": (-start, rest - peak.minimum[axis], peak.minimum_time[axis]),
         "above": (start, peak.maximum[axis] - rest, peak.maximum_time[axis]),

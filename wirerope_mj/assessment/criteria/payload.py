@@ -17,7 +17,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     payload_bodies,
 )
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.scene import Geom, SceneBody
+from wirerope_mj.engine.response.scene import SceneBody
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.payload_limits import BETWEEN, PayloadLimit
@@ -201,10 +201,22 @@ Side = tuple[float, float, float]
 
 def body_corners(body: SceneBody) -> Array:
     """Find the corners of the box around a body's geoms, planes left out, from its centre of mass, body axes [m], (n, 3)."""
-    boxes = [_bounding_box(geom) for geom in body.geoms if geom.shape != "plane"]
-    if not boxes:
+    lows, highs = [], []
+    for geom in (geom for geom in body.geoms if geom.shape != "plane"):
+        rotation = rotation_matrices(geom.orientation)
+        if geom.shape == "mesh":
+            vertices = geom.position + geom.vertices @ rotation.T
+            lows.append(vertices.min(axis=0))
+            highs.append(vertices.max(axis=0))
+        else:
+            a, b, c = geom.size.tolist()
+            half_sizes = {"sphere": (a, a, a), "capsule": (a, a, a + b), "cylinder": (a, a, b)}.get(geom.shape, (a, b, c))
+            half_extents = np.abs(rotation) @ np.array(half_sizes)
+            lows.append(geom.position - half_extents)
+            highs.append(geom.position + half_extents)
+    if not lows:
         return np.zeros((0, 3))
-    low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+    low, high = np.min(lows, axis=0), np.max(highs, axis=0)
     return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
 
 
@@ -244,15 +256,3 @@ def _clearance_verdicts(
             note="; ".join(part for part in (note, why) if part),
         ))  # fmt: skip
     return verdicts
-
-
-def _bounding_box(geom: Geom) -> tuple[Array, Array]:
-    """Find the lowest and highest corner of the box around a geom, in body axes [m]."""
-    rotation = rotation_matrices(geom.orientation)
-    if geom.shape == "mesh":
-        vertices = geom.position + geom.vertices @ rotation.T
-        return vertices.min(axis=0), vertices.max(axis=0)
-    a, b, c = geom.size.tolist()
-    half_sizes = {"sphere": (a, a, a), "capsule": (a, a, a + b), "cylinder": (a, a, b)}.get(geom.shape, (a, b, c))
-    half_extents = np.abs(rotation) @ np.array(half_sizes)
-    return geom.position - half_extents, geom.position + half_extents

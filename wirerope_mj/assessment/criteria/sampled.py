@@ -28,10 +28,10 @@ def read_columns(response: Response, first: str, count: int) -> Array:
     return response.samples.columns(column, column + count)
 
 
-def read_start(response: Response, first: str, count: int) -> Array:
-    """Read the first sample of `count` columns from the one named `first` on, (count,)."""
+def read_start(response: Response, first: str) -> Array:
+    """Read the first sample of the vector whose columns begin with the one named `first`, (3,)."""
     column = response.samples.names.index(first)
-    return next(iter(response.samples.blocks(column, column + count)))[0]
+    return next(iter(response.samples.blocks(column, column + 3)))[0]
 
 
 def sampled_text(time: Array) -> str:
