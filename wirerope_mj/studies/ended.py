@@ -92,6 +92,5 @@ def why_early(table: pa.Table) -> str:
 
 
 def _least(note: str) -> float:
-    """Parse the least length of a run [s] from its note."""
     number, unit = note.rpartition("run at least ")[2].split()
     return float(number) * (1e-3 if unit == "ms" else 1.0)

@@ -159,11 +159,23 @@ def measures_together(
     if system.combined_travel and judged:
         farthest, of_judged = np.moveaxis(extremes.travels[:, judged], -1, 0)
         combined = combined_utilisation(farthest, of_judged, travels, rated)
-    used_loads = _static_loads(loads, None if forces is None else forces[:, judged] * act[..., np.newaxis])
+    used_loads = np.full_like(loads, NAN)  # compression over rated static load; NaN where it is not judged
+    if forces is not None:
+        roll, shear, axial = np.moveaxis(forces[:, judged] * act[..., np.newaxis], -1, 0)  # 0 of mounts that have failed
+        stands = (np.hypot(roll, shear) <= np.abs(axial)) & (axial <= 0.0)
+        used_loads = np.where(stands, np.maximum(-axial, 0.0) / loads, NAN)
+    utilisations = []
+    for limit in system.limits:
+        if limit.kind != "acceleration":
+            continue
+        for channel in (channels[kind][limit.name] for kind in ("body", "point") if limit.name in channels[kind]):
+            sizes = np.maximum(-extremes.lowest[:, channel], extremes.highest[:, channel])
+            by_axis = {"": extremes.value[:, channel], **dict(zip("xyz", sizes.T, strict=True))}
+            utilisations += [by_axis[axis] / allowed for axis, allowed in limit.judged.items()]
     result = {
         "acceleration": _largest(np.array(bodies).reshape(-1, n).T), "travel": _largest(used),
         "combined_travel": _largest(combined), "static_load": _largest(used_loads),
-        "fragility": _fragility(system, extremes, (channels["body"], channels["point"])),
+        "fragility": _largest(np.array(utilisations).reshape(-1, n).T),
         "mounts": act.sum(axis=1), "struck": extremes.struck,
     }  # fmt: skip
     for name, channel in (*channels["body"].items(), *channels["point"].items()):  # of two of one name the larger
@@ -250,30 +262,6 @@ def _ratings(system: System, names: Sequence[str], isolators: Sequence[Mapping[s
             if name in numbers:
                 of_variant[numbers[name]] = row(isolator)
     return table[..., :-2], table[..., -2], table[..., -1]
-
-
-def _static_loads(rated: Array, forces: Array | None) -> Array:
-    """Return compression over rated static load, (n, n_mounts); NaN where it is not judged.
-
-    `forces` are those at rest [N], (n, n_mounts, 3), 0 of mounts that have failed; None if variants do not start there.
-    """
-    if forces is None:
-        return np.full_like(rated, NAN)
-    roll, shear, axial = np.moveaxis(forces, -1, 0)
-    stands = (np.hypot(roll, shear) <= np.abs(axial)) & (axial <= 0.0)
-    return np.where(stands, np.maximum(-axial, 0.0) / rated, NAN)
-
-
-def _fragility(system: System, extremes: Extremes, places: Sequence[Mapping[str, int]]) -> Array:
-    utilisations = []
-    for limit in system.limits:
-        if limit.kind != "acceleration":
-            continue
-        for channel in (channels[limit.name] for channels in places if limit.name in channels):
-            sizes = np.maximum(-extremes.lowest[:, channel], extremes.highest[:, channel])
-            by_axis = {"": extremes.value[:, channel], **dict(zip("xyz", sizes.T, strict=True))}
-            utilisations += [by_axis[axis] / allowed for axis, allowed in limit.judged.items()]
-    return _largest(np.array(utilisations).reshape(-1, len(extremes.value)).T)
 
 
 def _latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:

@@ -84,7 +84,14 @@ class Search:
             raise ValueError(f"`minimise` names a measure twice: {', '.join(self.minimise)}.")
         for name, value in self.limits.items():
             self.limits[name] = finite(f"limits[{name!r}]", value)
-        self.variables = _variables(study)
+        self.variables: dict[str, Uniform | Choice] = {}
+        for quantity in study.quantities:
+            if not isinstance(quantity.distribution, Uniform | Choice):
+                raise ValueError(
+                    f"`vary`: {quantity.name!r} is {quantity.distribution!r}; a search chooses among the values of a Uniform "
+                    "or a Choice. What scatters belongs into a study of the design that results."
+                )
+            self.variables |= dict.fromkeys((column.name for column in quantity.columns), quantity.distribution)
         self.start = tuple(self._design(index, design) for index, design in enumerate(start))
         names = list(self.variables)
         sampled = study.table().select(names).to_pylist()
@@ -213,19 +220,6 @@ class Search:
                 parts = evolving.parts
             finish(place, parts, summary)
         return _loaded(folder, study)
-
-
-def _variables(study: StudyDefinition) -> dict[str, Uniform | Choice]:
-    """Return the distributions of all columns; ValueError if one is neither a Uniform nor a Choice."""
-    variables: dict[str, Uniform | Choice] = {}
-    for quantity in study.quantities:
-        if not isinstance(quantity.distribution, Uniform | Choice):
-            raise ValueError(
-                f"`vary`: {quantity.name!r} is {quantity.distribution!r}; a search chooses among the values of a Uniform or a "
-                "Choice. What scatters belongs into a study of the design that results."
-            )
-        variables |= dict.fromkeys((column.name for column in quantity.columns), quantity.distribution)
-    return variables
 
 
 class Evolving:

@@ -195,28 +195,6 @@ class SharedDraw(InputColumn):
         return [message for column in self.shared for message in column.warnings(system, values)]
 
 
-def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[SharedDraw, ...]:
-    """Return the columns of names that share a draw: one, or with `each` as many as each name has targets."""
-    # ValueError if they cannot share one.
-    every = [column for group in columns for column in group]
-    if any(not column.targets or column.type != pa.float64() for column in every):
-        raise ValueError(f"`vary`: {name!r}: only numbers of mounts and bodies can share a draw.")
-    if len({len(group) for group in columns}) > 1:
-        counts = " and ".join(str(len(group)) for group in columns)
-        raise ValueError(f"`vary`: {name!r}: with `each` the names must match as many mounts, got {counts}.")
-    if len({(column.nature, column.unit) for column in every}) > 1:
-        kinds = ", ".join(dict.fromkeys(f"{column.nature} {column.unit}".strip() for column in every))
-        raise ValueError(f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`.")
-    return tuple(
-        SharedDraw(
-            name=TOGETHER.join(column.name for column in together),
-            targets=tuple(dict.fromkeys(target for column in together for target in column.targets)),
-            shared=together,
-        )
-        for together in zip(*columns, strict=True)
-    )
-
-
 def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequence[BaseMotion]) -> tuple[Quantity, ...]:
     """Return the quantities that vary, resolved for a system and its motions.
 
@@ -245,7 +223,24 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
 def _quantity(name: str, distribution: Distribution, system: System, motions: Sequence[BaseMotion]) -> Quantity:
     if len(names := name.split(TOGETHER)) > 1:
         shared = [_quantity(part, distribution, system, motions).columns for part in names]
-        return Quantity(name=name, distribution=distribution, columns=_share(name, shared))
+        every = [column for group in shared for column in group]
+        if any(not column.targets or column.type != pa.float64() for column in every):
+            raise ValueError(f"`vary`: {name!r}: only numbers of mounts and bodies can share a draw.")
+        if len({len(group) for group in shared}) > 1:
+            counts = " and ".join(str(len(group)) for group in shared)
+            raise ValueError(f"`vary`: {name!r}: with `each` the names must match as many mounts, got {counts}.")
+        if len({(column.nature, column.unit) for column in every}) > 1:
+            kinds = ", ".join(dict.fromkeys(f"{column.nature} {column.unit}".strip() for column in every))
+            raise ValueError(f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`.")
+        draws = tuple(
+            SharedDraw(
+                name=TOGETHER.join(column.name for column in together),
+                targets=tuple(dict.fromkeys(target for column in together for target in column.targets)),
+                shared=together,
+            )
+            for together in zip(*shared, strict=True)
+        )
+        return Quantity(name=name, distribution=distribution, columns=draws)
     if not isinstance(distribution, Distribution):
         raise ValueError(f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}.")
     kind, parts = next(((kind, match.groups()) for kind in KINDS if (match := kind.pattern.fullmatch(name))), (None, ()))

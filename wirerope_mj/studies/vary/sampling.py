@@ -89,13 +89,6 @@ def values_at(quantity: Quantity, points: Array) -> list[AnyArray]:
 
 def sample_parameters(isolator: Isolator, normals: Array) -> Array:
     """Draw specimens' parameters from an isolator's spread, (n, n_parameters), by as many standard normals."""
-    mean, root = _joint(isolator)
-    # Sums in one order, so that a value has the same bits however many variants there are, and those of its twin.
-    return np.asarray(mean + sum(normals[:, [k]] * root[k] for k in range(mean.size)))
-
-
-def _joint(isolator: Isolator) -> tuple[Array, Array]:
-    """Return the parameters of an isolator's spread, (n,), and a root R of their covariance R.T R, (n, n)."""
     # Directions in which the specimens did not scatter have none, and parameters that were always equal, as those of both limit
     # curves of a law whose file states one, have the same columns.
     spread = isolator.spread
@@ -115,7 +108,8 @@ def _joint(isolator: Isolator) -> tuple[Array, Array]:
         twin = int(np.argmax(row > 1.0 - RANK))  # the first parameter that is as this one, itself at the latest
         if row[twin] > 1.0 - RANK and mean[twin] == mean[k] and math.isclose(sizes[twin], sizes[k], rel_tol=RANK):
             root[:, k] = root[:, twin]
-    return mean, root
+    # Sums in one order, so that a value has the same bits however many variants there are, and those of its twin.
+    return np.asarray(mean + sum(normals[:, [k]] * root[k] for k in range(mean.size)))
 
 
 def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str) -> list[list[Any]]:
@@ -218,13 +212,13 @@ def known_specimens(spread: Spread) -> int | None:
     return directions + 1 if directions < len(spread.parameters) and not spread.calibrated else None
 
 
-def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float, float]:
-    """Return the lower and upper bound of the true standard deviation over that of some specimens.
+def deviation_bounds(specimens: int) -> tuple[float, float]:
+    """Return the bounds of the true standard deviation over that of some specimens, at 95 % confidence.
 
     (n - 1) s^2 / sigma^2 of n normal specimens is chi-squared with n - 1 degrees of freedom.
     """
     specimens = integer("specimens", specimens, least=2)
-    tail = (1.0 - confidence) / 2.0
+    tail = (1.0 - 0.95) / 2.0
     low, high = scipy.stats.chi2.ppf([tail, 1.0 - tail], specimens - 1)
     return math.sqrt((specimens - 1) / high), math.sqrt((specimens - 1) / low)
 

@@ -36,7 +36,6 @@ class Variants:
 
 @once_per_system
 def _writer(system: System) -> Numbers:
-    """Prepare the writing of variants' parameter values into a system's equations, once per system."""
     return Numbers(system, equations(system))
 
 
