@@ -49,7 +49,23 @@ def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
         yield Statement(text=text, tone="quiet")
         yield from record_blocks(run)
         return
-    yield _motion_chart(response, run.motion, run.selection.window, axes)
+    window = run.selection.window
+    time, acceleration = base_acceleration(response, run.motion)
+    panels = []
+    for label, shown_unit, x, values in (
+        ("acceleration [g]", "g", time, in_unit(acceleration, "g")),
+        ("velocity [m/s]", "m/s", response.time, response.base.velocity),
+        ("displ. [mm]", "mm", response.time, in_unit(response.base.displacement, "mm")),
+    ):
+        panels.append(_axis_panels(x, values, axes, label, shown_unit, "time [s]" if shown_unit == "mm" else "", window))
+    names = listed(["xyz"[axis] for axis in axes])
+    still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
+    end = float(np.linalg.norm(response.base.velocity[-1]))
+    kept = f" The base keeps {end:.3g} m/s after the motion." if end > _RESIDUAL_VELOCITY else ""
+    yield Chart(
+        rows=panels, height=95.0, id="base-motion", caption=f"The base's acceleration, velocity and displacement{still}.{kept}",
+        alt=f"Histories of the base along {names}.",
+    )  # fmt: skip
     base = response.base
     peak = response.peaks.bodies[response.scene.base].acceleration  # of every step, as in the table of peaks
     rows: list[list[Cell]] = []
@@ -162,26 +178,6 @@ def _rotation_blocks(response: Response, motion: BaseMotion, window: tuple[float
     yield Table(
         "base-rotation-extremes", "Extremes of the base's rotation", columns, rows,
         note="Angular velocity and acceleration are the largest about the world's x, y and z.",
-    )  # fmt: skip
-
-
-def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, float], axes: list[int]) -> Chart:
-    """Draw acceleration, velocity and displacement of the base along the axes that it moves along."""
-    time, acceleration = base_acceleration(response, motion)
-    rows = []
-    for label, unit, x, values in (
-        ("acceleration [g]", "g", time, in_unit(acceleration, "g")),
-        ("velocity [m/s]", "m/s", response.time, response.base.velocity),
-        ("displ. [mm]", "mm", response.time, in_unit(response.base.displacement, "mm")),
-    ):
-        rows.append(_axis_panels(x, values, axes, label, unit, "time [s]" if unit == "mm" else "", window))
-    names = listed(["xyz"[axis] for axis in axes])
-    still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
-    end = float(np.linalg.norm(response.base.velocity[-1]))
-    kept = f" The base keeps {end:.3g} m/s after the motion." if end > _RESIDUAL_VELOCITY else ""
-    return Chart(
-        rows=rows, height=95.0, id="base-motion", caption=f"The base's acceleration, velocity and displacement{still}.{kept}",
-        alt=f"Histories of the base along {names}.",
     )  # fmt: skip
 
 

@@ -47,7 +47,15 @@ def decks_blocks(run: JudgedRun) -> Iterator[Block]:
     if not obstacle:
         try:
             mass = HEAVIER * sum(payload.mass for payload in payloads_of(run.system))
-            decks = _governing_on_decks(run, mass)
+            panels = [Panel(frequency=frequency, mass=mass, damping=DAMPING) for frequency in DECKS]
+            step, duration = run.response.numerics.timestep, float(run.response.time[-1])
+            peaks_of = peaks_on_decks(
+                run.system, run.motion, panels, duration=duration, timestep=step,
+                initial=str(run.inputs.get("simulate", {}).get("initial", "settled")), sample_rate=run.sample_rate,
+            )  # fmt: skip
+            decks: dict[str, Governing | str] = {"rigid": _governing(run, run.response.peaks)}
+            for panel, peaks in zip(panels, peaks_of, strict=True):
+                decks[with_unit(panel.frequency, "Hz")] = peaks if isinstance(peaks, str) else _governing(run, peaks)
         except (WireRopeError, ValueError) as error:
             obstacle = str(error).rstrip(".")
         else:
@@ -79,20 +87,6 @@ def _obstacle(run: JudgedRun) -> str:
 
 # Name and size of the largest acceleration of the payload [m/s^2] and deflection of a mount [m]
 Governing = tuple[tuple[str, float], tuple[str, float]]
-
-
-def _governing_on_decks(run: JudgedRun, mass: float) -> dict[str, Governing | str]:
-    """Simulate the run on each of `DECKS`: governing peaks by deck, or the reason why a deck has none."""
-    panels = [Panel(frequency=frequency, mass=mass, damping=DAMPING) for frequency in DECKS]
-    step, duration = run.response.numerics.timestep, float(run.response.time[-1])
-    peaks_of = peaks_on_decks(
-        run.system, run.motion, panels, duration=duration, timestep=step,
-        initial=str(run.inputs.get("simulate", {}).get("initial", "settled")), sample_rate=run.sample_rate,
-    )  # fmt: skip
-    decks: dict[str, Governing | str] = {"rigid": _governing(run, run.response.peaks)}
-    for panel, peaks in zip(panels, peaks_of, strict=True):
-        decks[with_unit(panel.frequency, "Hz")] = peaks if isinstance(peaks, str) else _governing(run, peaks)
-    return decks
 
 
 def _governing(run: JudgedRun, peaks: Peaks) -> Governing:

@@ -17,11 +17,23 @@ def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows
         f"{stage.hours:g} h of {stage.run.name}" if stage.repetitions is None else f"{stage.repetitions:g} x {stage.run.name}"
         for stage in mission.stages
     )
-    worst = _most_damaged(mission, damages)
+    worst = damages[0] if damages else None
+    if worst is None or not worst.total:
+        verdict = Statement("most-damaged", "Nothing is damaged: no cycle was counted.", values={"damage": 0.0})
+    else:
+        text, values = f"Most damaged: {_damage_label(worst)}", dict[str, float | str | None](where=_damage_label(worst))
+        if mission.constant is None:
+            text += ". Its life is not known: damage is relative, because no constant of the fatigue curve was given."
+            tone = "unjudged"
+        else:
+            life = 1.0 / worst.total
+            text += f": damage {worst.total:.3g} in one such life; it lasts {life:.3g} such lives."
+            tone, values = "exceeded" if worst.total > 1.0 else "within", values | {"damage": worst.total, "lives": life}
+        verdict = Statement("most-damaged", text, tone=tone, values=values)
     return Content(
         title=f"Durability: {names}",
-        verdict=worst,
-        sections=(Section("durability", "", lambda: [_damage_table(mission, damages, rows), worst], "summary"),),
+        verdict=verdict,
+        sections=(Section("durability", "", lambda: [_damage_table(mission, damages, rows), verdict], "summary"),),
     )
 
 
@@ -55,20 +67,6 @@ def equivalent_content(vibration: EquivalentVibration) -> Content:
         title=f"Vibration in place of the run at {vibration.subject}", verdict=verdict,
         sections=(Section("equivalent", "", lambda: [verdict, table], "summary"),),
     )  # fmt: skip
-
-
-def _most_damaged(mission: Mission, damages: Sequence[MountDamage]) -> Statement:
-    worst = damages[0] if damages else None
-    if worst is None or not worst.total:
-        return Statement("most-damaged", "Nothing is damaged: no cycle was counted.", values={"damage": 0.0})
-    text = f"Most damaged: {_damage_label(worst)}"
-    if mission.constant is None:
-        text += ". Its life is not known: damage is relative, because no constant of the fatigue curve was given."
-        return Statement("most-damaged", text, tone="unjudged", values={"where": _damage_label(worst)})
-    life = 1.0 / worst.total
-    text += f": damage {worst.total:.3g} in one such life; it lasts {life:.3g} such lives."
-    values: dict[str, float | str | None] = {"where": _damage_label(worst), "damage": worst.total, "lives": life}
-    return Statement("most-damaged", text, tone="exceeded" if worst.total > 1.0 else "within", values=values)
 
 
 def _damage_table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table:

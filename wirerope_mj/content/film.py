@@ -104,7 +104,16 @@ def film_of(runs: Mapping[str, JudgedRun], at: float | None = None) -> Film:
     instants = instant + step * np.arange(-before, int((end - instant) / step + 1e-9) + 1)
     filmed = [_filmed(name, run, judged[name], (begin, end), several=len(runs) > 1) for name, run in runs.items()]
     factor = min(run.motion.factor for run in filmed)
-    panels = _in_one_scale([run.panels for run in filmed], (begin, end))
+    # panels that show the same quantity have the same range, in all runs
+    shown: dict[str, list[Array]] = {}
+    for panel in (panel for run in filmed for panel in run.panels):
+        rows = [(curve.x > begin) & (curve.x < end) for curve in panel.curves]
+        ends = [np.interp((begin, end), curve.x, curve.y) for curve in panel.curves]
+        inside = [np.append(both, curve.y[row]) for both, curve, row in zip(ends, panel.curves, rows, strict=True)]
+        least = 0.5 * _LEAST_RANGE * np.abs(inside[0]).max() * np.array([-1.0, 1.0]) + inside[0].mean()
+        others = np.array([*(level for _, level in panel.limits), *(y for _, y, *_ in panel.notes)])
+        shown.setdefault(panel.title, []).extend([*inside, others, least])
+    panels = [[replace(panel, ylim=with_room(np.concatenate(shown[panel.title]))) for panel in run.panels] for run in filmed]
     scale = f"{factor:g} times as large" if factor > 1.0 else "in true scale"
     both = zip(filmed, panels, strict=True)
     return Film(
@@ -132,16 +141,3 @@ def _filmed(name: str, run: JudgedRun, row: Verdict | None, window: tuple[float,
 
 
 _LEAST_RANGE = 0.05  # of a panel, as a fraction of its largest value: what hardly changes is not blown up
-
-
-def _in_one_scale(columns: Sequence[Sequence[Panel]], window: tuple[float, float]) -> list[list[Panel]]:
-    """Give the panels that show the same quantity the same range, in all runs."""
-    shown: dict[str, list[Array]] = {}
-    for panel in (panel for panels in columns for panel in panels):
-        rows = [(curve.x > window[0]) & (curve.x < window[1]) for curve in panel.curves]
-        ends = [np.interp(window, curve.x, curve.y) for curve in panel.curves]
-        inside = [np.append(end, curve.y[row]) for end, curve, row in zip(ends, panel.curves, rows, strict=True)]
-        least = 0.5 * _LEAST_RANGE * np.abs(inside[0]).max() * np.array([-1.0, 1.0]) + inside[0].mean()
-        others = np.array([*(level for _, level in panel.limits), *(y for _, y, *_ in panel.notes)])
-        shown.setdefault(panel.title, []).extend([*inside, others, least])
-    return [[replace(panel, ylim=with_room(np.concatenate(shown[panel.title]))) for panel in panels] for panels in columns]

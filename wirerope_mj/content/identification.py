@@ -26,10 +26,20 @@ def identification_content(
     `sources` are the files that were read, `warnings` of the records, `given` what was not searched for.
     """
     fitted = f"{several(len(fits), 'loop')} of {several(len(sources), 'file')}"
+    values = {"error": result.residual, "neighbours_correlation": neighbours_correlation(fits)}
+    if result.converged:
+        reasons = [f"the records give {several(len(warnings), 'warning')}"] if warnings else []
+        reasons += ["the law does not follow the loops everywhere"] if values["neighbours_correlation"] > _CORRELATED else []
+        reasons += ["not every parameter is identifiable"] if result.non_identifiable else []
+        reasons += [_insignificant(result.insignificant)] if result.insignificant else []
+        text = f"Converged, but {'; '.join(reasons)}." if reasons else "Converged; the data identify every free parameter."
+        tone = "unjudged" if reasons else "within"
+    else:
+        text, tone = f"NOT CONVERGED: {result.message}", "exceeded"
     return Content(
         title=title, facts=(("Loops", str(len(fits))), ("By", f"wirerope-mj {version('wirerope-mj')}")),
         question=("Which parameters of the law follow the measured loops, and how well are they known?",),
-        verdict=_headline(result, fits, warnings),
+        verdict=Statement("headline", text, tone=tone, values=values),
         sections=(
             Section("brief", "", lambda: [Statement("fitted", f"{title}, {fitted}")], "headline"),
             Section(
@@ -45,18 +55,6 @@ def identification_content(
             Section("read-from", "Read from", lambda: (Statement("sources", items=tuple(sources)),)),
         ),
     )  # fmt: skip
-
-
-def _headline(result: Identification, fits: Sequence[FittedLoop], warnings: Sequence[str]) -> Statement:
-    values = {"error": result.residual, "neighbours_correlation": neighbours_correlation(fits)}
-    if not result.converged:
-        return Statement("headline", f"NOT CONVERGED: {result.message}", tone="exceeded", values=values)
-    reasons = [f"the records give {several(len(warnings), 'warning')}"] if warnings else []
-    reasons += ["the law does not follow the loops everywhere"] if values["neighbours_correlation"] > _CORRELATED else []
-    reasons += ["not every parameter is identifiable"] if result.non_identifiable else []
-    reasons += [_insignificant(result.insignificant)] if result.insignificant else []
-    text = f"Converged, but {'; '.join(reasons)}." if reasons else "Converged; the data identify every free parameter."
-    return Statement("headline", text, tone="unjudged" if reasons else "within", values=values)
 
 
 def _insignificant(names: Sequence[str]) -> str:

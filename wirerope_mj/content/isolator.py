@@ -72,7 +72,22 @@ def provenance_statement(device: Isolator) -> Statement:
 def isolator_blocks(device: Isolator) -> Iterator[Block]:
     yield provenance_statement(device)
     laws = [f"{axis}: {'no force' if law is None else law_text(law)}" for axis, law in device.axes.items()]
-    yield Statement("laws", "Laws, in SI units:", items=(*laws, *_joint_lines(device)))
+    # what acts on several axes
+    if device.coupling is not None:
+        both = " and ".join(AXES[axis] for axis in device.coupled_axes)
+        laws.append(f"coupling: {device.coupling}, {both} share one hysteretic force")
+    if device.loop is not None:
+        values = device.loop.to_dict()
+        rows = "; ".join(", ".join(f"{value:.6g}" for value in row) for row in values.pop("coefficients"))
+        ends = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
+        laws.append(f"loop: {ends}, coefficients = [{rows}] J")
+    if device.rotation is not None:
+        stiffness = ", ".join(f"{axis} = {value:.6g}" for axis, value in device.rotation.to_dict().items())
+        laws.append(f"rotation: {stiffness} N m/rad")
+    for name, effect in (("stiffening", device.stiffening), ("temperature", device.temperature)):
+        if effect is not None:
+            laws.append(f"{name}: {effect.description}, which the table does not count")
+    yield Statement("laws", "Laws, in SI units:", items=tuple(laws))
     if device.geometry is not None:
         sizes = {"height": device.geometry.height, "width": device.geometry.width, "bar": device.geometry.bar}
         known = ", ".join(f"{name} {in_unit(size, 'mm'):.4g} mm" for name, size in sizes.items() if size is not None)
@@ -93,22 +108,3 @@ def _value_text(value: object) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_value_text, value))}]"
     return f"{value:.6g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value).lower()
-
-
-def _joint_lines(device: Isolator) -> Iterator[str]:
-    """Yield lines on what acts on several axes: coupling, loop, rotation, stiffening."""
-    if device.coupling is not None:
-        both = " and ".join(AXES[axis] for axis in device.coupled_axes)
-        yield f"coupling: {device.coupling}, {both} share one hysteretic force"
-    if device.loop is not None:
-        values = device.loop.to_dict()
-        rows = "; ".join(", ".join(f"{value:.6g}" for value in row) for row in values.pop("coefficients"))
-        ends = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
-        yield f"loop: {ends}, coefficients = [{rows}] J"
-    if device.rotation is not None:
-        stiffness = ", ".join(f"{axis} = {value:.6g}" for axis, value in device.rotation.to_dict().items())
-        yield f"rotation: {stiffness} N m/rad"
-    if device.stiffening is not None:
-        yield f"stiffening: {device.stiffening.description}, which the table does not count"
-    if device.temperature is not None:
-        yield f"temperature: {device.temperature.description}, which the table does not count"

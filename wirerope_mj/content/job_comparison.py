@@ -30,19 +30,6 @@ def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs, models
             answer = job_headline(job.verdicts)
             yield Statement(f"headline-{number}", f"{name}: {answer.text}", tone=answer.tone, values=answer.values)
 
-    return Content(
-        title=" and ".join(names),
-        verdict=_conclusion(names, first, second),
-        sections=(
-            Section("headlines", "", headlines, "headline"),
-            Section("cases", "Load cases", lambda: [_cases(names, first, second)], "summary"),
-            Section("limits", "Limits", lambda: [_limits(names, first, second)], "summary"),
-            Section("inputs", "Inputs", lambda: [_inputs(names, first, second, inputs, models)], "summary"),
-        ),
-    )
-
-
-def _conclusion(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Statement:
     common = [case for case in first.verdicts if case in second.verdicts]
     change = {case: _largest_use(second.verdicts[case]) - _largest_use(first.verdicts[case]) for case in common}
     more = [case for case, by in change.items() if by >= _NEGLIGIBLE_CHANGE]
@@ -57,7 +44,16 @@ def _conclusion(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> St
     ]
     text = "; ".join(filter(None, parts)) or f"{names[1]} uses as much of the limits as {names[0]} in all common load cases"
     text = text if text.startswith(names[1]) else f"{names[1]} {text}"
-    return Statement("headline", f"{text}.", tone="exceeded" if newly_exceeded else "")
+    return Content(
+        title=" and ".join(names),
+        verdict=Statement("headline", f"{text}.", tone="exceeded" if newly_exceeded else ""),
+        sections=(
+            Section("headlines", "", headlines, "headline"),
+            Section("cases", "Load cases", lambda: [_cases(names, first, second)], "summary"),
+            Section("limits", "Limits", lambda: [_limits(names, first, second)], "summary"),
+            Section("inputs", "Inputs", lambda: [_inputs(names, first, second, inputs, models)], "summary"),
+        ),
+    )
 
 
 def _largest_use(verdicts: Sequence[Verdict]) -> float:

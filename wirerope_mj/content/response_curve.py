@@ -169,8 +169,21 @@ def event_table(findings: Sequence[LevelSummary]) -> Table | None:
     rows: list[Row] = []
     for summary in findings:
         level = summary.level
-        if level.branch is not None:
-            rows += [(level.acceleration, *row) for row in _branch_events(level.branch)]
+        jumps = {jump.parameter: jump for jump in level.branch.jumps} if level.branch is not None else {}
+        for event in level.branch.bifurcations if level.branch is not None else ():
+            landed = jumps.get(event.frequency) if event.kind == "fold" else None
+            if event.kind == "fold" and landed is None:
+                continue  # both of its motions are within 1 %
+            notes = [f"{event.before} -> {event.after} unstable multipliers"]
+            if landed is not None:
+                landing = "nowhere on this branch" if math.isnan(landed.landing) else f"{landed.landing:.4g} m/s²"
+                notes.append(f"sweep {'up' if landed.rising else 'down'} jumps to {landing}")
+            numbers = event.frequency, event.amplitude, event.transmissibility
+            rows.append((level.acceleration, event.kind, *numbers, "; ".join(notes)))
+        for side in level.branch.side_branches if level.branch is not None else ():
+            low, high = sorted((side.start, side.stop))
+            text = f"up to {high:.5g} Hz: two motions, {100.0 * side.difference:.1g} % apart"
+            rows.append((level.acceleration, "side branch", low, None, None, text))
         for way, comparison in summary.comparisons.items():
             for jump in comparison.jumps:
                 ratio, note = level.transmissibility(jump.amplitude), f"{100.0 * jump.past_fold:+.2f} % from the fold"
@@ -179,22 +192,6 @@ def event_table(findings: Sequence[LevelSummary]) -> Table | None:
     columns = (Column("level", "m/s²", ".4g"), *left("event"), *_NUMBERS, Column(align="text"))
     title = "Folds, changes of stability and jumps"
     return Table("events", title, columns, rows) if rows else None
-
-
-def _branch_events(branch: Branch) -> Iterator[Row]:
-    jumps = {jump.parameter: jump for jump in branch.jumps}
-    for event in branch.bifurcations:
-        jump = jumps.get(event.frequency) if event.kind == "fold" else None
-        if event.kind == "fold" and jump is None:
-            continue  # both of its motions are within 1 %
-        notes = [f"{event.before} -> {event.after} unstable multipliers"]
-        if jump is not None:
-            landing = "nowhere on this branch" if math.isnan(jump.landing) else f"{jump.landing:.4g} m/s²"
-            notes.append(f"sweep {'up' if jump.rising else 'down'} jumps to {landing}")
-        yield event.kind, event.frequency, event.amplitude, event.transmissibility, "; ".join(notes)
-    for side in branch.side_branches:
-        low, high = sorted((side.start, side.stop))
-        yield "side branch", low, None, None, f"up to {high:.5g} Hz: two motions, {100.0 * side.difference:.1g} % apart"
 
 
 def _level_statement(summary: LevelSummary, rate: float) -> Statement:

@@ -240,7 +240,6 @@ def _q_text(spectra: Mapping[str, ShockResponseSpectrum]) -> str:
 
 
 def _over_all_frequencies(panel: Panel) -> Panel:
-    """Extend a panel over the frequencies of all its curves."""
     first, last = min(float(curve.x[0]) for curve in panel.curves), max(float(curve.x[-1]) for curve in panel.curves)
     return replace(panel, xlim=(first, last) if first < last else (first / 2.0, 2.0 * last))
 

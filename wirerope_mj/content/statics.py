@@ -109,7 +109,6 @@ def stability_blocks(stability: Mapping[str, TippingStability], verdicts: Sequen
 
 
 def _beyond_travel(verdicts: Sequence[Verdict]) -> bool:
-    """Check whether a mount rests beyond its rated travel, or bottoms."""
     return any(row.verdict == EXCEEDED for row in verdicts if row.criterion.kind in (TRAVEL, BOTTOMING))
 
 
