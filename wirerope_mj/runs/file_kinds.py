@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from wirerope_mj.engine.from_tables.cad_list import columns_of_masses
-from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.structure import keys_of
 from wirerope_mj.foundation.table_files import read_header
@@ -49,7 +48,17 @@ def kind_of(path: Path) -> str | None:
     """
     ending = path.suffix.lower()
     if ending == ".toml":
-        return _kind_of_toml(read_toml(path, "TOML file"))
+        content = read_toml(path, "TOML file")
+        if {"law", "laws"} & content.keys():
+            return "law"
+        if "format" in content:  # written by a command, which reads it with the folder around it
+            return None
+        fits = {
+            kind: max(2 * len(content.keys() & keys_of(one).keys()) - len(content) for one in classes)
+            for kind, classes in FILES.items() if kind != "scenario"
+        }  # fmt: skip
+        best = max(fits, key=fits.__getitem__)
+        return best if fits[best] > -len(content) // 2 else None
     if ending == ".xml":
         return "model" if b"<mujoco" in regular(path).read_bytes() else None
     if ending == ".py":
@@ -59,20 +68,6 @@ def kind_of(path: Path) -> str | None:
     if is_uff(path):
         return "record"
     return _kind_of_table(read_header(path, kind="table", example='"time [s], z [g]"')) if is_measurement(path) else None
-
-
-def _kind_of_toml(content: Entries) -> str | None:
-    """Tell the kind of whose keys a TOML file has most, and fewest others: one may be misspelt."""
-    if {"law", "laws"} & content.keys():
-        return "law"
-    if "format" in content:  # written by a command, which reads it with the folder around it
-        return None
-    fits = {
-        kind: max(2 * len(content.keys() & keys_of(one).keys()) - len(content) for one in classes)
-        for kind, classes in FILES.items() if kind != "scenario"
-    }  # fmt: skip
-    best = max(fits, key=fits.__getitem__)
-    return best if fits[best] > -len(content) // 2 else None
 
 
 def _kind_of_table(header: Header) -> str | None:

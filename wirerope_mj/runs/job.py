@@ -101,7 +101,17 @@ def run_job(
             job_table(folder)  # perhaps it is the user's own file of that name, which must not be replaced
         else:
             check_folder(folder, force=False, kind="job", marks=(JOB,))
-        _write_job(job, folder)
+        for key, name in (files_of(job.document) if job.document else {}).items():
+            with atomic_file(folder / name) as beside:
+                shutil.copyfile(getattr(job.document, key), beside)
+        table = {
+            "format": FORMAT, "name": job.name, "question": job.question, "written": datetime.now(UTC).replace(microsecond=0),
+            "report": list(job.report),
+            "case": [{"name": case.name, "folder": case.folder, "note": case.note} for case in job.cases],
+            **({"document": document_table(job.document)} if job.document else {}),
+        }  # fmt: skip
+        with atomic_file(folder / JOB) as beside:
+            beside.write_text(tomli_w.dumps(table, multiline_strings=True), encoding="utf-8")
         with tempfile.TemporaryDirectory() as temporary:  # model and isolators as runs hold them
             first = job.cases[0].scenario
             write_model(load_system(first.model_source(), isolators=first.isolators), Path(temporary))
@@ -109,7 +119,13 @@ def run_job(
             model = _digest([[file.relative_to(temporary).as_posix(), digest_of(file)] for file in files])
         computed, questions = {}, []
         for case in job.cases:
-            completed, run = _with_digests(case.scenario, model), folder / CASES / case.folder
+            motion = case.scenario.motion.to_dict(files={file: digest_of(file) for file in case.scenario.motion.files})
+            judge = judge_table(combined_travel=case.scenario.combined_travel, limits=case.scenario.limits)
+            values = {"motion": motion, "limits": judge, "numerics": dict(case.scenario.simulate)}
+            parts = {"model": model} | {name: _digest(value) for name, value in values.items()}
+            said = ", ".join(f"{name} {digest}" for name, digest in parts.items())
+            options = {**case.scenario.options, INPUTS: f"{said}, version {version('wirerope-mj')}"}
+            completed, run = replace(case.scenario, options=options), folder / CASES / case.folder
             if why := _reason_to_simulate(run, completed, force=force):
                 computed[case.name] = why
                 questions.append((completed, run, why == _JUDGED_AGAIN))
@@ -170,30 +186,6 @@ def job_table(folder: Path) -> Entries:
             "take the file from another copy of this one."
         )
     return content
-
-
-def _write_job(job: Job, folder: Path) -> None:
-    for key, name in (files_of(job.document) if job.document else {}).items():
-        with atomic_file(folder / name) as beside:
-            shutil.copyfile(getattr(job.document, key), beside)
-    content = {
-        "format": FORMAT, "name": job.name, "question": job.question, "written": datetime.now(UTC).replace(microsecond=0),
-        "report": list(job.report),
-        "case": [{"name": case.name, "folder": case.folder, "note": case.note} for case in job.cases],
-        **({"document": document_table(job.document)} if job.document else {}),
-    }  # fmt: skip
-    with atomic_file(folder / JOB) as beside:
-        beside.write_text(tomli_w.dumps(content, multiline_strings=True), encoding="utf-8")
-
-
-def _with_digests(scenario: Scenario, model: str) -> Scenario:
-    """Return a scenario with an option that holds the digests of its inputs."""
-    motion = scenario.motion.to_dict(files={file: digest_of(file) for file in scenario.motion.files})
-    judged = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
-    values = {"motion": motion, "limits": judged, "numerics": dict(scenario.simulate)}
-    parts = {"model": model} | {name: _digest(value) for name, value in values.items()}
-    said = ", ".join(f"{name} {digest}" for name, digest in parts.items())
-    return replace(scenario, options={**scenario.options, INPUTS: f"{said}, version {version('wirerope-mj')}"})
 
 
 def _digest(value: object) -> str:

@@ -84,7 +84,20 @@ def build_model(
         devices = {mount.device: load_isolator(layout.isolators[mount.isolator]) for mount in layout.mounts}
         ends = {device: bottom_stop(isolator) for device, isolator in devices.items()}
         layout = replace(layout, bottoms={device: stop for device, stop in ends.items() if stop is not None})
-    _check_names(layout)
+    stops = {f"bottom_{mount.name}": mount.name for mount in layout.mounts if mount.device in layout.bottoms}
+    written = {stop.isolator for stop in layout.stops if stop.law is not None}  # files of stops, with the model
+    written |= {f"{BOTTOM}{device}" for device in layout.bottoms}
+    for placed in (*layout.mounts, *layout.stops):
+        if placed.name in stops:
+            raise RecordError(
+                f'{placed.location}: the stop where mount "{stops[placed.name]}" goes solid is called "{placed.name}". Give '
+                "this one another name, or leave the stops where mounts go solid out (--no-bottoming)."
+            )
+        if placed.law is None and placed.isolator in written:
+            raise RecordError(
+                f'{placed.location}, column "isolator": "{placed.isolator}" is the name of a file that is written for a stop '
+                "of this model. Rename the isolator's file."
+            )
     return model_of(layout, model=model, deck=deck)
 
 
@@ -93,7 +106,17 @@ def model_of(layout: Layout, *, model: str = "", deck: Deck | None = None) -> Bu
     text = mjcf_of(layout, model or layout.name)
     system = load_system(text, isolators=_isolators_of(layout))
     if any(stop.law is not None and stop.law.rest is not None for stop in layout.stops):
-        layout = _installed(layout, system)
+        try:
+            loads = equilibrium(system).mounts
+        except ConvergenceError as error:
+            raise RecordError(f"gaps as installed need a position at rest, and there is none: {error}") from None
+        stops = []
+        for stop in layout.stops:
+            if stop.law is not None and stop.law.rest is not None:
+                roll, shear, axial = (loads[stop.name].deflection.round(6) + 0.0).tolist()  # of -0.0 it makes 0
+                stop = replace(stop, law=replace(stop.law, rest=(roll, shear, axial)))
+            stops.append(stop)
+        layout = replace(layout, stops=tuple(stops))
         system = load_system(text, isolators=_isolators_of(layout))
     if deck is not None:
         system = load_system(deck_text(system, deck), isolators=system.isolators)
@@ -138,24 +161,6 @@ def new_model(
     return built.layout
 
 
-def _check_names(layout: Layout) -> None:
-    """Raise RecordError if a table gives a name that a stop, or the isolator of one, has which is written with the model."""
-    stops = {f"bottom_{mount.name}": mount.name for mount in layout.mounts if mount.device in layout.bottoms}
-    devices = {stop.isolator for stop in layout.stops if stop.law is not None}
-    devices |= {f"{BOTTOM}{device}" for device in layout.bottoms}
-    for placed in (*layout.mounts, *layout.stops):
-        if placed.name in stops:
-            raise RecordError(
-                f'{placed.location}: the stop where mount "{stops[placed.name]}" goes solid is called "{placed.name}". Give '
-                "this one another name, or leave the stops where mounts go solid out (--no-bottoming)."
-            )
-        if placed.law is None and placed.isolator in devices:
-            raise RecordError(
-                f'{placed.location}, column "isolator": "{placed.isolator}" is the name of a file that is written for a stop '
-                "of this model. Rename the isolator's file."
-            )
-
-
 def from_template(
     folder: Path, template: str, *, deck: Deck | None = None, bottoming: bool = True, formats: Sequence[str] = ("png",),
     force: bool = False,
@@ -179,16 +184,11 @@ def from_template(
         for text in ET.parse(source).iter("text"):
             if (isolator := text.get("data", "")).startswith("isolators/"):
                 shutil.copyfile(models_folder() / isolator, temporary / isolator)
-        _loaded(target, deck)
+        system = load_system(target)
+        if deck is not None:
+            target.write_text(deck_text(system, deck), encoding="utf-8")
+            load_system(target)
     return None
-
-
-def _loaded(model: Path, deck: Deck | None) -> None:
-    """Load a written model, on a flexible deck if there is one."""
-    system = load_system(model)
-    if deck is not None:
-        model.write_text(deck_text(system, deck), encoding="utf-8")
-        load_system(model)
 
 
 def marks(name: str) -> tuple[str, ...]:
@@ -242,21 +242,6 @@ def _stop_isolator(law: StopLaw) -> Isolator:
     roll, shear, axial = (acting(*way, of) for way, of in zip(ways, rest, strict=True))
     stated = Provenance(kind="illustrative", source="table of stops", assumed=tuple(assumed))
     return Isolator(name=name, roll=roll, shear=shear, axial=axial, provenance=stated)
-
-
-def _installed(layout: Layout, system: System) -> Layout:
-    """Set the deflections at rest of installed stops, from the equilibrium of the model in which they are open."""
-    try:
-        loads = equilibrium(system).mounts
-    except ConvergenceError as error:
-        raise RecordError(f"gaps as installed need a position at rest, and there is none: {error}") from None
-    stops = []
-    for stop in layout.stops:
-        if stop.law is not None and stop.law.rest is not None:
-            roll, shear, axial = (loads[stop.name].deflection.round(6) + 0.0).tolist()  # of -0.0 it makes 0
-            stop = replace(stop, law=replace(stop.law, rest=(roll, shear, axial)))
-        stops.append(stop)
-    return replace(layout, stops=tuple(stops))
 
 
 def gaps_text(layout: Layout) -> str:

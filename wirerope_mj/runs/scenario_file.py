@@ -55,21 +55,17 @@ def judged_by(system: System, *, combined_travel: bool, limits: Sequence[Payload
             )
         if any((earlier.kind, earlier.name) == (limit.kind, limit.name) for earlier in limits[:number]):
             raise ModelError(f"limit {limit.kind}/{limit.name}: it is given twice.")
-    weight = _weight_on_a_mount(system) if any(limit.kind == "load" for limit in limits) else 0.0
+    weight = 0.0
+    if any(limit.kind == "load" for limit in limits):  # of the payload, on each mount that is no stop
+        mass = sum(float(system.model.body_subtreemass[system.model.body(name).id]) for name in system.payloads)
+        mounts = sum(not mount.isolator.is_stop for mount in system.mounts.values())
+        weight = mass * float(np.linalg.norm(system.model.opt.gravity)) / max(mounts, 1)
     for limit in limits:
         if doubt := limit.doubt(weight):
             warnings.warn(f"limit {limit.kind}/{limit.name}: {doubt}", ModelWarning, stacklevel=2)
     named = {(limit.kind, limit.name) for limit in limits}
     kept = [limit for limit in system.limits if (limit.kind, limit.name) not in named]
     return replace(system, limits=(*kept, *limits), combined_travel=system.combined_travel and combined_travel)
-
-
-def _weight_on_a_mount(system: System) -> float:
-    """Return the weight of the payload over the number of mounts that are no stops [N]."""
-    model = system.model
-    mass = sum(float(model.body_subtreemass[model.body(name).id]) for name in system.payloads)
-    mounts = sum(not mount.isolator.is_stop for mount in system.mounts.values())
-    return mass * float(np.linalg.norm(model.opt.gravity)) / max(mounts, 1)
 
 
 def judge_table(*, combined_travel: bool, limits: Sequence[PayloadLimit]) -> Entries:
