@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from wirerope_mj.content.blocks import OTHERS, Chart, Curve, Panel, stacked
+from wirerope_mj.content.blocks import OTHERS, Chart, Panel, stacked
 from wirerope_mj.content.cyclic_tests import isolator_chart, loops_chart
 from wirerope_mj.content.histories import TOTAL, run_histories
 from wirerope_mj.content.response_curve import amplitude_chart
@@ -104,7 +104,15 @@ def _draw(panel: Panel, axes: "Axes") -> None:
     for name, low, high in panel.bands:
         axes.axvspan(low, high, color="0.5", alpha=0.18, label=name)
     for order, curve in enumerate(reversed(panel.curves)):
-        _draw_curve(curve, axes, zorder=2.0 + 0.01 * order)
+        colour = hexadecimal(LIGHT.others if curve.kind == OTHERS else LIGHT.of(curve.kind))
+        style: dict[str, Any] = {"color": colour, "alpha": curve.opacity, "label": curve.name, "zorder": 2.0 + 0.01 * order}
+        if curve.bars:
+            spans = None if curve.ends is None else np.abs(curve.ends.T - curve.x)
+            axes.barh(curve.y, curve.x, height=curve.bars, xerr=spans, **style)
+        elif curve.marks:
+            axes.plot(curve.x, curve.y, linestyle="", marker="o", markersize=3.0 * curve.weight, **style)
+        else:
+            axes.plot(curve.x, curve.y, linestyle=_DASHES[curve.dash], linewidth=1.3 * curve.weight, **style)
     for levels, draw in ((panel.limits, axes.axhline), (panel.xlimits, axes.axvline)):
         for name, level in levels:
             colour = hexadecimal(LIGHT.of(panel.kind_of_limit(name)))
@@ -132,16 +140,3 @@ def _draw(panel: Panel, axes: "Axes") -> None:
     written = axes.legend(named.values(), named.keys(), fontsize="small").get_texts() if named else []
     for text in (axes.title, axes.xaxis.label, axes.yaxis.label, *written):
         text.set_parse_math(False)  # a dollar sign in a name begins no formula
-
-
-def _draw_curve(curve: Curve, axes: "Axes", *, zorder: float) -> None:
-    """Draw a curve as bars, dots or a line."""
-    colour = LIGHT.others if curve.kind == OTHERS else LIGHT.of(curve.kind)
-    style: dict[str, Any] = {"color": hexadecimal(colour), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
-    if curve.bars:
-        spans = None if curve.ends is None else np.abs(curve.ends.T - curve.x)
-        axes.barh(curve.y, curve.x, height=curve.bars, xerr=spans, **style)
-    elif curve.marks:
-        axes.plot(curve.x, curve.y, linestyle="", marker="o", markersize=3.0 * curve.weight, **style)
-    else:
-        axes.plot(curve.x, curve.y, linestyle=_DASHES[curve.dash], linewidth=1.3 * curve.weight, **style)

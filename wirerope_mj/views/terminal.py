@@ -76,11 +76,6 @@ def print_headline(statement: Statement) -> None:
     print_lines([Text(plain_lines(statement.text), style=f"bold {_STYLES.get(statement.tone, '')}".strip())])
 
 
-def print_title(title: str) -> None:
-    print()
-    print_lines([Text(plain_lines(title), style="bold")], indent="")
-
-
 def show_result(content: Content, *brief: str, others: Iterable[str], every: bool) -> None:
     """Print a verdict and the sections that ground it in `brief`; before them, where `every` table is asked for, `others`."""
     for section in others if every else ():

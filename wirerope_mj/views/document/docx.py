@@ -64,7 +64,9 @@ class _Writer:
             self.document.add_picture(str(filed.logo), height=Cm(1.6))
         self._paragraph("Shock and vibration report", tone="quiet")
         self.document.add_heading(plain_lines(content.title), level=0)
-        self._verdict(content.verdict)
+        paragraph = self._paragraph(content.verdict.text, tone=content.verdict.tone, bold=True)
+        shade = _SHADES.get(content.verdict.tone, _OF["box"])
+        paragraph._p.get_or_add_pPr().append(_xml(f'<w:shd {_W} w:val="clear" w:color="auto" w:fill="{shade}"/>'))
         facts = [*(filed.facts if filed else ()), *content.facts]
         self._table(Table("", "", [*left(""), Column(align="text")], facts))
         for table in (filed.signatures(), filed.revisions()) if filed is not None else ():
@@ -87,11 +89,6 @@ class _Writer:
             heading.paragraph_format.page_break_before = section in appendices[:1]
             for block in section.blocks:
                 self.set_block(block)
-
-    def _verdict(self, verdict: Statement) -> None:
-        paragraph = self._paragraph(verdict.text, tone=verdict.tone, bold=True)
-        shade = _SHADES.get(verdict.tone, _OF["box"])
-        paragraph._p.get_or_add_pPr().append(_xml(f'<w:shd {_W} w:val="clear" w:color="auto" w:fill="{shade}"/>'))
 
     @singledispatchmethod
     def set_block(self, block: Block) -> None:

@@ -46,7 +46,11 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
         with_plan = bool(drawn.shared.used)
         below_scene: Pane = _close_up(run, governing, aspect=_BESIDE_PLAN if with_plan else _LOW, listed=drawn.listed)
         if with_plan:
-            below_scene = rrb.Horizontal(below_scene, _plan_view(run), column_shares=[3, 2])
+            across, upward = plan_bounds(run.response)
+            bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
+            name = "Mounts from above, % used now"
+            plan = rrb.Spatial2DView(origin=entity(PLAN), name=name, background=GROUND, visual_bounds=bounds)
+            below_scene = rrb.Horizontal(below_scene, plan, column_shares=[3, 2])
         left = rrb.Vertical(left, below_scene, row_shares=[3, 2])
     top = rrb.Horizontal(left, tabs_with(_tabs(drawn, plots), "tab", tab), column_shares=[5, 6], name="run")
     banner = banner_view(drawn.answer[1], [_text(text.path, text.name) for text in drawn.texts if text.place == BANNER])
@@ -64,13 +68,6 @@ def loop_widths(drawn: Drawn) -> dict[str, float]:
 
 def _text(path: tuple[str, ...], name: str) -> rrb.TextDocumentView:
     return rrb.TextDocumentView(origin=entity(*path), name=name)
-
-
-def _plan_view(run: DrawnRun) -> Pane:
-    across, upward = plan_bounds(run.response)
-    bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
-    name = "Mounts from above, % used now"
-    return rrb.Spatial2DView(origin=entity(PLAN), name=name, background=GROUND, visual_bounds=bounds)
 
 
 def _scenes(drawn: Drawn, factor: float) -> list[Pane]:

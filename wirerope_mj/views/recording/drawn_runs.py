@@ -140,14 +140,14 @@ def several_runs(
         )
         for run, color in zip(comparison.runs, RUNS, strict=False)
     )  # fmt: skip
-    shared = shared_selection(runs, comparison.mounts, most=MOST_MOUNTS)
+    shared = shared_selection(runs, comparison.mounts)
     worst = tuple(used for used in shared.used if used.subject in shared.mounts)[:1]
     shared = replace(shared, used=worst, bodies=(), points=(), kinds={})
     return Drawn(runs=runs, comparison=comparison, shared=shared, panels=overlay_histories(comparison, shared))
 
 
-def shared_selection(runs: Sequence[DrawnRun], mounts: tuple[str, ...], most: int | None = None) -> Selection:
-    """Select the mounts of several runs, the worst mount of any run first, at most `most` of an axis."""
+def shared_selection(runs: Sequence[DrawnRun], mounts: tuple[str, ...]) -> Selection:
+    """Select the mounts of several runs, the worst mount of any run first, at most `MOST_MOUNTS` of an axis."""
     utilisations = np.full((len(mounts), 3), np.nan)
     travel = np.zeros((len(mounts), 3))
     acting = np.zeros((len(mounts), 3), dtype=bool)
@@ -166,7 +166,7 @@ def shared_selection(runs: Sequence[DrawnRun], mounts: tuple[str, ...], most: in
     for number, axis in enumerate(AXES):
         order = np.lexsort([-travel[:, number], -np.nan_to_num(utilisations[:, number])])
         names = [mounts[row] for row in order if acting[row, number]]
-        ranked[axis] = tuple(sorted(names, key=lambda name: name != worst)[:most])
+        ranked[axis] = tuple(sorted(names, key=lambda name: name != worst)[:MOST_MOUNTS])
     starts, ends = zip(*(run.selection.window for run in runs), strict=True)
     critical = max(runs, key=lambda run: max((entry.largest for entry in run.selection.used), default=0.0))
     return replace(

@@ -140,11 +140,12 @@ def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: S
         alone = not entry.loops[0][0].name
         low, high = entry.plot.across
         limits = dict.fromkeys(in_unit(limit, "mm") for mount in mounts for limit in travel_limits(mount, entry.axis))
+        deflections = np.concatenate([part[:, 0] for _, loop in entry.loops for part in loop.outlines])
         log_frame(
             rec, entry.path, entry.plot, across=linear_ticks(low, high, most=max(2, round(entry.plot.width / 26))),
             upward=linear_ticks(*entry.plot.upward, most=5), lift=8.0 if alone else LARGE,
             marked=[
-                (limit, DARK.exceeded if _passes(entry, limit) else DARK.limit)
+                (limit, DARK.exceeded if (deflections / limit > 1.0).any() else DARK.limit)
                 for limit in limits if np.isfinite(limit) and low < limit < high
             ],
         )  # fmt: skip
@@ -152,12 +153,20 @@ def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: S
         for order, (run, loop) in enumerate(entry.loops):
             path, color = entry.path_of(run), colour_of(run.selection, loop.mount)
             rec.log(path, _outlines([loop], [color], [run.name or loop.mount]), static=True)
-            _log_trail(rec, path, loop, color, cursor=CURSOR if alone else color, order=order)
-
-
-def _passes(plot: LoopPlot, limit: float) -> bool:
-    """Find whether any loop of a plot goes beyond a limit of its deflection [mm], on the limit's side."""
-    return any(bool((np.concatenate(loop.outlines)[:, 0] / limit > 1.0).any()) for _, loop in plot.loops)
+            # the cursor [mm, kN], and the trail as one segment a row, so that it reaches the cursor; of coinciding trails the
+            # one of the highest `order`, 0 to 9, is visible
+            width = rr.Radius.ui_points(1.5)
+            # Above the whole loop, which would hide the trail at the same draw order.
+            look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)
+            rec.log(child(path, "trail"), look, static=True)
+            segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)
+            columns = rr.LineStrips2D.columns(strips=segments[loop.joined])
+            rec.send_columns(child(path, "trail"), at(loop.time[1:][loop.joined]), columns)
+            spot = rr.Points2D.from_fields(
+                colors=(CURSOR if alone else color), radii=rr.Radius.ui_points(4.5), draw_order=50.0 + order
+            )
+            rec.log(child(path, "cursor"), spot, static=True)
+            rec.send_columns(child(path, "cursor"), at(loop.time), rr.Points2D.columns(positions=loop.points))
 
 
 def loop_points(mount: MountResponse, axis: int) -> Array:
@@ -194,18 +203,3 @@ def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Seque
         show_labels=False,
         radii=rr.Radius.ui_points(0.75),
     )
-
-
-def _log_trail(rec: Stream, path: str, loop: DrawnLoop, color: Color, *, cursor: Color, order: float) -> None:
-    """Log the cursor [mm, kN], and the trail as one segment a row, so that it reaches the cursor."""
-    # Of coinciding trails the one of the highest `order`, 0 to 9, is visible.
-    width = rr.Radius.ui_points(1.5)
-    # Above the whole loop, which would hide the trail at the same draw order.
-    look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)
-    rec.log(child(path, "trail"), look, static=True)
-    segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)
-    columns = rr.LineStrips2D.columns(strips=segments[loop.joined])
-    rec.send_columns(child(path, "trail"), at(loop.time[1:][loop.joined]), columns)
-    spot = rr.Points2D.from_fields(colors=cursor, radii=rr.Radius.ui_points(4.5), draw_order=50.0 + order)
-    rec.log(child(path, "cursor"), spot, static=True)
-    rec.send_columns(child(path, "cursor"), at(loop.time), rr.Points2D.columns(positions=loop.points))

@@ -14,7 +14,6 @@ from wirerope_mj.content.selection import Selection, ranked_over_time
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
-from wirerope_mj.motions import Sweep
 from wirerope_mj.views.colours import CURSOR, DARK, MOVING_LANE, NEAR_LANE, QUIET_LANE, RUNS, WITHIN_LANE, Color
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.paths import Stream, at, child, entity, known_letters
@@ -175,7 +174,6 @@ def log_lanes(rec: Stream, response: Response, selection: Selection) -> None:
 
 
 def _lane_subjects(selection: Selection) -> list[str]:
-    """Choose the subjects of lanes, those of the largest utilisation over time."""
     return [used.subject for used in ranked_over_time(selection.used)[:_MOST_LANES]]
 
 
@@ -234,7 +232,18 @@ def log_over_frequency(rec: Stream, run: RunResult, panel: Panel, *, listed: boo
     legend = rr.Points2D(places, labels=labels, colors=colors, radii=hidden, show_labels=True)
     rec.log(entity(ROOT, "legend"), legend, static=True)
     if run.sweep is not None:
-        _log_sweep_cursor(rec, data, run, run.sweep, plot)
+        # the frequency of a sweep at the time cursor, as an upright line
+        time = run.response.time[cursor_rows(run.response.time, run.selection)]
+        frequency = run.sweep.frequency(time)
+        across, (low, high) = np.clip(np.log10(frequency), *plot.across), plot.upward
+        look = {"colors": CURSOR, "radii": rr.Radius.ui_points(4.0), "draw_order": 50.0, "show_labels": True}
+        rec.log(child(data, "now"), rr.Points2D.from_fields(**look), static=True)
+        spots, texts = np.column_stack([across, np.full(time.size, high)]), [f"{value:.4g} Hz" for value in frequency]
+        rec.send_columns(child(data, "now"), at(time), rr.Points2D.columns(positions=spots, labels=texts))
+        look = {"colors": CURSOR, "radii": rr.Radius.ui_points(0.7), "draw_order": 40.0}
+        rec.log(child(data, "cursor"), rr.LineStrips2D.from_fields(**look), static=True)
+        strips = [[[x, low], [x, high]] for x in across]
+        rec.send_columns(child(data, "cursor"), at(time), rr.LineStrips2D.columns(strips=strips))
 
 
 def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, lift: float) -> Plot:
@@ -281,21 +290,6 @@ def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, l
             drawn = rr.LineStrips2D(strips, labels=[name] * len(strips), radii=radii, **look)
         rec.log(child(data, name), drawn, static=True)
     return plot
-
-
-def _log_sweep_cursor(rec: Stream, data: str, run: RunResult, sweep: Sweep, plot: Plot) -> None:
-    """Log the frequency of a sweep at the time cursor as an upright line."""
-    time = run.response.time[cursor_rows(run.response.time, run.selection)]
-    frequency = sweep.frequency(time)
-    across, (low, high) = np.clip(np.log10(frequency), *plot.across), plot.upward
-    dot = {"colors": CURSOR, "radii": rr.Radius.ui_points(4.0), "draw_order": 50.0, "show_labels": True}
-    rec.log(child(data, "now"), rr.Points2D.from_fields(**dot), static=True)
-    spots, labels = np.column_stack([across, np.full(time.size, high)]), [f"{value:.4g} Hz" for value in frequency]
-    rec.send_columns(child(data, "now"), at(time), rr.Points2D.columns(positions=spots, labels=labels))
-    look = {"colors": CURSOR, "radii": rr.Radius.ui_points(0.7), "draw_order": 40.0}
-    rec.log(child(data, "cursor"), rr.LineStrips2D.from_fields(**look), static=True)
-    strips = [[[x, low], [x, high]] for x in across]
-    rec.send_columns(child(data, "cursor"), at(time), rr.LineStrips2D.columns(strips=strips))
 
 
 def over_frequency_view(panel: Panel, *, listed: bool = False) -> rrb.Spatial2DView:
