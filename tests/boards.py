@@ -1,6 +1,5 @@
 """A drawing board in a real browser: served, shown under guard, and edited with the mouse or with keys alone."""
 
-import json
 import os
 import subprocess
 from contextlib import contextmanager
@@ -25,6 +24,12 @@ half-sine = "10 g 11 ms z"
 [simulate]
 duration = 0.3
 """
+STOPS = """selector => {
+    const stops = [...document.querySelectorAll("button:enabled, input, summary, [tabindex='0'], a")]
+        .filter(each => each.checkVisibility());
+    return [document.querySelector(selector), document.activeElement].map(each => stops.indexOf(each));
+}"""
+"""Number of an element, and of the one that has the focus, among those that Tab leads through."""
 MIDDLE = """name => {
     const item = document.querySelector(`#plan [data-name="${name}"]`);
     const { left, right, top, bottom } = item.getBoundingClientRect();
@@ -145,13 +150,15 @@ class Keys(Mouse):
     """A hand that has no mouse."""
 
     def focus(self, selector, key="Tab"):
-        """Press a key until an element has the focus."""
-        here = f"document.activeElement?.matches({json.dumps(selector)})"
+        """Press a key until an element has the focus, as often as there seem to be others before it, and then one by one."""
+        there, here = self.page.evaluate(STOPS, selector)
+        for _ in range(max(here - there if key == "Shift+Tab" else there - here, 0)):
+            self.page.keyboard.press(key)
         for _ in range(400):
-            if self.page.evaluate(here):
+            if self.page.evaluate("selector => document.activeElement?.matches(selector)", selector):
                 return
             self.page.keyboard.press(key)
-        raise AssertionError(f"Tab does not come to {selector}")
+        raise AssertionError(f"{key} does not come to {selector}")
 
     def move(self, name, steps):
         self.select(name)
