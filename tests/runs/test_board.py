@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
 
@@ -54,6 +55,9 @@ def act(board, **action):
     """Return all that an action is answered by, as one message; the last word counts."""
     told: dict = {"html": {}}
     for _, message in board.act(action):
+        if isinstance(message, Future):
+            message.result()
+            continue
         json.dumps(message, allow_nan=False)
         told = {**told, **message, "html": told["html"] | message.get("html", {})}
     return told
@@ -109,6 +113,7 @@ def test_a_mount_stands_as_it_was_turned_mirrored_and_lifted(board):
     np.testing.assert_allclose(mount(turned, "m2")["axial"], [-0.5, 0.0, np.sqrt(0.75)], atol=1e-5)
     wall = act(board, do="stand", names=["mount/m2"], on="wall")
     assert mount(wall, "m2")["axial"] == [0.0, 1.0, 0.0]
+    assert wall["said"] == "Placed m2 at the wall towards \u2212y, the side of the equipment that was nearest."
     ceiling = act(board, do="stand", names=["mount/m2"], on="ceiling")
     np.testing.assert_allclose(mount(ceiling, "m2")["axial"], [0.0, 0.0, -1.0], atol=1e-9)
     assert mount(wall, "m2")["position"][1] == round(mount(wall, "m2")["position"][1])
@@ -288,6 +293,29 @@ def test_what_cannot_be_simulated_is_shown_and_can_be_undone(board, monkeypatch)
     assert "refused" not in told
     assert "No verdict: m1 went" in told["html"]["verdict"]
     assert "No verdict" not in act(board, do="undo")["html"]["verdict"]
+
+
+def test_a_report_is_of_what_stood_as_it_was_asked_for_and_holds_up_nothing(board, folder):
+    asked = board.act({"do": "report"})
+    next(asked)
+    writing = next(asked)[1]
+    assert isinstance(writing, Future)
+    after = board.act({"do": "tables"})
+    next(after)
+    assert next(after)[1] is writing  # one at a time
+    act(board, do="drag", names=["mount/m1"], by=[50, 0, 0])
+    act(board, do="move", names=["mount/m1"], by=[50, 0, 0])
+    writing.result()
+    assert next(asked)[1]["open"] == "/files/report.html"
+    stored = (folder / "runs" / "job" / "cases" / "shock" / "model" / "equipment.xml").read_text()
+    assert 'name="equipment/m1" class="mount_site" pos="-0.8 -0.3 0.1"' in stored
+
+
+def test_a_report_that_cannot_be_written_is_refused_without_the_folder_of_copies(board, folder):
+    (folder / "runs").write_text("in the way")
+    told = act(board, do="report", id="1")
+    assert told["refused"] == "1"
+    assert "wirerope-board-" not in told["said"]
 
 
 def test_sliders_show_what_would_be_and_no_file_has_it(board, folder):

@@ -270,3 +270,16 @@ def test_buttons_write_what_they_open(browser, tmp_path):
             page.locator(f"[data-do={asked}]").click()
             told(page, f"^Written: .*{name}")
             assert (folder / "runs" / "job" / name).stat().st_size > 1000
+
+
+@pytest.mark.slow
+def test_the_board_goes_on_while_a_film_is_made(browser, tmp_path):
+    folder = genset(tmp_path / "genset")
+    with served(folder) as address, window(browser, address) as page:
+        Mouse(page).press("[data-do=film]")
+        told(page, "^Computing")
+        Mouse(page).move("mount/m1", 5)
+        told(page, "^Moved m1")
+        expect(page.locator("body")).to_have_attribute("data-stale", "false")
+        told(page, "^Written: .*film.mp4")
+        assert (folder / "runs" / "job" / "film.mp4").stat().st_size > 1000

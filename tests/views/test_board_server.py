@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import time
+from concurrent.futures import Future
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
@@ -33,6 +34,7 @@ class Board:
 
     def __init__(self, folder=None):
         self.folder, self.taken, self.go, self.outside, self.closed = folder, [], Event(), [], Event()
+        self.elsewhere = Future()
 
     def open(self):
         return {"html": {"left": "the board"}, "said": f"{len(self.taken)} taken"}
@@ -62,6 +64,11 @@ class Board:
     def hold(self, action):
         self.go.wait(PATIENCE)
         yield False, {"said": "held"}
+
+    def film(self, action):
+        yield False, {"said": "begun"}
+        yield False, self.elsewhere
+        yield False, {"said": self.elsewhere.result()}
 
     def drag(self, action):
         self.taken.append(action["by"])
@@ -205,6 +212,29 @@ def test_what_makes_no_verdict_void_is_done_between_its_steps(server, board):
         board.go.set()
         assert until(first, "2") == [{"said": "half of a report"}, {"said": "5"}]
         assert heard(first) == {"said": "report"}
+
+
+def test_what_another_process_computes_holds_up_nothing(server, board):
+    with window(server) as first:
+        ask(first, "film", "1")
+        assert until(first, "1") == [{"said": "begun"}]
+        for number in ("2", "3"):
+            ask(first, "cell", number, value=number)
+            assert until(first, number) == [{"said": number}]
+        board.elsewhere.set_result("made")
+        assert heard(first) == {"said": "made"}
+
+
+def test_of_what_passes_by_the_last_alone_is_done(server, board):
+    with window(server) as first:
+        ask(first, "edit", "1", to="a")
+        until(first, "1")
+        for by in range(5):
+            ask(first, "drag", str(by + 2), by=by, passing=True)
+        assert arrive(first, "1") == []
+        board.go.set()
+        until(first, "6")
+    assert board.taken[1] == 4
 
 
 def test_an_action_that_comes_again_over_a_new_connection_is_not_taken_twice(server, board):

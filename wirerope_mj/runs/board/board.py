@@ -2,8 +2,10 @@
 
 import re
 from collections.abc import Generator, Iterator, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from wirerope_mj.engine.system import System
@@ -18,13 +20,15 @@ from wirerope_mj.runs.board.opened import Opened
 from wirerope_mj.runs.board.parts import SEARCHES
 from wirerope_mj.runs.board.placing import PLACED, TABLE_EDITS, edited_tables, names_of, shift_of
 from wirerope_mj.runs.board.verdicts import Verdicts, at_rest_html
-from wirerope_mj.runs.board.what_if import with_slider
-from wirerope_mj.runs.board.written import FILES, written
+from wirerope_mj.runs.board.what_if import variant, with_slider
+from wirerope_mj.runs.board.written import FILES, Order
 from wirerope_mj.runs.room import overlapping
+from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.views.board.columns import fragment
 from wirerope_mj.views.board.scene import board_scene
 
 Message = Entries
+Waited = Future[Path | str]  # what another process writes
 
 
 class Board:
@@ -39,6 +43,7 @@ class Board:
         self._verdicts = Verdicts(opened.tests)
         self._found = {"found": "", "loops": ""}  # parts, as HTML
         self._restored = ""
+        self._writing: Waited | None = None  # the last one
         self._loaded = Loaded({}, opened.job, {}, {}) if opened.job else load(self._documents, self._documents.texts, {})
         if (left := self._documents.left_unsaved()) is not None:
             self._take(left, "restored what was not saved last time")
@@ -53,10 +58,10 @@ class Board:
         said = {"said": self._restored, "tone": "warn"} if self._restored else {}
         return {**self._placed(), **said}
 
-    def act(self, action: Entries) -> Generator[tuple[bool, Message], None, None]:
+    def act(self, action: Entries) -> Generator[tuple[bool, Message | Waited], None, None]:
         """Do what a window asks for, and yield messages with whether they are for every window.
 
-        What cannot be done is refused in words, and nothing is changed then.
+        What cannot be done is refused in words, and nothing is changed then. In place of a message may be what is waited for.
         """
         try:
             yield from self._answers(str(action.get("do")), action)
@@ -67,7 +72,7 @@ class Board:
             if action.get("do") in PLACED:  # what was shown while it was dragged is not so
                 yield from self._verdict()
 
-    def _answers(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message]]:
+    def _answers(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message | Waited]]:
         if asked == "drag":
             # dragged back to where it was, the verdict of before is due again
             verdict = {"stale": True} if shift_of(action).any() else {"ask": {"do": "judge"}}
@@ -188,15 +193,28 @@ class Board:
             scene = {} if html.keys() == {"compared"} else {"scene": self._scene(self._loaded, {})}
             yield True, {"html": html, **changes, **scene}
 
-    def _written(self, asked: str) -> Iterator[tuple[bool, Message]]:
-        """Write what `wirerope cases` writes of the job, and open a part of it."""
-        if self._loaded.moved and self._documents.files:
+    def _written(self, asked: str) -> Iterator[tuple[bool, Message | Waited]]:
+        """Have another process write what `wirerope cases` writes of the job as it is now, and open a part of it."""
+        loaded, documents, governing = self._loaded, self._documents, self._verdicts.governing
+        if loaded.moved and documents.files:
             raise ModelError("sliders show what would be; set them back, since a report is of what the files say.")
         lasts = "a film takes minutes" if asked == "film" else "it takes a while"
-        said = f"Computing and writing every load case: {lasts}, and what is asked for meanwhile waits."
+        said = f"Computing and writing every load case as it stands: {lasts}. What is edited meanwhile is not in it."
         yield False, {"said": said, "tone": ""}
-        self._documents.write_copies(self._documents.texts)
-        path = written(asked, self._loaded, self._documents.written, governing=self._verdicts.governing)
+        while self._writing is not None and not self._writing.done():  # what was asked for before
+            yield False, self._writing
+        with TemporaryDirectory(prefix="wirerope-board-") as copies:
+            scenario = loaded.job.cases[0].scenario
+            system, motion = variant(loaded.job.system, scenario.motion, loaded.values)
+            of: Path | Scenario = replace(scenario, motion=motion, changes=system.changes)
+            if documents.files:
+                documents.write_copies(loaded.texts, Path(copies))
+                of = documents.copy("job", Path(copies))
+            writing = self._writing = Order(asked, of, documents.written, governing).write_beside()
+            yield False, writing
+        path = writing.result()
+        if isinstance(path, str):
+            raise ModelError(path.replace(f"{copies}/", ""))
         address = f"/viewer?recording={path.name}" if asked == "timeline" else f"/files/{path.name}"
         yield False, {"open": address, "said": f"Written: {path}.", "tone": "good"}
 

@@ -44,20 +44,20 @@ class Documents:
     def unsaved(self) -> bool:
         return self.texts != self._saved
 
-    def copy(self, kind: str) -> Path:
-        return self.copies / self.files[kind].relative_to(self._root)
+    def copy(self, kind: str, copies: Path | None = None) -> Path:
+        return (copies or self.copies) / self.files[kind].relative_to(self._root)
 
-    def write_copies(self, texts: Texts) -> None:
-        """Make the copies those of some texts."""
+    def write_copies(self, texts: Texts, copies: Path | None = None) -> None:
+        """Make the copies, those in another folder if one is given, those of some texts."""
         ours = {path for file in self.files.values() for path in (file, *file.parents)}
         for folder in sorted(path for path in ours - {*self.files.values()} if path.is_relative_to(self._root)):
-            copy = self.copies / folder.relative_to(self._root)
+            copy = (copies or self.copies) / folder.relative_to(self._root)
             copy.mkdir(exist_ok=True)
             for entry in folder.iterdir() if folder.is_dir() else ():
                 if entry not in ours and not (copy / entry.name).is_symlink():
                     (copy / entry.name).symlink_to(entry)
         for kind in self.files:
-            self._write(kind, self.copy(kind), texts)
+            self._write(kind, self.copy(kind, copies), texts)
 
     def edit(self, texts: Texts, said: str) -> None:
         """Go on to other texts; what was undone is forgotten."""

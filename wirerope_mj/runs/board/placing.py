@@ -48,7 +48,7 @@ class Placing:
 
     def edit(self, asked: str, action: Entries) -> tuple[str, list[str]]:
         """Do one of the edits in `PLACED`, and return what is said of it, and the names of copies."""
-        names, copies = names_of(action), list[str]()
+        names, copies, sides = names_of(action), list[str](), dict[str, None]()
         if asked == "remove":
             for name in names:
                 self._remove(name)
@@ -56,12 +56,12 @@ class Placing:
             copies = [self.copy(name, 2.0 * self._height(name) or _ASIDE) for name in names]
         elif asked == "stand":
             on = _choice(action, "on", "floor", "wall", "ceiling")
-            for name in names:
-                self._stand(name, on)
+            sides = dict.fromkeys(side for name in names if (side := self._stand(name, on)))
         else:
             self._arrange(asked, names, action)
         called = [name.partition("/")[2] for name in names]
-        return f"{PLACED[asked]} {', '.join(called) if len(called) < 4 else f'{len(called)} things'}", copies
+        where = f" at the wall towards {', '.join(sides)}, the side of the equipment that was nearest" if sides else ""
+        return f"{PLACED[asked]} {', '.join(called) if len(called) < 4 else f'{len(called)} things'}{where}", copies
 
     def _arrange(self, asked: str, names: Sequence[str], action: Entries) -> None:
         if unknown := [name for name in names if name not in self._positions]:
@@ -94,15 +94,16 @@ class Placing:
             elif name.startswith("mass/") and asked in ("turn", "mirror"):
                 self._turn_mass(name, rotation)
 
-    def _stand(self, name: str, on: str) -> None:
-        """Stand a mount on the floor below the equipment, at the nearest wall, or under the ceiling above it."""
+    def _stand(self, name: str, on: str) -> str:
+        """Stand a mount on the floor below the equipment, at the nearest wall, whose side is returned, or under the ceiling."""
         if name not in self._placed:
             raise ModelError(f"{name} is no mount or stop, and stands at no wall.")
         low, high = box_of(self._layout)
-        half, position, direction = 0.5 * self._height(name), self._positions[name].copy(), _UP
+        half, position, direction, wall = 0.5 * self._height(name), self._positions[name].copy(), _UP, ""
         if on == "wall":
             across = [position[:2] - low[:2], high[:2] - position[:2]]
             side, axis = np.unravel_index(int(np.argmin(across)), (2, 2))
+            wall = "\N{MINUS SIGN}+"[side] + "xy"[axis]
             direction = np.zeros(3)
             direction[axis] = 1.0 - 2.0 * side
             position[axis] = (low, high)[side][axis] - half * direction[axis]
@@ -112,6 +113,7 @@ class Placing:
             position[2] = low[2] - half if on == "floor" else high[2] + half
         self._put(name, position.round(3))
         self._direct(name, direction, None)
+        return wall
 
     def _row(self, name: str) -> tuple[str, str, TableText]:
         """Find kind, row and table of a thing."""

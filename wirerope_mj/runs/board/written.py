@@ -1,11 +1,14 @@
-"""What a board writes for its page to open: the folder of a job or a run, and what is made of it."""
+"""What a board writes for its page to open: the folder of a job or a run, and what is made of it, by another process."""
 
-from dataclasses import replace
+from concurrent.futures import Future
+from dataclasses import dataclass
 from pathlib import Path
+from threading import Thread
 
-from wirerope_mj.runs.board.loaded import Loaded
-from wirerope_mj.runs.board.what_if import variant
+from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.runs.job import CASES, run_job
+from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import write_run
 
 JOB, RUN = "job.rrd", "run.rrd"  # recordings
@@ -16,25 +19,51 @@ FILES = {
 }  # fmt: skip
 
 
-def written(asked: str, loaded: Loaded, folder: Path, *, governing: str) -> Path:
-    """Compute all load cases into the folder of a job, or a scenario into that of a run, and return what is asked for.
+@dataclass(frozen=True)
+class Order:
+    """What is to be written, where, and of what: a file of a job, or a scenario."""
 
-    The film is of the `governing` case. WireRopeError if it cannot be computed or written.
-    """
+    asked: str
+    of: Path | Scenario
+    folder: Path
+    governing: str  # load case of which a film is
+
+    def write_beside(self) -> "Future[Path | str]":
+        """Have another process compute and write it; the result is the file, or why there is none."""
+        writing = Future[Path | str]()
+
+        def wait() -> None:
+            from wirerope_mj.studies.engines.local import in_processes  # late: with it comes all that studies need
+
+            try:
+                (result,) = in_processes(_write, [self], lost=lambda _, why: f"Its process {why} each time.", workers=2)
+                writing.set_result(result)
+            except BaseException as error:
+                writing.set_exception(error)
+
+        Thread(target=wait, daemon=True).start()
+        return writing
+
+
+def _write(order: Order) -> Path | str:
+    """Compute all load cases into the folder of a job, or a scenario into that of a run, and what is asked for beside them."""
     from wirerope_mj.runs.report import write_content_of, write_films, write_report  # half a second, not before it is asked for
 
-    if loaded.texts:
-        run_job(loaded.job, folder, pdf=asked == "pdf", workers=1)
-        run = next(folder / CASES / case.folder for case in loaded.job.cases if case.name == governing)
-    else:
-        run, scenario = folder, loaded.job.cases[0].scenario
-        system, motion = variant(loaded.job.system, scenario.motion, loaded.values)
-        write_run(replace(scenario, motion=motion, changes=system.changes), folder, force=True)
-        if asked == "pdf":
-            write_report(folder, pdf=True)
-    name = FILES[asked][0] if loaded.texts else FILES[asked][-1]
-    if asked == "film":
-        write_films([run], folder / name, force=True)
-    elif asked == "tables":
-        write_content_of(folder, folder / name, force=True)
+    asked, folder = order.asked, order.folder
+    try:
+        if isinstance(order.of, Scenario):
+            run, name = folder, FILES[asked][-1]
+            write_run(order.of, folder, force=True)
+            if asked == "pdf":
+                write_report(folder, pdf=True)
+        else:
+            job, name = load_job(order.of), FILES[asked][0]
+            run_job(job, folder, pdf=asked == "pdf", workers=1)
+            run = folder / CASES / max(job.cases, key=lambda case: case.name == order.governing).folder
+        if asked == "film":
+            write_films([run], folder / name, force=True)
+        elif asked == "tables":
+            write_content_of(folder, folder / name, force=True)
+    except (WireRopeError, ValueError, OSError) as error:
+        return str(error)
     return folder / name

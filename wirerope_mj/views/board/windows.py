@@ -6,14 +6,14 @@ import math
 import traceback
 from collections import deque
 from collections.abc import Generator, Sequence
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
 from time import monotonic
-from typing import Protocol
+from typing import Any, Protocol
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -25,7 +25,7 @@ _KNOWN = 8000  # actions that are known when they come again, after a connection
 _END = 0.3  # time that a computation has to end with the server [s]
 _BUG = "Internal error: the terminal of `wirerope board` says more. The board goes on."
 _FORM = "a message is a table in JSON with `do`, the name of an action, and finite numbers."
-Steps = Generator[tuple[bool, Entries], None, None]
+Steps = Generator[tuple[bool, Entries | Future[Any]], None, None]
 """What comes of an action: messages, and whether every window is to have them."""
 
 
@@ -43,8 +43,9 @@ class Served(Protocol):
         """Take an action; yield messages as they become known, and whether every window is to have them.
 
         An action whose message says `"stale": true` closes earlier ones that said so and have more to yield: a verdict of a
-        former position is void. All others go on once nothing else waits. An action that says `"passing": true` is left out if
-        its window asks for something else before its turn, as for the next position of what is dragged. `"open"` may be
+        former position is void. All others go on once nothing else waits; one that yields a future in place of a message goes
+        on once that is done, since another process computes then. An action that says `"passing": true` is left out if its
+        window asks for something else before its turn, as for the next position of what is dragged. `"open"` may be
         /files/NAME or /viewer?recording=NAME, with NAME quoted, and behind it # and the instant [s] of a recording.
         WireRopeError or ValueError, whose text is shown in the window that asked, if the action cannot be taken.
         """
@@ -153,16 +154,18 @@ class Windows:
         try:
             request.steps = request.steps or self.board.act(request.action)
             everyone, message = next(request.steps, (False, None))
-            if message is None:
+            if message is None or isinstance(message, Future):
                 self._begun.remove(request)
-            elif message.get("stale") is True and not request.verdict:
+            if isinstance(message, Future):
+                message.add_done_callback(lambda _: self._asked.put(request))
+            elif message is not None and message.get("stale") is True and not request.verdict:
                 void = [older for older in self._begun if older.verdict]
                 self._begun = [kept for kept in self._begun if not kept.verdict]
                 request.verdict = True
                 for older in void:
                     assert older.steps is not None
                     older.steps.close()
-            text = _text(message) if message is not None else ""
+            text = _text(message) if isinstance(message, dict) else ""
         except Exception as error:
             self._begun.remove(request)
             everyone, text = False, _failure(error)
