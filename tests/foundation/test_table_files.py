@@ -304,7 +304,8 @@ def test_channels_that_begin_at_different_instants_are_not_played_in_phase(tmp_p
         with TdmsWriter(path) as file:
             for name, start in (("x", 0.25), ("z", 0.0)):
                 stated = {"wf_increment": STEP, "unit_string": "g", "wf_start_offset": start * in_offset}
-                stated["wf_start_time"] = np.datetime64("2026-01-01T00:00:00", "us") + round(1e6 * start * (1 - in_offset))
+                after = np.timedelta64(round(1e6 * start * (1 - in_offset)), "us")
+                stated["wf_start_time"] = np.datetime64("2026-01-01T00:00:00", "us") + after
                 file.write_segment([ChannelObject("rig", name, WAVE, stated)])
 
     for in_offset in (0, 1):
