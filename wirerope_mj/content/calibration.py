@@ -32,11 +32,28 @@ def calibration_content(
     predictions: Sequence[tuple[Prediction, Sequence[StatedLimit]]] = (),
 ) -> Content:  # fmt: skip
     """Compose the content of a calibration: values, agreement in each channel, and predictions against their limits."""
+    error = float(result.discrepancies.max())
+    if result.fit.converged:
+        texts = []
+        for k, (name, (low, high)) in enumerate(zip(result.names, result.intervals(), strict=True)):
+            if not name.startswith("channel/"):
+                value, half = result.values[k], 0.5 * (high - low)
+                digits = int(np.clip(2 + math.ceil(math.log10(abs(value) / half)), 2, 6)) if value and half > 0.0 else 3
+                shown, lower, upper = (number(value, digits=digits) for value in (value, low, high))
+                texts.append(f"{name} {shown} ({lower} to {upper}) {_unit(result, k)}".rstrip())
+        doubts = [f"{name} is at the {end} end of its prior" for name, end in result.at_an_end.items()]
+        if error > DISCREPANT:
+            doubts.insert(0, f"the model does not follow the tests: its own error is {100.0 * error:.2g} % of the response")
+        doubts += ["the tests do not tell everything"] if result.not_identified else []
+        text, tone = "; ".join(filter(None, [", ".join(texts), *doubts])), "unjudged" if doubts else "within"
+    else:
+        text, tone = f"NOT CONVERGED: {result.message}", "exceeded"
+    values = {"model_error": error, "emulator_error": result.posterior.emulator_error}
     return Content(
         title=title,
         facts=(("Tests", several(len(result.forward.tests), "test")), ("By", f"wirerope-mj {version('wirerope-mj')}")),
         question=("Which values of the model follow the measured tests, and how well are they known?",),
-        verdict=_headline(result),
+        verdict=Statement("headline", f"{text}.", tone=tone, values=values),
         sections=(
             Section("values", "Values", lambda: (_values_table(result),), "summary"),
             Section("answer", "", lambda: (_findings(result), record_warnings(warnings)), "headline"),
@@ -50,27 +67,6 @@ def calibration_content(
             Section("read-from", "Read from", lambda: (Statement("sources", items=tuple(sources)),)),
         ),
     )  # fmt: skip
-
-
-def _headline(result: Calibration) -> Statement:
-    """State the values with their intervals and the model's error, or that the fit did not converge."""
-    error = float(result.discrepancies.max())
-    values = {"model_error": error, "emulator_error": result.posterior.emulator_error}
-    if not result.fit.converged:
-        return Statement("headline", f"NOT CONVERGED: {result.message}.", tone="exceeded", values=values)
-    texts = []
-    for k, (name, (low, high)) in enumerate(zip(result.names, result.intervals(), strict=True)):
-        if not name.startswith("channel/"):
-            value, half = result.values[k], 0.5 * (high - low)
-            digits = int(np.clip(2 + math.ceil(math.log10(abs(value) / half)), 2, 6)) if value and half > 0.0 else 3
-            shown, lower, upper = (number(value, digits=digits) for value in (value, low, high))
-            texts.append(f"{name} {shown} ({lower} to {upper}) {_unit(result, k)}".rstrip())
-    warnings = [f"{name} is at the {end} end of its prior" for name, end in result.at_an_end.items()]
-    if error > DISCREPANT:
-        warnings.insert(0, f"the model does not follow the tests: its own error is {100.0 * error:.2g} % of the response")
-    warnings += ["the tests do not tell everything"] if result.not_identified else []
-    text = "; ".join(filter(None, [", ".join(texts), *warnings]))
-    return Statement("headline", f"{text}.", tone="unjudged" if warnings else "within", values=values)
 
 
 def _unit(result: Calibration, k: int) -> str:

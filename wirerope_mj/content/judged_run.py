@@ -1,6 +1,6 @@
 """A judged run: response, verdicts, and derived results that outputs share, computed at first use."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property, partial
@@ -157,30 +157,25 @@ def judged_run(system: System, motion: BaseMotion, response: Response, inputs: E
     rows = () if isinstance(random, Absent) else random
     limited = tuple(row for row in rows if row.limit is not None or row.note.startswith(SAMPLED))
     verdicts = (*judge(response, statics=known), *limited)
+    if rows:  # under random vibration the amplification of accelerations is the ratio of rms values
+        rms, largest = _base_rms(response), dict[str, Amplification]()
+        for row in rows:
+            axis = row.criterion.axis
+            if row.criterion.kind == RMS and (base := float(rms["xyz".index(axis)])) > STILL:
+                along = Amplification(measure=f"rms along {axis}", value=row.value, base=base)
+                largest[row.subject] = max(along, largest.get(row.subject, along), key=lambda entry: entry.ratio)
+        verdicts = tuple(
+            replace(row, amplification=largest.get(row.subject)) if row.criterion.kind in (ACCELERATION, LARGEST) else row
+            for row in verdicts
+        )
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     return JudgedRun(
         system=system, motion=motion, response=response, statics=statics,
-        verdicts=_with_rms_amplification(verdicts, rows, response), random=random,
+        verdicts=verdicts, random=random,
         untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
         model_warnings=(*model_warnings(system, turned=motion.up is not None), *missing_modes(system, motion)),
         inputs=inputs or {},
     )  # fmt: skip
-
-
-def _with_rms_amplification(verdicts: Sequence[Verdict], random: Sequence[Verdict], response: Response) -> tuple[Verdict, ...]:
-    """Set the amplification of accelerations under random vibration to the ratio of rms values."""
-    if not random:
-        return tuple(verdicts)
-    rms, largest = _base_rms(response), dict[str, Amplification]()
-    for row in random:
-        axis = row.criterion.axis
-        if row.criterion.kind == RMS and (base := float(rms["xyz".index(axis)])) > STILL:
-            along = Amplification(measure=f"rms along {axis}", value=row.value, base=base)
-            largest[row.subject] = max(along, largest.get(row.subject, along), key=lambda amplification: amplification.ratio)
-    accelerations = ACCELERATION, LARGEST
-    return tuple(
-        replace(row, amplification=largest.get(row.subject)) if row.criterion.kind in accelerations else row for row in verdicts
-    )
 
 
 def _base_rms(response: Response) -> Array:

@@ -60,7 +60,25 @@ def write_frequency_response(
     RecordError if the folder exists and is not one of a frequency response that `force` replaces.
     """
     with atomic_folder(folder, force=force, kind=KIND, marks=MARKS) as temporary:
-        _write_settings(temporary, result.name, result.system, _question(result), "pyarrow")
+        options = result.options
+        start, stop = options.range
+        assert options.response_direction is not None
+        stored: Entries = {  # the options that count for the method
+            "question": {
+                "accelerations": list(options.accelerations), "method": options.method,
+                "direction": plain_direction(options.direction), "payload": options.payload,
+                "response_direction": plain_direction(options.response_direction),
+                "start": start, "stop": stop, "range_from": options.range_from,
+            }
+        }  # fmt: skip
+        if options.method != "sweep":
+            parts = ("periods", "largest_step", "smallest_step")
+            stored["continuation"] = {part: getattr(options, part) for part in parts}
+            if options.smoothing is not None:
+                stored["continuation"]["smoothing"] = options.smoothing
+        if options.method != "continuation":
+            stored["sweep"] = {"rate": options.rate}
+        _write_settings(temporary, result.name, result.system, stored, "pyarrow")
         tables = {block.id: block.to_dict() for block in content.blocks() if isinstance(block, Table)}
         levels = [plain_summary(finding) for finding in findings]
         said = {"format": FORMAT, "headline": content.verdict.text, "levels": levels, "tables": tables}
@@ -147,26 +165,3 @@ def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str
         "versions": {package: version(package) for package in (*_PACKAGES, *packages)},
     }  # fmt: skip
     (folder / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
-
-
-def _question(result: FrequencyResponse) -> Entries:
-    """Return the options that count for the method, as tables."""
-    options = result.options
-    start, stop = options.range
-    assert options.response_direction is not None
-    content: Entries = {
-        "question": {
-            "accelerations": list(options.accelerations), "method": options.method,
-            "direction": plain_direction(options.direction), "payload": options.payload,
-            "response_direction": plain_direction(options.response_direction),
-            "start": start, "stop": stop, "range_from": options.range_from,
-        }
-    }  # fmt: skip
-    if options.method != "sweep":
-        parts = ("periods", "largest_step", "smallest_step")
-        content["continuation"] = {part: getattr(options, part) for part in parts}
-        if options.smoothing is not None:
-            content["continuation"]["smoothing"] = options.smoothing
-    if options.method != "continuation":
-        content["sweep"] = {"rate": options.rate}
-    return content

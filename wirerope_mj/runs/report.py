@@ -179,7 +179,19 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
     recording = find_recording(folder)
     if target.resolve().is_relative_to(folder.resolve()):
         raise RecordError(f"{target}: this is inside the run, whose files are its record; choose a place outside.")
-    _require_as_written(folder, (report, recording))
+    for file in (report, recording):
+        if file.is_symlink():
+            raise RecordError(
+                f"{file}: this is a link, and what it leads to is not the run's to share. Put the file itself in "
+                f"its place; `wirerope report {folder}` writes the report anew."
+            )
+    if (changed := alterations(folder)) is not None:  # else a run of an older version
+        names = {file.relative_to(folder).as_posix() for file in (report, recording)}
+        if faulty := sorted(names & {*changed.altered, *changed.added}):
+            raise RecordError(
+                f"{folder}: {' and '.join(faulty)} was altered or added since the run was written, and is not shared. "
+                f"`wirerope report {folder}` writes the report anew; a recording is written with its run."
+            )
     with atomic_folder(target, force=force, kind="shared run", marks=(INDEX, f"{VIEWER}/{INDEX}")) as beside:
         pages = viewer_pages()
         (beside / INDEX).write_text(linked_report(report.read_text(encoding="utf-8")), encoding="utf-8")
@@ -188,23 +200,3 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
         for name, content in pages.items():
             (beside / VIEWER / name).write_bytes(content)
     return sorted(path for path in target.rglob("*") if path.is_file())
-
-
-def _require_as_written(folder: Path, files: tuple[Path, ...]) -> None:
-    """Raise RecordError unless the files of the run are as they were written."""
-    for file in files:
-        if file.is_symlink():
-            raise RecordError(
-                f"{file}: this is a link, and what it leads to is not the run's to share. Put the file itself in "
-                f"its place; `wirerope report {folder}` writes the report anew."
-            )
-    changed = alterations(folder)
-    if changed is None:  # a run of an older version
-        return
-    names = {file.relative_to(folder).as_posix() for file in files}
-    faulty = sorted(names & {*changed.altered, *changed.added})
-    if faulty:
-        raise RecordError(
-            f"{folder}: {' and '.join(faulty)} was altered or added since the run was written, and is not shared. "
-            f"`wirerope report {folder}` writes the report anew; a recording is written with its run."
-        )

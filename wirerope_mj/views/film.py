@@ -66,22 +66,18 @@ class _Stage:
             self._boxes.append((self.left + unit * left, top + unit * down, unit * wide, unit * high))
             self.still.append(inset(drawing, self._boxes[-1]))
         right = max(box[0] + box[2] for box in self._boxes) + _GAP
-        curves = (right, top) if alone else (self.left, top + height)
-        self._panels = self._placed(*curves, bottom) if self.run.panels else []
-
-    def _placed(self, left: float, top: float, bottom: float) -> list[tuple[Panel, Box, list[float]]]:
-        """Draw the curves as far as the right end of the run; return of each panel its area, and the ranges of both axes."""
-        unit, rows = self.size * _UNIT, [[panel] for panel in self.run.panels]
-        width, least = (self.left + self.width - left) / unit, 40.0
-        room = (bottom - top) / unit - size_of(chart_svg(Chart(rows=rows, height=least), width))[1]
-        svg = chart_svg(Chart(rows=rows, height=least + max(room, 0.0) / len(rows)), width)
+        self._panels: list[tuple[Panel, Box, list[float]]] = []  # with areas, and the ranges of both axes
+        if not self.run.panels:
+            return
+        left, top = (right, top) if alone else (self.left, top + height)
+        rows, wide, least = [[panel] for panel in self.run.panels], (self.left + self.width - left) / unit, 40.0
+        room = (bottom - top) / unit - size_of(chart_svg(Chart(rows=rows, height=least), wide))[1]
+        svg = chart_svg(Chart(rows=rows, height=least + max(room, 0.0) / len(rows)), wide)
         self.still.append(inset(svg, (left, top, *(unit * side for side in size_of(svg)))))
         found = re.findall(r'data-ranges="(.*?)" data-area="(.*?)"', svg)
-        placed = []
         for panel, data in zip(self.run.panels, found, strict=True):
-            ranges, (x, y, wide, high) = ([float(part) for part in numbers.split()] for numbers in data)
-            placed.append((panel, (left + unit * x, top + unit * y, unit * wide, unit * high), ranges))
-        return placed
+            ranges, (x, y, across, high) = ([float(part) for part in numbers.split()] for numbers in data)
+            self._panels.append((panel, (left + unit * x, top + unit * y, unit * across, unit * high), ranges))
 
     def moving(self, instant: float) -> Iterator[Part]:
         """Yield what moves, as it is at an instant [s]: its text, the scenes, a cursor in each panel with dots and value."""

@@ -133,8 +133,24 @@ def force_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = N
     stops = [(contact.mount, name, contact) for name, contact in contacts.items() if contact.mount]
     loads = limits_by_name(response, limits, "load", list(response.peaks.mounts))
     of_stops = {kind: limits_by_name(response, limits, kind, [mount for mount, _, _ in stops]) for kind in ON_STOPS}
+    verdicts = []
+    for name, limit in loads.items():
+        of_mount = response.peaks.mounts[name].force
+        value, time, note = of_mount.value, of_mount.time, ""
+        beside = {stop: response.peaks.mounts[stop].force for stop in stops_beside(response.scene, [name])}
+        pressed = {stop: peak for stop, peak in beside.items() if peak.value > 0.0}
+        if pressed:
+            peaks = [of_mount, *pressed.values()]
+            low, high = sum(peak.minimum for peak in peaks), sum(peak.maximum for peak in peaks)
+            along = np.maximum(np.abs(low), np.abs(high))  # all share the axes of the sites
+            value = min(float(np.linalg.norm(along)), sum(peak.value for peak in peaks))
+            time = max(peaks, key=lambda peak: peak.value).time
+            note = f"bound of the foot's load: the peaks of {name} and of {' and '.join(pressed)}, which stands in it, together"
+        verdicts.append(
+            Verdict(criterion=Criterion(LOAD), subject=name, value=value, limit=limit.values[0], unit="N", time=time, note=note)
+        )
     return (
-        *(_load_verdict(response, name, limit.values[0]) for name, limit in loads.items()),
+        *verdicts,
         *(
             verdict
             for kind in ON_STOPS
@@ -149,21 +165,6 @@ def stops_beside(scene: Scene, names: Collection[str]) -> list[str]:
     """List the stops at the sites of mounts, which push on the same feet, without those that are among the names."""
     feet = {mount.sites for mount in scene.isolating if mount.name in names}
     return [stop.name for stop in scene.stops if stop.sites in feet and stop.name not in names]
-
-
-def _load_verdict(response: Response, name: str, limit: float) -> Verdict:
-    own = response.peaks.mounts[name].force
-    beside = {stop: response.peaks.mounts[stop].force for stop in stops_beside(response.scene, [name])}
-    pressed = {stop: peak for stop, peak in beside.items() if peak.value > 0.0}
-    value, time, note = own.value, own.time, ""
-    if pressed:
-        peaks = [own, *pressed.values()]
-        low, high = sum(peak.minimum for peak in peaks), sum(peak.maximum for peak in peaks)
-        along = np.maximum(np.abs(low), np.abs(high))  # all share the axes of the sites
-        value = min(float(np.linalg.norm(along)), sum(peak.value for peak in peaks))
-        time = max(peaks, key=lambda peak: peak.value).time
-        note = f"bound of the foot's load: the peaks of {name} and of {' and '.join(pressed)}, which stands in it, together"
-    return Verdict(criterion=Criterion(LOAD), subject=name, value=value, limit=limit, unit="N", time=time, note=note)
 
 
 def _stop_verdicts(response: Response, kind: str, limit: float, name: str, stop: ContactPeak) -> list[Verdict]:

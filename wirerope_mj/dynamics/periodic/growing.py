@@ -58,7 +58,14 @@ class GrowingBranch:
     def follow(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
         """Follow the branch from its start, or resume it from its last point."""
         options = self.options
-        last = self._resumed() or (None if self.message else self._first(guess))
+        last = self._resumed()
+        if last is None and not self.message:  # the periodic motion at the start, from a guess or the equilibrium
+            drive, coordinates = self.path.drive(options.start), self.search.coordinates
+            f, a = drive.frequency, drive.acceleration
+            orbit = self.search.find(f, a, options.periods, guess=guess, tolerance=options.tolerance)
+            last = self._at(coordinates.from_state(orbit.state.values, coordinates.carried(f, a)), options.start)
+            self.rows.append(self._row(last))
+            require_motion(self.rows[-1].amplitude, a, options.payload, options.response_direction)
         try:
             length = FIRST
             while not self.message and last is not None:
@@ -210,18 +217,6 @@ class GrowingBranch:
         apart = side.difference > self.options.accuracy
         self.side_branches += [side] if apart else []
         return apart
-
-    def _first(self, guess: State | None) -> Point:
-        """Find the periodic motion at the start of the branch, from a guess or the equilibrium."""
-        options = self.options
-        drive = self.path.drive(options.start)
-        f, a = drive.frequency, drive.acceleration
-        orbit = self.search.find(f, a, options.periods, guess=guess, tolerance=options.tolerance)
-        x = self.search.coordinates.from_state(orbit.state.values, self.search.coordinates.carried(f, a))
-        point = self._at(x, options.start)
-        self.rows.append(self._row(point))
-        require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)
-        return point
 
     def _at(self, x: Array, value: float, steps: int | None = None) -> Point:
         motion = self.search.closed(shot(self.search.flow, x, self.path.drive(value, steps)), self.options.tolerance)

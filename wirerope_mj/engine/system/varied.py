@@ -63,7 +63,17 @@ def varied(
 
 def changed(system: System, changes: Changes) -> System:
     """Apply changes to a system as `varied` does, and return the variant."""
-    _check_mounts(system, changes)
+    for name in (*changes.isolators, *changes.positions, *changes.turns):
+        if name not in system.mounts:
+            raise ModelError(f"there is no mount {name!r}. Mounts of this system: {list(system.mounts)}.")
+    for name, isolator in changes.isolators.items():
+        mount = system.mounts[name]
+        compiled = mount.states[2].stop - mount.states[0].start
+        if isolator.n_states != compiled:
+            raise ModelError(
+                f"mount {name!r}: the laws of isolator {isolator.name!r} have {isolator.n_states} internal states, those that "
+                f"the model was compiled with {compiled}. {_written(mount)}"
+            )
     model = system.model.__copy__()
     isolators = {name: changes.isolators.get(name, mount.written) for name, mount in system.mounts.items()}
     positions = {name: mount.position for name, mount in system.mounts.items()}
@@ -135,21 +145,6 @@ def with_other_laws(system: System, change: Callable[[Isolator], Isolator]) -> S
         for earlier in system.changes
     ]
     return with_changes(load_system(system.path or system.mjcf, isolators=isolators), changes)
-
-
-def _check_mounts(system: System, changes: Changes) -> None:
-    for name in (*changes.isolators, *changes.positions, *changes.turns):
-        if name not in system.mounts:
-            raise ModelError(f"there is no mount {name!r}. Mounts of this system: {list(system.mounts)}.")
-    for name, isolator in changes.isolators.items():
-        mount = system.mounts[name]
-        n_states = isolator.n_states
-        room = mount.states[2].stop - mount.states[0].start
-        if n_states != room:
-            raise ModelError(
-                f"mount {name!r}: the laws of isolator {isolator.name!r} have {n_states} internal states, those that the model "
-                f"was compiled with {room}. {_written(mount)}"
-            )
 
 
 def _written(mount: Mount) -> str:
