@@ -24,10 +24,22 @@ _HEIGHT, _MOST_DB = 105.0, 12.0  # height of a panel; largest ratio that is draw
 def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
     names = " and ".join(test.name for test in tests)
     worst = min(tests, key=lambda test: min(channel.rating.overall for channel in test.responses))
-    facts = tuple((f"Clock of {test.name}", _clock_text(test)) for test in tests)
+    facts = []
+    for test in tests:
+        channel = test.channels[0]
+        first, last = channel.pair.time[[0, -1]].round(4) + 0.0
+        text = f"compared from {first:g} to {last:g} s at {channel.pair.rate:.5g} Hz"
+        if test.aligned_by:
+            moved = abs(test.delay) * channel.channel.rate >= 0.5
+            clock = f"moved by {with_unit(-test.delay, 'ms')}" if moved else "agrees"
+            clock += "" if test.clock == 1.0 else f", and its seconds made {test.clock:.7g} of the run's"
+            text = f"{clock}, by {test.aligned_by}; {text}"
+        else:
+            text = f"as given; {text}"
+        facts.append((f"Clock of {test.name}", text))
     question = f"How well does the model agree with what was measured in {names}?"
     return Content(
-        title=f"{run} against {names}", verdict=agreement(worst), facts=facts, question=(question,),
+        title=f"{run} against {names}", verdict=agreement(worst), facts=tuple(facts), question=(question,),
         sections=tuple(section for section in correlation_sections(tests) if len(tests) > 1 or section.id != "tests"),
     )  # fmt: skip
 
@@ -61,18 +73,6 @@ def agreement(test: Correlation) -> Statement:
         tone="unjudged" if test.other_base else _TONES[worst.rating.grade],
         values={**values, "rating": worst.rating.overall, "delay_s": test.delay, "clock": test.clock},
     )  # fmt: skip
-
-
-def _clock_text(test: Correlation) -> str:
-    """Describe the compared interval and how the clock of a test was aligned with the run's."""
-    channel = test.channels[0]
-    first, last = channel.pair.time[[0, -1]].round(4) + 0.0
-    compared = f"compared from {first:g} to {last:g} s at {channel.pair.rate:.5g} Hz"
-    if not test.aligned_by:
-        return f"as given; {compared}"
-    moved = "agrees" if abs(test.delay) * channel.channel.rate < 0.5 else f"moved by {with_unit(-test.delay, 'ms')}"
-    rate = "" if test.clock == 1.0 else f", and its seconds made {test.clock:.7g} of the run's"
-    return f"{moved}{rate}, by {test.aligned_by}; {compared}"
 
 
 def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:

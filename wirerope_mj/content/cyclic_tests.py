@@ -79,21 +79,18 @@ def _test_blocks(tests: CyclicTests) -> Iterator[Block]:
             rows.append([title, *measures, *tangents, closed])
     note = "Tangent: stiffness right after the largest and the smallest deflection, where the motion turns round."
     yield Table("loop-measures", "Measures of the loops", _COLUMNS, rows, note=note)
-    yield Statement(
-        "loop-findings", items=tuple(f"{title}: {text}" for title, loops in tests.loops.items() for text in _findings(loops))
-    )
-
-
-def _findings(loops: Sequence[Loop]) -> Iterator[str]:
-    """Yield the hardening overlap of two amplitudes or more, and the softening to hardening of three or more."""
-    amplitudes = {loop.amplitude for loop in loops}
-    if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > _LEAST_DAMPING:
-        try:
-            yield f"hardening overlap {hardening_overlap(loops):.3f} (0: all amplitudes load along one path in tension)"
-        except ValueError as error:
-            yield f"no hardening overlap: {error}"
-    if len(amplitudes) >= 3:
-        yield softening_to_hardening(loops).message
+    findings = []
+    for title, loops in tests.loops.items():
+        amplitudes = {loop.amplitude for loop in loops}
+        if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > _LEAST_DAMPING:
+            try:
+                overlap = f"{hardening_overlap(loops):.3f} (0: all amplitudes load along one path in tension)"
+                findings.append(f"{title}: hardening overlap {overlap}")
+            except ValueError as error:
+                findings.append(f"{title}: no hardening overlap: {error}")
+        if len(amplitudes) >= 3:
+            findings.append(f"{title}: {softening_to_hardening(loops).message}")
+    yield Statement("loop-findings", items=tuple(findings))
 
 
 def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:

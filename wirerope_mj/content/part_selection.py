@@ -86,7 +86,18 @@ def _part_blocks(selection: CatalogueSelection, every: bool) -> Iterator[Block]:
     yield from _refused(selection, every=every)
     if not meeting:
         yield needed_statement(selection)
-    yield Statement("notes", items=tuple(_notes(selection)))
+    notes, tried = list(_unjudged(selection)), [part for part in selection.tried if not part.reason]
+    if len(tried) > len(meeting):
+        notes.append("figures of parts beyond a limit are computed as far as it takes to know that it is exceeded")
+    notes.append(
+        "the isolators are those of the catalogue, fitted to the vendors' stiffnesses with tension and damping as assumed "
+        "there; the payload's side of each mount stays where it is, and the foundation follows the part's height"
+    )
+    if selection.by in ("price", "mass") and any(math.isnan(selection.figure(part, selection.by)) for part in tried):
+        notes.append(f"parts without a {selection.by} in the table come last")
+    if meeting:
+        notes.append(f"ranked by {selection.by}; --by {', '.join(by for by in BY if by != selection.by)}")
+    yield Statement("notes", items=tuple(notes))
 
 
 def _refused(selection: CatalogueSelection, *, every: bool) -> Iterator[Statement]:
@@ -175,23 +186,6 @@ def _unjudged(selection: CatalogueSelection) -> Iterator[str]:
     if unjudged and not all(math.isnan(part.used("fragility")[0]) for part in tried):
         why = "the base does more than vibrate at random, or not for long enough"
         yield f"{SIGMA} under {listed(unjudged)}: not judged, since {why}"
-
-
-def _notes(selection: CatalogueSelection) -> Iterator[str]:
-    """Yield remarks on unjudged limits, parts that were not simulated, and the ranking."""
-    yield from _unjudged(selection)
-    tried = [part for part in selection.tried if not part.reason]
-    if len(tried) > len(selection.meeting):
-        yield "figures of parts beyond a limit are computed as far as it takes to know that it is exceeded"
-    yield (
-        "the isolators are those of the catalogue, fitted to the vendors' stiffnesses with tension and damping as assumed "
-        "there; the payload's side of each mount stays where it is, and the foundation follows the part's height"
-    )
-    if selection.by in ("price", "mass") and any(math.isnan(selection.figure(part, selection.by)) for part in tried):
-        yield f"parts without a {selection.by} in the table come last"
-    if selection.meeting:
-        others = ", ".join(by for by in BY if by != selection.by)
-        yield f"ranked by {selection.by}; --by {others}"
 
 
 def _part_label(part: TriedPart) -> str:

@@ -302,7 +302,22 @@ def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary
         motion = summary.result.study.motions[0].description
         return [Statement("motion", f"Base motion: {motion}."), measures_table(summary)]
 
-    first, studies = next(iter(cases.values())).result, cases.values()
+    studies = list(cases.values())
+    first, over, (limits, missing) = studies[0].result, any_exceeded(studies), payload_scope(studies)
+    rest, values, estimate = not_counted(over), {"beyond": float(over.count), "of": float(over.n)}, ""
+    if first.is_sampled and over.judged:
+        values |= {"probability": over.ratio, "low": over.low, "high": over.high, "confidence": CONFIDENCE}
+        estimate = f" ({percent(over.ratio)}; {percent(over.low)} to {percent(over.high)} at {percent(CONFIDENCE)} confidence)"
+    if not over.judged:
+        answer = Statement("headline", f"Not judged{rest}", tone="unjudged")
+    elif over.count:
+        worst_case = max(cases, key=lambda case: any_exceeded([cases[case]]).count)
+        text = f"A limit of a load case is exceeded in {over.count} of {over.n} variants{estimate}, most often in {worst_case}"
+        answer = Statement("headline", f"{text}{rest}{missing}", tone="exceeded", values=values)
+    else:
+        text = f"Within the limits{limits} in {several(len(cases), 'load case')} and all {over.judged} variants"
+        tone = "unjudged" if rest or missing else "within"
+        answer = Statement("headline", f"{text}{estimate}{rest}{missing}", tone=tone, values=values)
     sections = [
         Section(
             "answer", "", lambda: (block for case in studies for block in failed_blocks(case.result, "variant")), "headline"
@@ -313,28 +328,8 @@ def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary
     for number, (title, summary) in enumerate(cases.items(), start=1):
         sections.append(Section(f"case-{number}", title, partial(case_blocks, summary)))
     facts = ("Load cases", str(len(cases))), ("Variants", f"{first.variants} of each")
-    verdict = rested_first(_job_headline(cases), first.study)
+    verdict = rested_first(answer, first.study)
     return Content(title=name, facts=facts, question=(question,), verdict=verdict, sections=tuple(sections))
-
-
-def _job_headline(cases: Mapping[str, StudySummary]) -> Statement:
-    """State in how many variants a limit of any load case is exceeded, and what is not judged."""
-    studies = list(cases.values())
-    over, sampled, (limits, missing) = any_exceeded(studies), studies[0].result.is_sampled, payload_scope(studies)
-    rest = not_counted(over)
-    if not over.judged:
-        return Statement("headline", f"Not judged{rest}", tone="unjudged")
-    values, estimate = {"beyond": float(over.count), "of": float(over.n)}, ""
-    if sampled:
-        values |= {"probability": over.ratio, "low": over.low, "high": over.high, "confidence": CONFIDENCE}
-        estimate = f" ({percent(over.ratio)}; {percent(over.low)} to {percent(over.high)} at {percent(CONFIDENCE)} confidence)"
-    if over.count:
-        worst_case = max(cases, key=lambda name: any_exceeded([cases[name]]).count)
-        text = f"A limit of a load case is exceeded in {over.count} of {over.n} variants{estimate}, most often in {worst_case}"
-        return Statement("headline", f"{text}{rest}{missing}", tone="exceeded", values=values)
-    text = f"Within the limits{limits} in {several(len(cases), 'load case')} and all {over.judged} variants"
-    tone = "unjudged" if rest or missing else "within"
-    return Statement("headline", f"{text}{estimate}{rest}{missing}", tone=tone, values=values)
 
 
 def _cases_table(cases: Mapping[str, StudySummary]) -> Table:

@@ -51,7 +51,7 @@ Placed = tuple[float, float, str]  # Left, top and an <svg> element
 def scene_svgs(view: SceneView) -> list[str]:
     """Draw plan, elevation and key of a modelled geometry, or plan and elevation at an instant over it, pale."""
     scene, moved, whole = view.scene, view.moved, view.moved is None and view.absent is None
-    drawn, parts = drawn_scene(scene), []
+    drawn, devices, parts = drawn_scene(scene), list(dict.fromkeys(mount.isolator for mount in scene.drawn)), []
     after = None if moved is None else drawn_scene(moved)
     width, tallest = (WIDTH, _TALLEST) if whole else (WIDTH / 2.0, _TALLEST_HALF)
     for side in drawn.views:
@@ -60,10 +60,21 @@ def scene_svgs(view: SceneView) -> list[str]:
         if after is not None:
             shown += _moved(view, after, side, place, size[0])
         else:
-            shown += _mounts(scene, side, place, view.absent or ())
+            for mount in sorted(scene.drawn, key=lambda mount: devices.index(mount.isolator)):
+                at = place(side.seen(mount_position(scene, mount)))
+                cross = f'<path d="M{at[0] - 3:.1f} {at[1] - 3:.1f}l6 6m0-6l-6 6" stroke="{_INK}" stroke-width="1.2"/>'
+                shown.append(cross if mount.name in (view.absent or ()) else _mark(devices.index(mount.isolator), at))
             shown += _labels(scene, side, place) if whole else ()
         parts.append(_drawing(drawn, side, size, width, shown))
-    return [*parts, _key(scene)] if moved is None and scene.mounts else parts
+    if moved is None and scene.mounts:  # the key
+        columns, marks = 3, []
+        for number, device in enumerate(devices):
+            x, y = 12.0 + (WIDTH / columns) * (number % columns), 8.0 + _ROW * (number // columns)
+            text = f'<text x="{x + 9:.1f}" y="{y + 3.2:.1f}">{safe_text(short(device))}</text>'
+            marks.append(f"{_mark(number, np.array([x, y]))}{text}")
+        height = _ROW * (1 + (len(devices) - 1) // columns)
+        parts.append(f"{_svg_head(WIDTH, height, 'Marks of the isolators', 1)}{''.join(marks)}</svg>")
+    return parts
 
 
 def stage_svgs(drawn: DrawnScene, width: float, height: float) -> tuple[list[Placed], Callable[[SceneView], list[str]]]:
@@ -193,15 +204,6 @@ def _shapes(
     yield "</g>"
 
 
-def _mounts(scene: Scene, view: View, place: Place, absent: Sequence[str]) -> Iterator[str]:
-    for number, device in enumerate(_devices(scene)):
-        for mount in scene.drawn:
-            if mount.isolator == device:
-                at = place(view.seen(mount_position(scene, mount)))
-                cross = f'<path d="M{at[0] - 3:.1f} {at[1] - 3:.1f}l6 6m0-6l-6 6" stroke="{_INK}" stroke-width="1.2"/>'
-                yield cross if mount.name in absent else _mark(number, at)
-
-
 def _mark(number: int, at: Array) -> str:
     shape, colour = _MARKERS[number % len(_MARKERS)], _COLOURS[number % len(_COLOURS)]
     moved = f"translate({at[0]:.1f} {at[1]:.1f})"
@@ -226,19 +228,3 @@ def covered_area(box: Box, occupied: Sequence[Box]) -> float:
     """Sum the areas that a box shares with others, in units of the drawing squared."""
     shared = (np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2]) for other in occupied)
     return sum(float(np.maximum(size, 0.0).prod()) for size in shared)
-
-
-def _key(scene: Scene) -> str:
-    parts = []
-    devices, columns = _devices(scene), 3
-    for number, device in enumerate(devices):
-        x, y = 12.0 + (WIDTH / columns) * (number % columns), 8.0 + _ROW * (number // columns)
-        parts.append(
-            f'{_mark(number, np.array([x, y]))}<text x="{x + 9:.1f}" y="{y + 3.2:.1f}">{safe_text(short(device))}</text>'
-        )
-    height = _ROW * (1 + (len(devices) - 1) // columns)
-    return f"{_svg_head(WIDTH, height, 'Marks of the isolators', 1)}{''.join(parts)}</svg>"
-
-
-def _devices(scene: Scene) -> list[str]:
-    return list(dict.fromkeys(mount.isolator for mount in scene.drawn))

@@ -105,7 +105,19 @@ def record_run(
     with atomic_recording(target, application=application) as rec:
         shown = AtEvents(rec, main_instants(run.response, run.selection))
         _write(rec, shown, drawn, tab=tab, state=state)
-        _send_properties(rec, drawn.runs[0], title)
+        used, base = drawn.runs[0].selection.used, run.response.peaks.bodies.get(run.response.scene.base)
+        worst = used[0].governing if used else None
+        known = {
+            "model": run.response.scene.name, "motion": str(run.response.motion.get("kind", "")),
+            "level_g": in_unit(base.acceleration.value, "g") if base else None, "verdict": answer.text,
+            "exceeded": int(np.sum([verdict.verdict == EXCEEDED for verdict in run.verdicts])),
+            "worst": worst.subject if worst else None, "criterion": worst.criterion if worst else None,
+            WORST_INSTANT: opening_instant([drawn.runs[0]]),
+            UTILISATION: in_unit(used[0].largest, "%") if used else None,
+        }  # fmt: skip
+        known = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
+        rec.send_recording_name(title or run.response.scene.name)
+        rec.send_property(PROPERTIES, rr.AnyValues(**{name: value for name, value in known.items() if value is not None}))
         log_lanes(shown, run.response, run.selection)
         log_cursor(shown, run)
         log_plan(shown, run.response, run.selection)
@@ -202,24 +214,6 @@ def _write(rec: rr.RecordingStream, shown: Stream, drawn: Drawn, *, tab: str, sc
     if state:
         for run in drawn.runs:
             log_state(Below(rec, run.root), run.response)
-
-
-def _send_properties(rec: rr.RecordingStream, run: DrawnRun, title: str) -> None:
-    """Send model, motion, level and worst verdict of a run as properties of its recording."""
-    response, used = run.response, run.selection.used
-    rec.send_recording_name(title or response.scene.name)
-    base = response.peaks.bodies.get(response.scene.base)
-    worst = used[0].governing if used else None
-    known = {
-        "model": response.scene.name, "motion": str(response.motion.get("kind", "")),
-        "level_g": in_unit(base.acceleration.value, "g") if base else None, "verdict": headline(run.verdicts).text,
-        "exceeded": int(np.sum([verdict.verdict == EXCEEDED for verdict in run.verdicts])),
-        "worst": worst.subject if worst else None, "criterion": worst.criterion if worst else None,
-        WORST_INSTANT: opening_instant([run]),
-        UTILISATION: in_unit(used[0].largest, "%") if used else None,
-    }  # fmt: skip
-    texts = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
-    rec.send_property(PROPERTIES, rr.AnyValues(**{name: value for name, value in texts.items() if value is not None}))
 
 
 def opening_instant(runs: Sequence[DrawnRun]) -> float | None:

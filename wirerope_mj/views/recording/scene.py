@@ -92,7 +92,15 @@ def log_mounts(
                 show_labels=True,
             )  # fmt: skip
             rec.log(child(path, "labels"), spots, static=True)
-        _log_forces(rec, path, response, selection, on_base, rows, extent)
+        # the forces of mounts on their payloads as arrows of equal scale
+        vectors = np.stack([-response.mounts[d.mount.name].force[rows] @ d.mount.axes.T for d in on_base], axis=1)
+        if largest := np.sqrt((vectors**2).sum(axis=-1)).max():
+            feet = [d.mount.base_point + 0.5 * d.height * d.mount.axes[:, AXIAL] for d in on_base]
+            colors = [colour_of(selection, device.mount.name) for device in on_base]
+            drawn = rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent)
+            rec.log(child(path, "forces"), drawn, static=True)
+            arrows = rr.Arrows3D.columns(vectors=(vectors * (0.16 * extent / largest)).reshape(-1, 3))
+            rec.send_columns(child(path, "forces"), at(response.time[rows]), arrows.partition(np.full(rows.size, len(on_base))))
         for kind in dict.fromkeys((d.mount.isolator, d.height, d.width, d.rope) for d in on_base):
             same = [d for d in on_base if (d.mount.isolator, d.height, d.width, d.rope) == kind]
             _log_ropes(rec, child(path, "mounts", kind[0]), response, same, rows)
@@ -195,22 +203,6 @@ def carrier_of(response: Response, point: str) -> str:
             if np.ptp(inside, axis=0).max() < _FIXED:
                 return body.name
     return ""
-
-
-def _log_forces(
-    rec: Stream, path: str, response: Response, selection: Selection, devices: list[Device], rows: Rows, extent: float
-) -> None:
-    """Log the forces of mounts on their payloads as arrows of equal scale."""
-    forces = [-response.mounts[device.mount.name].force[rows] @ device.mount.axes.T for device in devices]
-    vectors = np.stack(forces, axis=1)
-    largest = np.sqrt((vectors**2).sum(axis=-1)).max()
-    if largest == 0.0:
-        return
-    feet = [d.mount.base_point + 0.5 * d.height * d.mount.axes[:, AXIAL] for d in devices]
-    colors = [colour_of(selection, device.mount.name) for device in devices]
-    rec.log(child(path, "forces"), rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent), static=True)
-    arrows = rr.Arrows3D.columns(vectors=(vectors * (0.16 * extent / largest)).reshape(-1, 3))
-    rec.send_columns(child(path, "forces"), at(response.time[rows]), arrows.partition(np.full(rows.size, len(devices))))
 
 
 OPEN, CLOSED = DARK.base, TOUCHING
