@@ -40,7 +40,9 @@ def test_where_nobody_sees_a_bar_lines_are_printed_now_and_then(capsys, monkeypa
         for second in range(0, 121, 10):  # all of it takes 256 s
             clock[0] = float(second)
             update(second / 256, 4.0)
-    assert capsys.readouterr().err.splitlines() == [
+    estimate, *lines = capsys.readouterr().err.splitlines()
+    assert estimate.startswith("study: about 4.3 min")
+    assert lines == [
         "study: 234 of 1000 variants, 4 variants/s, 0:03:16 left",
         "study: 468 of 1000 variants, 4 variants/s, 0:02:16 left",
     ]
@@ -54,7 +56,23 @@ def test_of_a_run_that_takes_days_a_hundred_lines_are_enough(capsys, monkeypatch
         for step in range(10001):
             clock[0] = 60.0 * step
             update(step / 10000, 4.0)
-    assert 90 <= len(capsys.readouterr().err.splitlines()) <= 100
+    estimate, *lines = capsys.readouterr().err.splitlines()
+    assert estimate.startswith("study: about 170 h")
+    assert 90 <= len(lines) <= 100
+
+
+@pytest.mark.parametrize(("seconds", "estimates"), [(9.0, []), (40.0, ["study: about 40 s"])])
+def test_what_takes_long_is_said_once_its_speed_is_known(capsys, monkeypatch, seconds, estimates):
+    monkeypatch.delenv("FORCE_COLOR", raising=False)
+    clock = [0.0]
+    monkeypatch.setattr(progress, "perf_counter", lambda: clock[0])
+    with share_bar("study", "variants/s", enabled=True, begun=0.5, disk=3e8) as update:
+        for step in range(21):  # the half that is left
+            clock[0] = step / 20 * seconds
+            update(0.5 + 0.5 * step / 20, 4.0)
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.partition(", ")[0] for line in lines] == estimates
+    assert all(line.endswith(" of memory, 300 MB of disk") for line in lines)
 
 
 def test_a_bar_shows_value_and_time_left(capsys, monkeypatch):

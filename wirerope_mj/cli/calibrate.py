@@ -6,6 +6,7 @@ from typing import Literal
 from wirerope_mj.cli.options import All, Force, Repeated, RepeatedPaths, Texts
 from wirerope_mj.cli.tables import say_where
 from wirerope_mj.content.calibration import calibration_content
+from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.simulate import duration_of
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.arguments import integer
@@ -121,7 +122,11 @@ def calibrate(
         tests += read_frequency_tests(Path(file), phrase)
     tests += [_loop_test(text) for text in loops or ()]
     draws = integer("--draws", draws, least=100)
-    result = calibrated(system, tests, vary=vary, residuals=residuals, draws=draws, seed=seed)
+    with share_bar("calibrating", "% of the runs", enabled=True) as update:
+        result = calibrated(
+            system, tests, vary=vary, residuals=residuals, draws=draws, seed=seed,
+            progress=lambda fraction: update(fraction, 100.0 * fraction),
+        )  # fmt: skip
     content = calibration_content(
         result,
         title=f"{Path(model).stem}, calibrated from {', '.join(one.name for one in tests)}",

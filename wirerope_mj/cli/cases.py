@@ -44,6 +44,7 @@ def cases(
     from wirerope_mj.cli.tables import DOCUMENT, TIMELINE, say_next, say_where
     from wirerope_mj.content.job import job_content
     from wirerope_mj.content.numbers import several
+    from wirerope_mj.engine.simulation.progress import Estimate, time_left
     from wirerope_mj.runs.job import CASES, run_job
     from wirerope_mj.runs.job_file import load_job
     from wirerope_mj.views.terminal import console, show, show_result
@@ -66,10 +67,18 @@ def cases(
     screen = console()
     screen.print(f"\n[bold]{escape(read.name)}[/]  {several(len(read.cases), 'load case')}")
 
+    count, estimate = 0, Estimate("cases")
+
     def done(name: str, seconds: float, answer: str, left: int) -> None:
-        verdict = answer.partition(":")[0]
-        screen.print(f"  {escape(name)}: {escape(verdict)} [dim]{seconds:.1f} s, {left} left[/]", soft_wrap=True)
+        nonlocal count
+        count += 1
+        verdict, fraction = answer.partition(":")[0], count / (count + left)
+        rest = f"{left} left, {time_left(fraction, perf_counter() - estimate.began)}" if left else "0 left"
+        screen.print(f"  {escape(name)}: {escape(verdict)} [dim]{seconds:.1f} s, {rest}[/]", soft_wrap=True)
         sys.stdout.flush()
+        written = sum(path.stat().st_size for path in (folder / CASES).rglob("*") if path.is_file())
+        estimate.disk = written / fraction
+        estimate.update(fraction)
 
     try:
         result = run_job(read, folder, force=force, workers=workers, pdf=pdf, docx=docx, done=done)

@@ -91,7 +91,7 @@ def frf(
     check_folder(folder, force=force, kind=KIND, marks=MARKS)
     watched = sys.stderr.isatty()
     report = _report if watched else None
-    result = frequency_response(system, options, name=system.name, report=report, keep=keep, progress=watched)
+    result = frequency_response(system, options, name=system.name, report=report, keep=keep, progress=True)
     if watched:
         _report("writing tables, pictures and the recording")
     findings = level_summaries(result)

@@ -128,6 +128,7 @@ def laws(*files: Path, elements: int = 5, law: Texts = None) -> int:
         law: names of the laws to compare; five by default, from three parameters up.
     """
     from wirerope_mj.content.cyclic_tests import law_choice_statement
+    from wirerope_mj.engine.simulation.progress import share_bar
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.mounts.identification.choice import USUAL, compare_laws
     from wirerope_mj.mounts.identification.records import read_tests
@@ -138,7 +139,10 @@ def laws(*files: Path, elements: int = 5, law: Texts = None) -> int:
         raise ValueError(f"`--law`: there is no law {unknown[0]!r}; the laws are {', '.join(sorted(LAWS))}.")
     kinds = [LAWS[name] for name in law] if law else USUAL
     measured = [loop for one in read_tests(files, stop=False).values() for loop in one]
-    table = compare_laws(measured, laws=kinds, elements=elements)
+    with share_bar("comparing", "laws", enabled=True) as update:
+        table = compare_laws(
+            measured, laws=kinds, elements=elements, progress=lambda fraction: update(fraction, len(kinds) * fraction)
+        )
     for line in str(table).splitlines():
         print(plain(line))
     print_block(law_choice_statement(table, " ".join(map(str, files))))

@@ -1,7 +1,6 @@
 """`wirerope replay`: a run, or the load cases of a job, computed again from the folder alone."""
 
 import math
-import sys
 from pathlib import Path
 
 from wirerope_mj.cli.options import DIFFERENT
@@ -22,7 +21,7 @@ def replay(folder: Path) -> int:
     from wirerope_mj.studies.inputs_file import STUDY
 
     if (folder / STUDY).is_file():
-        largest, column = replay_study(folder)
+        largest, column = replay_study(folder, progress=True)
         text = f"largest difference {largest:.3g}, relative to the largest, in {column}" if column else "bit-identical"
         agrees = "the tables agree" if largest <= AGREES else "the tables do not agree"
         print(plain(f"{folder}: every variant simulated again: {text}; {agrees}."))
@@ -33,7 +32,7 @@ def replay(folder: Path) -> int:
 def _replay_run(folder: Path) -> int:
     from wirerope_mj.runs import replay as replay_run
 
-    result = replay_run(folder, progress=sys.stderr.isatty())
+    result = replay_run(folder, progress=True)
     if result.identical:
         text = "every stored number is bit-identical: samples, peaks, states and summary."
     elif math.isinf(result.largest_difference):

@@ -46,8 +46,7 @@ def run_and_print(
         printed = True
 
     try:
-        watched = sys.stderr.isatty()
-        write_run(scenario, folder, force=force, progress=watched, when_judged=show_verdict, state=state, decks=decks)
+        write_run(scenario, folder, force=force, progress=True, when_judged=show_verdict, state=state, decks=decks)
     except BaseException as error:
         if printed:
             error.add_note(f"the peaks and verdicts above hold, but the run was not written to {folder}.")

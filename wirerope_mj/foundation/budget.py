@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -64,6 +65,16 @@ def require_time(subject: str, steps: float, remedy: str, *, step: float = STEP)
             f"{subject} would take {steps:.2g} steps, {seconds / 86_400.0:.3g} days of computing at the very least; the limit "
             f"is {LONGEST / 86_400.0:.0f} days. {remedy}"
         )
+
+
+def memory_taken() -> float:
+    """Return the most memory that this process has had so far [B]; 0 where the system does not say."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0.0
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return float(most) if sys.platform == "darwin" else 1024.0 * most
 
 
 def bytes_text(size: float) -> str:

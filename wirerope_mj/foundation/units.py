@@ -238,3 +238,9 @@ def duration_text(value: float, digits: int = 3) -> str:
     if abs(float(text)) >= 1e3:
         text, unit = significant(value, digits), "s"
     return f"{text.rstrip('0').rstrip('.') if '.' in text else text} {unit}"
+
+
+def rough_duration_text(value: float) -> str:
+    """Format a duration [s] as people wait for it, to two digits: 42 s, 7 min, 3.5 h."""
+    size, unit = (1.0, "s") if value < 100.0 else (60.0, "min") if value < 6000.0 else (3600.0, "h")
+    return f"{float(f'{value / size:.2g}'):g} {unit}"

@@ -14,6 +14,7 @@ from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.in_lanes import moving_indices
+from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.simulate import versions
 from wirerope_mj.foundation.arrays import Integers
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
@@ -106,7 +107,7 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
     )
 
 
-def replay_study(folder: str | Path) -> tuple[float, str]:
+def replay_study(folder: str | Path, *, progress: bool = False) -> tuple[float, str]:
     """Simulate every variant of a study or a search again from its folder alone, and compare the tables.
 
     Returns:
@@ -124,7 +125,11 @@ def replay_study(folder: str | Path) -> tuple[float, str]:
         raise RecordError(result.message)
     study = result.study
     numbers = range(math.ceil(study.size / chunk_size(study)))
-    again = {part.number: part.table for part in run_local(study.work, chunks(study, numbers))}
+    again = {}
+    with share_bar("study", "variants", enabled=progress) as update:
+        for part in run_local(study.work, chunks(study, numbers)):
+            again[part.number] = part.table
+            update(len(again) / len(numbers), study.size * len(again) / len(numbers))
     worst = (0.0, "")
     for name in again[0].column_names:
         old, new = (

@@ -40,6 +40,8 @@ from wirerope_mj.studies.room import NO_ROOM, limits_in_room
 
 _LONGEST = 5e-4  # Step from which the halving begins [s]: a mode of 100 Hz has twenty of them in a period
 LEVELS = 8  # steps that are tried, the last of them 4 microseconds
+# fractions of the work that are done after each: two are tried of every part, finer ones of fewer and fewer
+DONE = (0.2, 0.4, 0.7, 0.9, 0.96, 0.98, 0.99, 1.0)
 _PATIENCE = 4  # of them, after which a part whose run fails with each is given up
 # Difference of two runs over the error of the finer: 3 at order 2, a little less at the order that is seen.
 _FINER = 2.0
@@ -102,6 +104,9 @@ class TriedPart:
         return max((value for value in values if not math.isnan(value)), default=math.nan)
 
 
+Progress = Callable[[float], None]
+
+
 class Race:
     """Parts under load cases, stepped side by side with one step after the other, each half the last one."""
 
@@ -109,19 +114,25 @@ class Race:
         self._systems = {name: run.system for name, run in runs.items() if run.system is not None}
         self._periods = {name: slowest_period(system) for name, system in self._systems.items()}
         self._cases, self._initial, self._accuracy = cases, initial, accuracy
-        self._random = {case: vibrates_at_random(motion) for case, motion in cases.items()}
+        # Where random vibration is a motion's only part, 3-sigma accelerations are judged under it.
+        steady = {case: steady_interval(motion.to_dict()) for case, motion in cases.items()}
+        self._random = {case: alone and first > -math.inf for case, (alone, first, _) in steady.items()}
         self._left = [(case, name) for case in cases for name in sorted(self._systems, key=self._periods.__getitem__)]
         self.found: dict[str, dict[str, Mapping[str, float]]] = {name: {} for name in self._systems}
         self.reasons: dict[str, str] = {}
 
-    def run(self, level: int) -> None:
+    def run(self, level: int, progress: Progress) -> None:
         """Simulate the remaining parts with the step of a level, and keep those whose error is still too large."""
         alike: dict[tuple[str, bytes], list[str]] = {}  # load case and layout; as many as share lanes are of like periods
         for case, name in self._left:
             alike.setdefault((case, self._systems[name].assembly.tables.layout.tobytes()), []).append(name)
         groups = [(case, names[k : k + WIDTH]) for (case, _), names in alike.items() for k in range(0, len(names), WIDTH)]
+        begun = DONE[level - 1] if level else 0.0
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            outcomes = list(pool.map(lambda group: self._batch(group[0], group[1], _LONGEST / 2**level), groups))
+            outcomes: list[list[Mapping[str, float] | BatchFailure]] = []
+            for outcome in pool.map(lambda group: self._batch(*group, _LONGEST / 2**level), groups):
+                outcomes.append(outcome)
+                progress(begun + (DONE[level] - begun) * len(outcomes) / len(groups))
         remaining, beyond = [], set()
         for (case, names), results in zip(groups, outcomes, strict=True):
             for name, result in zip(names, results, strict=True):
@@ -141,11 +152,8 @@ class Race:
                 elif any(now[criterion] - 1.0 > _CERTAIN * abs(now[criterion] - before[criterion]) for criterion in CRITERIA):
                     beyond.add(name)  # whatever a finer step would say
                 else:  # the largest relative difference of what is judged
-                    judged = [
-                        *CRITERIA,
-                        *(f"acceleration/{name}" for name in (*payload_bodies(system), *payload_points(system))),
-                    ]
-                    pairs = np.array([(before[name], now[name]) for name in judged if not math.isnan(now[name])])
+                    accelerations = [f"acceleration/{body}" for body in (*payload_bodies(system), *payload_points(system))]
+                    pairs = np.array([(before[k], now[k]) for k in (*CRITERIA, *accelerations) if not math.isnan(now[k])])
                     error = np.abs(pairs[:, 0] - pairs[:, 1]) / np.maximum(np.abs(pairs).max(axis=1), 1e-12)
                     remaining += [(case, name)] if error.max() > _FINER * self._accuracy else []
         for name in beyond:  # whatever failed of it at such steps
@@ -177,12 +185,6 @@ class Race:
         return found
 
 
-def vibrates_at_random(motion: BaseMotion) -> bool:
-    """Tell whether random vibration is a motion's only part, so that 3-sigma accelerations are judged under it."""
-    alone, first, _ = steady_interval(motion.to_dict())
-    return alone and first > -math.inf
-
-
 def sigma_measures(response: Response | None) -> dict[str, float]:
     """Judge 3-sigma accelerations as a run does; return the largest utilisation and the largest acceleration [m/s^2].
 
@@ -199,7 +201,6 @@ def sigma_measures(response: Response | None) -> dict[str, float]:
 
 _ACCURACY = 1e-3  # of the peaks: the figures are shown to three digits
 _HOPELESS = 10.0  # times the rated static load from which on there is no equilibrium worth a search
-Progress = Callable[[float], None]
 
 
 def try_parts(
@@ -229,8 +230,7 @@ def try_parts(
     runs = {part.name: part for part in begun if not part.reason}
     race = Race(runs, cases, initial, accuracy)
     for level in range(LEVELS):
-        race.run(level)
-        progress((level + 1) / LEVELS)
+        race.run(level, progress)
     return [
         replace(part, measures=race.found.get(part.name, {}), reason=race.reasons.get(part.name, part.reason))
         for part in {part.name: part for part in (*tried, *begun)}.values()

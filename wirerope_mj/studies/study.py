@@ -10,12 +10,14 @@ from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.run import warn_of_aliasing, warn_of_missing_modes
 from wirerope_mj.foundation.arguments import integer, one_of
+from wirerope_mj.foundation.budget import memory_taken
+from wirerope_mj.foundation.processes import processors
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import TABLE, finish, finished_chunks, study_folder, write_part
 from wirerope_mj.studies.inputs_file import KEPT, PEAKS, RESPONSES
-from wirerope_mj.studies.measures import needs_samples
+from wirerope_mj.studies.measures import measure_names, needs_samples
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.varied import summary
 from wirerope_mj.studies.search.result import read_result
@@ -111,9 +113,11 @@ class Study(StudyDefinition):
                 size = chunk_size(self, keep)
                 missing = sorted(set(range(math.ceil(self.size / size))) - finished_chunks(place))
                 already = self.size - sum(min(size, self.size - number * size) for number in missing)
+                used = 1 if engine != "local" else workers or processors()
                 with share_bar(
-                    "study", "variants/s", total=self.size, parts="variants", enabled=progress, begun=already / self.size
-                ) as update:
+                    "study", "variants/s", total=self.size, parts="variants", enabled=progress, begun=already / self.size,
+                    memory=(used > 1) * used * memory_taken(), disk=disk_of(self, keep),
+                ) as update:  # fmt: skip
                     began, ended = perf_counter(), 0
                     parts = run(self.work, chunks(self, missing, keep), workers=workers, address=address)
                     with closing(parts):  # no process goes on after this one
@@ -151,6 +155,14 @@ def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
         return size
     samples = (int(study.work.duration * study.work.sample_rate) + 1) * len(column_plan(study.base).names)
     return min(size, max(MEMORY // (8 * samples), 1))
+
+
+def disk_of(study: StudyDefinition, keep: str = PEAKS) -> float:
+    """Return the size of a study's table, and of its variants' samples if they are kept [B]."""
+    numbers = len(study.work.columns) + len(measure_names(study.base))
+    if keep == RESPONSES:
+        numbers += int(study.work.duration * study.work.sample_rate) * len(column_plan(study.base).names)
+    return 8.0 * study.size * numbers
 
 
 def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:

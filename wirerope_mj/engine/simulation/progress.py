@@ -1,4 +1,4 @@
-"""The progress bar of a long run."""
+"""What a long computation will take, said once that is measured, and the bar of its progress."""
 
 import math
 import sys
@@ -6,20 +6,61 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
+from wirerope_mj.foundation.budget import bytes_text, memory_taken
+from wirerope_mj.foundation.units import rough_duration_text
+
 Update = Callable[[float, float], None]
 # time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run
 PATIENCE, PACE = 60.0, 0.01
+SETTLED = 1.0  # time [s] over which the speed of the work tells how long all of it takes
+SMALL = 0.1  # fraction of the work below which its first part does not tell the speed, but imports and starts of processes
+SAID = 10.0  # time of computing [s] from which on an estimate is said
+
+
+def print_line(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+class Estimate:
+    """What some work takes in all, said once where that is long: "study: about 40 s, 1.2 GB of memory, 300 MB of disk".
+
+    The speed is measured from the end of the first part that is done, if that is small.
+    """
+
+    def __init__(self, word: str, *, memory: float = 0.0, disk: float = 0.0, begun: float = 0.0) -> None:
+        self.word, self.begun, self.said = word, begun, False
+        self.memory, self.disk = memory, disk  # beside what this process has, and of the files that come of the work [B]
+        self.first: tuple[float, float] | None = None  # instant [s] and fraction from which on the speed is measured
+        self.began = perf_counter()
+
+    def update(self, fraction: float, say: Callable[[str], None] = print_line) -> None:
+        """Take the completed fraction, and say what all takes once that is known and is more than ten seconds."""
+        now = perf_counter()
+        if self.said or not self.begun < fraction < 1.0:
+            return
+        if self.first is None:
+            small = fraction - self.begun < SMALL * (1.0 - self.begun)
+            self.first = (now, fraction) if small else (self.began, self.begun)
+        elapsed, done = now - self.first[0], fraction - self.first[1]
+        if elapsed >= SETTLED and done > 0.0:
+            seconds = now - self.began + elapsed * (1.0 - fraction) / done
+            self.said = seconds >= SAID
+            if self.said:
+                sizes = {"memory": memory_taken() + self.memory, "disk": self.disk}
+                amounts = [f"{bytes_text(size)} of {name}" for name, size in sizes.items() if size]
+                say(", ".join([f"{self.word}: about {rough_duration_text(seconds)}", *amounts]))
 
 
 @contextmanager
 def share_bar(
-    word: str, unit: str, *, enabled: bool, begun: float = 0.0, total: int | None = None, parts: str = ""
-) -> Iterator[Update]:
-    """Show a value with its unit, the completed fraction and the remaining time on standard error while the block runs.
+    word: str, unit: str, *, enabled: bool, begun: float = 0.0, total: int | None = None, parts: str = "",
+    memory: float = 0.0, disk: float = 0.0,
+) -> Iterator[Update]:  # fmt: skip
+    """Say what the block takes, and show a value with its unit, the completed fraction and the remaining time while it runs.
 
-    Where standard error is no terminal, as in a batch job, it is a line now and then instead of a bar. `begun` is the fraction
-    that was done before; `total` the number of `parts` of which what is done is counted. Yields what to call with fraction and
-    value.
+    All on standard error: an `Estimate`, and a bar, or where standard error is no terminal, as in a batch job, a line now and
+    then. `begun` is the fraction that was done before; `total` the number of `parts` of which what is done is counted; `memory`
+    and `disk` are those of the estimate. Yields what to call with fraction and value.
     """
     if not enabled:
         yield lambda fraction, value: None
@@ -32,18 +73,19 @@ def share_bar(
         return f"{count}{value:.4g} {unit},"
 
     console, began = Console(stderr=True), perf_counter()
+    estimate = Estimate(word, memory=memory, disk=disk, begun=begun)
     if not (console.is_terminal or console.is_jupyter):
         last, shown = began, begun
 
-        def print_line(fraction: float, value: float) -> None:
+        def update_lines(fraction: float, value: float) -> None:
             nonlocal last, shown
+            estimate.update(fraction)
             now = perf_counter()
             if now - last >= PATIENCE and fraction - shown >= PACE:
                 last, shown = now, fraction
-                seconds = time_left(fraction, now - began, begun=begun)
-                print(f"{word}: {text(fraction, value)} {seconds} left", file=sys.stderr, flush=True)
+                print_line(f"{word}: {text(fraction, value)} {time_left(fraction, now - began, begun=begun)} left")
 
-        yield print_line
+        yield update_lines
         return
     columns = (
         TextColumn(word), BarColumn(), TextColumn("{task.fields[now]}"), TimeElapsedColumn(),
@@ -54,6 +96,7 @@ def share_bar(
         progress.update(task, completed=begun)
 
         def update(fraction: float, value: float) -> None:
+            estimate.update(fraction, lambda line: console.print(line, highlight=False, soft_wrap=True))
             seconds = time_left(fraction, perf_counter() - began, begun=begun)
             progress.update(task, completed=fraction, now=text(fraction, value), left=seconds)
 

@@ -100,16 +100,11 @@ def simulate(
     check_size(system, duration=duration, sample_rate=sample_rate, timestep=timestep, out=folder)
     start = initial_state(system, motion, initial)
     if timestep is None:
-        step = choose_timestep(
-            system,
-            motion,
-            start,
-            duration=duration,
-            sample_rate=sample_rate,
-            accuracy=accuracy,
-            engine=engine,
-            longest=longest,
-        )
+        with share_bar("choosing the step", f"of {duration:.4g} s", enabled=progress) as update:
+            step = choose_timestep(
+                system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy, engine=engine,
+                longest=longest, progress=lambda fraction: update(fraction, 0.0),
+            )  # fmt: skip
     else:
         stated_step = checked_step(system, timestep, duration)
         step = ChosenStep(timestep=stated_step, error=math.nan, limited_by=limit_of_given(timestep, sample_rate))
@@ -122,7 +117,9 @@ def simulate(
             done, rows = step.done
             recorder.add(0, rows)
         else:
-            with share_bar("simulating", f"of {grid.stop:.4g} s", enabled=progress) as update:
+            size = NUMBER * grid.sample_times.size * len(column_plan(system).names)
+            amounts = {"memory": size} if folder is None else {"disk": size}
+            with share_bar("simulating", f"of {grid.stop:.4g} s", enabled=progress, **amounts) as update:
                 done = compute(
                     system, motion, grid, start, engine=engine, callback=callback, sink=recorder.add,
                     progress=lambda now: update((now - grid.start) / (grid.stop - grid.start), now),

@@ -1,6 +1,7 @@
 """Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
@@ -88,7 +89,7 @@ def error_of_given(
 
 def choose_timestep(
     system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, accuracy: float,
-    engine: Engine = "auto", longest: float = math.inf,
+    engine: Engine = "auto", longest: float = math.inf, progress: Callable[[float], None] = lambda fraction: None,
 ) -> ChosenStep:  # fmt: skip
     """Halve the step until pilot runs keep samples and refined peaks within `accuracy`, and return it with its error.
 
@@ -96,7 +97,7 @@ def choose_timestep(
     is short, else windows of it that start from `start`. Of two pilots that differ by d the error of the finer is at most
     d / `FINER`, and it is taken where that is enough. Where bodies touch, `accuracy` may not be reached: refining ends as soon
     as that shows, and the error says what was reached. BudgetError if a finer step would take more than `longest` [s] of
-    computing in all.
+    computing in all. `progress` takes the fraction of all pilots that is done, as far as their order of convergence tells.
     """
     pilots = _Pilots(system, motion, start, duration=duration, sample_rate=sample_rate, engine=engine)
     pilots.longest = longest
@@ -121,6 +122,7 @@ def choose_timestep(
             continue
         difference = _difference(coarse, fine)
         error = RICHARDSON * difference
+        progress(pilots.fraction_done(difference, wanted))
         touches = fine is not None and any(pilot.touches for pilot in fine)
         if fine is not None and not touches and any(pilot.hits for pilot in fine) and np.isfinite(difference):
             if difference <= FINER * wanted:  # by luck, or since it converges: a third step tells
@@ -276,6 +278,15 @@ class _Pilots:
             return None
         finally:
             self.last = perf_counter() - began
+
+    def fraction_done(self, difference: float, wanted: float) -> float:
+        """Estimate which fraction of the time of all pilots has passed, from the difference of the last two.
+
+        The error of the finer one is a third of it, and a quarter after each halving, which takes twice the time.
+        """
+        halvings = math.ceil(math.log(max(difference / (3.0 * wanted), 1.0), 4.0)) if np.isfinite(difference) else HALVINGS
+        elapsed = perf_counter() - self.began
+        return elapsed / (elapsed + self.last * (2.0 ** (halvings + 1) - 2.0))
 
     def _side_by_side(self, step: float) -> list[_Pilot] | None:
         """Run windows of equal length, which begin at samples, by the kernel in lanes; None if it gave one up."""

@@ -1,11 +1,12 @@
 """Choice of a law by residuals and amplitudes left out, and of a method by the cost of its searches."""
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -95,7 +96,7 @@ class LawComparison(Brief):
 
 def compare_laws(
     loops: Sequence[Loop], *, laws: Sequence[type[Law]] = USUAL, elements: int = 5, weights: str = "range",
-    leave_out: bool = True,
+    leave_out: bool = True, progress: Callable[[float], None] = lambda fraction: None,
 ) -> LawComparison:  # fmt: skip
     """Fit several laws to the same loops, and find their errors on amplitudes left out of a fit.
 
@@ -112,6 +113,7 @@ def compare_laws(
         elements: Jenkin elements of a Masing law.
         weights: "range": loops count alike; "equal": a newton counts alike, as in the thesis, and small loops hardly count.
         leave_out: whether every amplitude is left out once: as many fits more.
+        progress: takes the fraction of the fits that is done.
 
     Raises:
         ValueError: the loops cannot be used, or no law is given.
@@ -124,7 +126,14 @@ def compare_laws(
     order = sorted(loops, key=lambda loop: float(np.ptp(loop.deflection)))
     measured = prepare(order, weights=weights)
     groups = amplitude_groups(measured)
-    fit = partial(identify, elements=elements, weights=weights)
+    number, fits = itertools.count(1), len(laws) * (1 + leave_out * len(groups))
+
+    def fit(part: Sequence[Loop], **how: Any) -> Identification:
+        try:
+            return identify(part, elements=elements, weights=weights, **how)
+        finally:
+            progress(min(next(number) / fits, 1.0))
+
     rows = [_row(partial(fit, law=kind), kind.name, order, measured, groups if leave_out else []) for kind in laws]
     least = min(row.criterion for row in rows)
     rows.sort(key=lambda row: row.criterion)

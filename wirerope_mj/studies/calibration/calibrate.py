@@ -1,7 +1,7 @@
 """Calibration: values with covariance and draws, unknowns that the tests do not identify, and the model's own error."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,7 +12,7 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions.spectra.srs import shock_response_spectrum
-from wirerope_mj.studies.calibration.fit import GOOD, Fit, Forward, Posterior, Prior, Problem, fit, sample
+from wirerope_mj.studies.calibration.fit import GOOD, Fit, Forward, Posterior, Prior, Problem, fit, sample, usual_runs
 from wirerope_mj.studies.calibration.forward import SystemForward, Test
 from wirerope_mj.studies.calibration.noise import DOMAINS, Domain, Series
 from wirerope_mj.studies.calibration.open_law import open_laws
@@ -243,7 +243,7 @@ class Calibration(Calibrated):
 
 def calibrate(
     system: System, tests: Sequence[Test], *, vary: Mapping[str, Distribution] | Sequence[str], residuals: Domain = "time",
-    draws: int = 1000, seed: int = 1,
+    draws: int = 1000, seed: int = 1, progress: Callable[[float], None] = lambda fraction: None,
 ) -> Calibration:  # fmt: skip
     """Calibrate the unknowns of a system to its tests: values, covariance, draws, and the system with the medians.
 
@@ -260,6 +260,7 @@ def calibrate(
             compared as they are.
         draws: of the posterior.
         seed: of design and sampler.
+        progress: takes the fraction of the runs of the model that is done, as many as calibrations usually take.
 
     Raises:
         ValueError: a prior is missing, or is none that can be calibrated.
@@ -272,14 +273,16 @@ def calibrate(
     one_of("residuals", residuals, DOMAINS)
     distributions = dict(vary) if isinstance(vary, Mapping) else read_vary(vary)
     forward = SystemForward(system, tests, distributions, residuals)
-    result = calibrate_model(forward, forward.series, forward.prior, draws=draws, seed=seed)
+    result = calibrate_model(forward, forward.series, forward.prior, draws=draws, seed=seed, progress=progress)
     return Calibration(problem=result.problem, fit=result.fit, posterior=result.posterior, forward=forward)
 
 
 def calibrate_model(
-    forward: Forward, series: Sequence[Series], prior: Prior, *, draws: int = 1000, seed: int = 1
-) -> Calibrated:
+    forward: Forward, series: Sequence[Series], prior: Prior, *, draws: int = 1000, seed: int = 1,
+    progress: Callable[[float], None] = lambda fraction: None,
+) -> Calibrated:  # fmt: skip
     """Calibrate the unknowns of any forward model to measured series; arguments as those of `calibrate`."""
     problem = Problem(forward, series, prior)
+    problem.progress = lambda runs: progress(min(runs / usual_runs(prior.size), 1.0))
     most_likely = fit(problem, seed=seed)
     return Calibrated(problem=problem, fit=most_likely, posterior=sample(problem, most_likely, draws=draws, seed=seed))

@@ -73,10 +73,12 @@ class Problem:
 
     Attributes:
         runs: of the model so far.
+        progress: takes that number after each batch of runs.
     """
 
     def __init__(self, forward: Forward, series: Sequence[Series], prior: Prior) -> None:
         self.series, self.prior, self.runs = tuple(series), prior, 0
+        self.progress: Callable[[int], None] = lambda runs: None
         self._forward = forward
         self.ends = np.cumsum([item.values.size for item in series])
         self.measured = np.concatenate([item.values for item in series])
@@ -86,8 +88,10 @@ class Problem:
 
     def model(self, normals: Array) -> Array:
         """Return the model's series, (n, n_samples), at u (n, d)."""
+        values = self._forward(self.prior.values(normals))
         self.runs += len(normals)
-        return self._forward(self.prior.values(normals))
+        self.progress(self.runs)
+        return values
 
     def jacobian(self, normals: Array) -> Array:
         """Return the derivative of the model's series by u, (n_samples, d), by central differences in one batch."""
@@ -113,6 +117,15 @@ class Problem:
                 for root, part in zip(roots, parts, strict=True)
             ]
         )
+
+
+def usual_runs(size: int) -> int:
+    """Return the number of runs of the model that a calibration of so many unknowns takes, about.
+
+    Of the design, of some twenty Jacobians with a run beside each, and of the emulator, checked twice.
+    """
+    emulator = max(2 + 3 * size + size**2, 24)  # twice the terms of a quadratic
+    return 1 + DESIGN + 20 * (2 * size + 1) + emulator + 2 * CHECKED
 
 
 def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]] | None = None) -> Fit:
