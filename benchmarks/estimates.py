@@ -5,10 +5,10 @@
 
 Each request is a command in a process of its own, whose estimates are printed however short it is; one that ends before an
 estimate is there took no more than a second or two of work. The factor is the larger of estimate over taken and taken over
-estimate, both from the start of what is estimated, the taken one to the start of the next estimate or to the end of the
-command; `passed` is the fraction of it that was over when the estimate was there. Memory is that of the command and its
-processes where it is largest, and disk the folder that is written. On a machine that does other things the speed changes in
-between: its load is printed beside.
+estimate, both from the start of what is estimated to its end; `passed` is the fraction of it that was over when the estimate
+was there, and `whole` the time of the command, with its imports and its pages. Memory is that of the command and its processes
+where it is largest, and disk the folder that is written. On a machine that does other things the speed changes in between: its
+load is printed beside.
 """
 
 import argparse
@@ -28,15 +28,29 @@ import psutil
 
 import wirerope_mj as wr
 
-# A command that says when an estimate begins, and says it however short the work is.
+# A command that says when what is estimated begins and ends, and says its estimate however short it is.
 COMMAND = """
 import sys
+from contextlib import contextmanager
 from wirerope_mj.engine.simulation import progress
+
+def print_line(line):
+    print(line, file=sys.stderr, flush=True)
+
 class Estimate(progress.Estimate):
     def __init__(self, word, **how):
         super().__init__(word, **how)
-        print(f"{word}: begins", file=sys.stderr, flush=True)
-progress.Estimate, progress.SAID = Estimate, 0.0
+        print_line(f"{word}: begins")
+
+bar = progress.share_bar
+
+@contextmanager
+def share_bar(*words, **how):
+    with bar(*words, **how) as update:
+        yield update
+    print_line(f"{words[0]}: ends")
+
+progress.Estimate, progress.share_bar, progress.SAID = Estimate, share_bar, 0.0
 from wirerope_mj.cli import main
 sys.exit(main())
 """
@@ -56,8 +70,8 @@ half-sine = "10 g 11 ms y"
 name = "Lengthwise"
 half-sine = "10 g 11 ms x"
 [[case]]
-name = "Random"
-psd = "5 Hz 0.001 g2/Hz; 200 Hz 0.001 g2/Hz z 3 s"
+name = "Sine"
+sine = "0.5 g 12 Hz z 10 s"
 """
 SELECT = "select --mass 420 --size 800 800 1800 --fragility 15 --travel 60 --shock"
 MEASURED = "--test test.csv --map 'A0=base z g' 'A1=body/block z g'"
@@ -158,7 +172,7 @@ def main() -> None:
     requests = [request for request in REQUESTS if not asked.commands or request.split()[0] in asked.commands]
     factors: dict[str, list[float]] = {"time": [], "memory": [], "disk": []}
     without = []
-    print(f"{'estimate':>9} {'taken':>8} {'factor':>6} {'passed':>6}  {'memory':>15}  {'disk':>15}  {'load':>5}  request")
+    print(" estimate    taken factor passed    whole     memory [MB]       disk [MB]   load  request")
     for request in requests:
         with tempfile.TemporaryDirectory() as name:
             prepare(Path(name))
@@ -169,7 +183,8 @@ def main() -> None:
             continue
         starts = [(at, line.removesuffix(": begins")) for at, line in done.lines if line.endswith(": begins")]
         for number, (began, word) in enumerate(starts):
-            end = starts[number + 1][0] if number + 1 < len(starts) else done.seconds
+            ends = [at for at, line in done.lines if at > began and line == f"{word}: ends"]
+            end = ends[0] if ends else done.seconds
             said = [(at, match) for at, line in done.lines if began <= at <= end and (match := SAID.match(line))]
             if not said:
                 continue
@@ -184,13 +199,14 @@ def main() -> None:
                     factors[kind].append(factor(*pair))
                 texts.append(f"{pair[0] / 1e6:7.3g}/{pair[1] / 1e6:<7.3g}")
             print(
-                f"{seconds:8.1f}s {end - began:7.1f}s {factors['time'][-1]:6.2f} {(at - began) / (end - began):6.0%}  "
+                f"{seconds:8.1f}s {end - began:7.1f}s {factors['time'][-1]:6.2f} {(at - began) / (end - began):6.0%} "
+                f"{done.seconds:7.1f}s  "
                 f"{texts[0] if texts else '':>15}  {texts[1] if texts else '':>15}  {load:5.1f}  {word} | {request}",
                 flush=True,
             )
         if not found:
             without.append(done.seconds)
-            print(f"{'-':>9} {done.seconds:7.1f}s {'':6} {'':6}  {'':15}  {'':15}  {load:5.1f}  {request}", flush=True)
+            print(f"{'-':>9} {done.seconds:7.1f}s {'':6} {'':6} {'':8}  {'':15}  {'':15}  {load:5.1f}  {request}", flush=True)
     for kind, values in factors.items():
         known = np.array([value for value in values if value == value])
         if known.size:

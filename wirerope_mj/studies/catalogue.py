@@ -130,7 +130,7 @@ class Race:
         begun = DONE[level - 1] if level else 0.0
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             outcomes: list[list[Mapping[str, float] | BatchFailure]] = []
-            for outcome in pool.map(lambda group: self._batch(*group, _LONGEST / 2**level), groups):
+            for outcome in pool.map(lambda group: self._batch(group[0], group[1], _LONGEST / 2**level), groups):
                 outcomes.append(outcome)
                 progress(begun + (DONE[level] - begun) * len(outcomes) / len(groups))
         remaining, beyond = [], set()

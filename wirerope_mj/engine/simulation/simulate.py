@@ -118,8 +118,8 @@ def simulate(
             recorder.add(0, rows)
         else:
             size = NUMBER * grid.sample_times.size * len(column_plan(system).names)
-            amounts = {"memory": size} if folder is None else {"disk": size}
-            with share_bar("simulating", f"of {grid.stop:.4g} s", enabled=progress, **amounts) as update:
+            memory, disk = (size, 0) if folder is None else (0, size)
+            with share_bar("simulating", f"of {grid.stop:.4g} s", enabled=progress, memory=memory, disk=disk) as update:
                 done = compute(
                     system, motion, grid, start, engine=engine, callback=callback, sink=recorder.add,
                     progress=lambda now: update((now - grid.start) / (grid.stop - grid.start), now),

@@ -4,6 +4,7 @@ The fit: a coarse design, least squares, and the residual's noise. The posterior
 quadratic emulator, checked against runs of the model.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -14,6 +15,7 @@ import scipy
 
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.studies.calibration.noise import Noise, Series, estimate_noise, first_noise
 from wirerope_mj.studies.vary.distributions import LARGEST, SMALLEST, Normal, Uniform
 
@@ -73,12 +75,13 @@ class Problem:
 
     Attributes:
         runs: of the model so far.
-        progress: takes that number after each batch of runs.
+        progress: takes the number of batches of runs side by side after each.
     """
 
     def __init__(self, forward: Forward, series: Sequence[Series], prior: Prior) -> None:
         self.series, self.prior, self.runs = tuple(series), prior, 0
-        self.progress: Callable[[int], None] = lambda runs: None
+        self.progress: Callable[[int], None] = lambda batches: None
+        self._batches = 0
         self._forward = forward
         self.ends = np.cumsum([item.values.size for item in series])
         self.measured = np.concatenate([item.values for item in series])
@@ -90,7 +93,8 @@ class Problem:
         """Return the model's series, (n, n_samples), at u (n, d)."""
         values = self._forward(self.prior.values(normals))
         self.runs += len(normals)
-        self.progress(self.runs)
+        self._batches += math.ceil(len(normals) / WIDTH)
+        self.progress(self._batches)
         return values
 
     def jacobian(self, normals: Array) -> Array:
@@ -119,13 +123,13 @@ class Problem:
         )
 
 
-def usual_runs(size: int) -> int:
-    """Return the number of runs of the model that a calibration of so many unknowns takes, about.
+def usual_batches(size: int) -> int:
+    """Return the number of batches of runs side by side that a calibration of so many unknowns takes, about.
 
     Of the design, of some twenty Jacobians with a run beside each, and of the emulator, checked twice.
     """
     emulator = max(2 + 3 * size + size**2, 24)  # twice the terms of a quadratic
-    return 1 + DESIGN + 20 * (2 * size + 1) + emulator + 2 * CHECKED
+    return math.ceil((1 + DESIGN + emulator + 2 * CHECKED) / WIDTH) + 20 * (1 + math.ceil(2 * size / WIDTH))
 
 
 def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]] | None = None) -> Fit:
