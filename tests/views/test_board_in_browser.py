@@ -10,7 +10,7 @@ from boards import Keys, Mouse, command, genset, position, served, window
 from browsers import launched, no_browser, opened
 from commands import wirerope
 
-pytestmark = [pytest.mark.browser, pytest.mark.slow]
+pytestmark = pytest.mark.browser
 
 SCRIPT = "<img/src=x/onerror=alert(1)><script>alert(2)</script>"
 CRITERIA = """() => [...document.querySelectorAll('[data-id="criteria"] tbody tr')]
@@ -75,6 +75,7 @@ def improve(page, hand):
     expect(page.locator("#headline")).to_have_text(re.compile("^PASS"))
 
 
+@pytest.mark.slow
 def test_a_genset_comes_from_fail_to_pass_and_the_command_says_the_same(browser, tmp_path):
     folder = tmp_path / "genset"
     with command(folder, "--template", "genset") as (_, address), window(browser, address) as page:
@@ -105,6 +106,7 @@ def test_a_genset_comes_from_fail_to_pass_and_the_command_says_the_same(browser,
         assert texts(folder) == before
 
 
+@pytest.mark.slow
 def test_keys_alone_write_the_same_files(browser, tmp_path):
     folder = tmp_path / "genset"
     with command(folder, "--template", "genset") as (_, address), window(browser, address) as page:
@@ -183,6 +185,7 @@ def test_a_mount_that_is_let_go_in_another_goes_back(browser, tmp_path):
         expect(page.locator("#headline")).to_have_text(re.compile("^FAIL"))
 
 
+@pytest.mark.slow
 def test_a_board_that_was_killed_has_what_was_not_saved(browser, tmp_path):
     folder = genset(tmp_path / "genset")
     before = texts(folder)
@@ -204,6 +207,7 @@ def test_a_board_that_was_killed_has_what_was_not_saved(browser, tmp_path):
         expect(page.locator('#plan [data-name="mount/m6"]')).to_have_attribute("aria-label", re.compile("x 800 "))
 
 
+@pytest.mark.slow
 def test_no_finding_of_axe_is_critical_or_serious(browser, tmp_path):
     try:
         from axe_playwright_python.sync_playwright import Axe
@@ -252,6 +256,7 @@ def test_scripts_are_texts_in_every_field(browser, tmp_path):
         assert SCRIPT in page.evaluate("[...document.querySelectorAll('input')].map(field => field.value).join()")
 
 
+@pytest.mark.slow
 def test_buttons_write_what_they_open(browser, tmp_path):
     folder = genset(tmp_path / "genset")
     with served(folder) as address, window(browser, address) as page:
