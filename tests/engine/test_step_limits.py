@@ -85,6 +85,23 @@ def test_refining_in_contact_ends_where_the_accuracy_is_out_of_reach(table, monk
     assert chosen.limited_by == (ACCURACY if error <= 1e-4 else SENSITIVE if grows else CONTACTS)
 
 
+@pytest.mark.parametrize(
+    ("difference", "before", "coarse", "fine"),
+    [
+        (3.0, np.nan, 6.0, 3.0),  # order 1 until a second difference is known
+        (3.0, np.inf, 6.0, 3.0),
+        (3.0, 6.0, 6.0, 3.0),  # seen: order 1
+        (3.0, 2.0, 6.0, 3.0),  # it grows
+        (2.0, 5.0, 2.0 + 2.0 / 1.5, 2.0 / 1.5),
+        (3.0, 12.0, 4.5, 1.5),  # order 2, of which no more than order 1.6 is believed
+        (1.0, 48.0, 5.0, 4.0),  # faster than order 2, by luck: 48 leaves 4 two halvings later
+        (0.0, 12.0, 0.0, 0.0),
+    ],
+)
+def test_errors_follow_how_a_difference_fell(difference, before, coarse, fine):
+    assert module._errors(difference, before) == pytest.approx((coarse, fine), rel=1e-12)
+
+
 def test_what_is_reached_and_what_was_asked_is_a_warning(table):
     with pytest.warns(wr.AccuracyWarning) as caught:
         r = wr.simulate(

@@ -35,11 +35,15 @@ SAMPLES, STABILITY, DURATION = "the sample interval", "the stability of the stif
 CORNERS = "the corners of the motion, such as the samples of a record"
 ACCURACY, GIVEN = "the accuracy asked for", "the timestep asked for"
 CONTACTS = "contacts, where finer steps bring too little"  # limits of a step
-# error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4
+# error of the coarser of two runs over their difference at order 2, taken where bodies touch and where the step is given
 RICHARDSON = 4.0 / 3.0
-# difference of two runs, the step of one half that of the other, over the finer one's error: 3 at order 2, and at the lower
-# order 1.6 that is sometimes seen between two steps
-FINER = 2.0
+# difference of two runs, the step of one half that of the other, over the finer one's error: 2^p - 1 at order p. It is 1 where
+# a peak is a corner, as at a slider that begins to slip, and it is not trusted to be more than at order 1.6
+LEAST_FALL, MOST_FALL = 1.0, 2.0
+# difference one halving before over the finer one's error at order 2: one that falls faster falls by luck
+TWO_HALVINGS = 12.0
+# error of a run over its difference from that with two thirds of its step, at order 2
+THIRD = 9.0 / 5.0
 # bytes of a value in the samples of pilots: rows and vectors of a coarse, a fine and a longer one are held at once
 OF_A_VALUE = 6 * 8
 SMALL = 1e-3  # quantities smaller than this fraction of the largest of their kind are judged against that fraction
@@ -94,8 +98,8 @@ def choose_timestep(
     """Halve the step until pilot runs keep samples and refined peaks within `accuracy`, and return it with its error.
 
     The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that
-    is short, else windows of it that start from `start`. Of two pilots that differ by d the error of the finer is at most
-    d / `FINER`, and it is taken where that is enough. Where bodies touch, `accuracy` may not be reached: refining ends as soon
+    is short, else windows of it that start from `start`. The errors of two pilots are estimated by `_errors`, and the coarser
+    or the finer is taken where that is enough. Where bodies touch, `accuracy` may not be reached: refining ends as soon
     as that shows, and the error says what was reached. BudgetError if a finer step would take more than `longest` [s] of
     computing in all. `progress` takes the fraction of all pilots that is done, as far as their order of convergence tells.
     """
@@ -115,19 +119,21 @@ def choose_timestep(
     coarse = pilots.at(step)
     in_contact: list[ChosenStep] = []
     hit: list[ChosenStep] = []  # of runs that hit a stop among the laws
+    before = np.nan
     for halving in range(HALVINGS):
         fine = pilots.at(step / 2.0)
         if coarse and fine and [pilot.run.steps for pilot in coarse] == [pilot.run.steps for pilot in fine]:
             step, coarse = step / 2.0, fine  # between samples and corners no step was cut: nothing is learned
             continue
         difference = _difference(coarse, fine)
-        error = RICHARDSON * difference
         progress(pilots.fraction_done(difference, wanted))
         touches = fine is not None and any(pilot.touches for pilot in fine)
+        error, finer = (RICHARDSON * difference, np.inf) if touches else _errors(difference, before)
         if fine is not None and not touches and any(pilot.hits for pilot in fine) and np.isfinite(difference):
-            if difference <= FINER * wanted:  # by luck, or since it converges: a third step tells
-                difference = max(difference, _difference(pilots.at(step / 3.0), fine))
-                error = max(error, RICHARDSON * difference)
+            if finer <= wanted:  # by luck, or since it converges: a third step tells
+                third = _difference(pilots.at(step / 3.0), fine)
+                difference, finer = max(difference, third), max(finer, THIRD * third)
+                error = max(error, finer)
             hit.append(ChosenStep(timestep=step, error=difference, limited_by=SENSITIVE))
         if error <= wanted:
             longer = _longer(pilots, fine, step, error, wanted, 0.5) if halving and not whole else None
@@ -139,11 +145,11 @@ def choose_timestep(
             in_reach = error / 2.0 ** (HALVINGS_IN_CONTACT - halvings)  # in contact an error falls with order 1 at best
             if halvings >= LUCK and in_reach > wanted and not in_reach <= ENOUGH_IN_CONTACT < error:
                 return _most_accurate(in_contact)
-        elif difference <= FINER * wanted:
-            choice = ChosenStep(timestep=step / 2.0, error=difference / FINER, limited_by=ACCURACY)
+        elif finer <= wanted:
+            choice = ChosenStep(timestep=step / 2.0, error=finer, limited_by=ACCURACY)
             longer = None if whole else _longer(pilots, fine, step / 2.0, choice.error, wanted)
             return longer or _with_pilot(choice, fine, whole)
-        step, coarse = step / 2.0, fine
+        step, coarse, before = step / 2.0, fine, difference
     if pilots.failures and not np.isfinite(error):
         every = "every step" if coarse is None else "steps"
         raise SimulationError(f"the run fails at {every} down to {step:.3g} s: {pilots.failures[-1]}")
@@ -155,6 +161,19 @@ def choose_timestep(
         f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
         f"{error:.3g}. Ask for less (a larger `accuracy`), or give the `timestep`."
     )
+
+
+def _errors(difference: float, before: float) -> tuple[float, float]:
+    """Estimate the errors of the coarser and the finer of two runs from their difference and that of one halving before.
+
+    How the difference fell tells the order; NaN before, or not finite: order 1.
+    """
+    if not np.isfinite(before) or difference == 0.0:
+        finer = difference / LEAST_FALL
+    else:
+        fall = min(max(before / difference - 1.0, LEAST_FALL), MOST_FALL)
+        finer = max(difference / fall, before / TWO_HALVINGS)
+    return difference + finer, finer
 
 
 def _longer(
