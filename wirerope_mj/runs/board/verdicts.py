@@ -1,19 +1,25 @@
 """Verdicts of what a board shows: quick ones, exact ones, and what they differ by from those before."""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
-from itertools import chain
 
-from wirerope_mj.assessment.criteria import COMBINED, Verdict
+from wirerope_mj.assessment.comparison import compare_runs
+from wirerope_mj.assessment.correlation import correlate
+from wirerope_mj.assessment.criteria import COMBINED
 from wirerope_mj.assessment.criteria.summary import COMBINED_MEANS
-from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_used
+from wirerope_mj.content.blocks import Block, Chart, Statement
+from wirerope_mj.content.comparison import accelerations_table, figures_table, travel_tables
+from wirerope_mj.content.correlation import channel_panel
 from wirerope_mj.content.first_sheet import brief_blocks
+from wirerope_mj.content.histories import TOTAL, overlay_histories
 from wirerope_mj.content.job import JudgedCase, JudgedJob, brief, job_headline
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.modes import TIPS
 from wirerope_mj.content.numbers import several
+from wirerope_mj.content.selection import worst_names
 from wirerope_mj.content.verdicts import headline, used_mark
 from wirerope_mj.dynamics.modes import NaturalFrequencies
 from wirerope_mj.engine.statics import Sag
@@ -26,8 +32,9 @@ from wirerope_mj.runs.board.what_if import frequency_ratio
 from wirerope_mj.runs.job_file import LoadCase
 from wirerope_mj.runs.room import in_thin_air
 from wirerope_mj.views.board.columns import column_html, fragment
-from wirerope_mj.views.board.compared import compared_blocks
 
+_ROWS = 8  # of a table of differences: those that a reader compares; the report of a run has them all
+_CHANNELS = 4  # measured channels whose curves are drawn
 _MODES = 6  # that are shown: those of a rigid payload
 _KEPT = 40  # judged cases of earlier positions, which undoing shows again
 Told = tuple[Mapping[str, str], Entries]  # HTML by what it is of, and whether it is of a former position, if that changes
@@ -88,7 +95,7 @@ class Verdicts:
             self._shown = [*self._shown[-1:], governing]
         names = ["before", "now"][-len(self._shown) :]
         shown = dict(zip(names, self._shown, strict=True))
-        yield {"compared": column_html(compared_blocks(shown, self._tests))}, {}
+        yield {"compared": column_html(_compared(shown, self._tests))}, {}
 
     def _told(self, loaded: Loaded, runs: Sequence[JudgedRun], *, quick: bool = False) -> Told:
         """Return the verdict of the first load cases."""
@@ -105,23 +112,48 @@ class Verdicts:
         for row in (row for run in runs for row in run.verdicts):
             self.used[row.subject] = max(row.utilisation or 0.0, self.used.get(row.subject, 0.0))
         remaining, first = len(job.cases) - len(cases), cases[0].run
-        blocks = brief(judged) if len(cases) > 1 else brief_blocks(first)
+        blocks = [*(brief(judged) if len(cases) > 1 else brief_blocks(first))]
+        if any(row.criterion == COMBINED and row.utilisation is not None for run in runs for row in run.verdicts):
+            blocks = [
+                replace(block, note=COMBINED_MEANS) if isinstance(block, Table) and block.id == "criteria" else block
+                for block in blocks
+            ]
         html = fragment(
             "right.html.jinja", said=job_headline(judged.verdicts) if len(cases) > 1 else headline(first.verdicts),
             what_if=", ".join(f"{slider.label} {slider.text(value)}" for slider, value in loaded.moved), quick=quick,
             more=several(remaining, "load case") if remaining else "",
-            blocks=column_html(_explained(blocks, chain.from_iterable(judged.verdicts.values()))),
+            blocks=column_html(blocks),
         )  # fmt: skip
         return {"verdict": html}, {"stale": bool(remaining)}
 
 
-def _explained(blocks: Iterable[Block | None], verdicts: Iterable[Verdict]) -> Iterator[Block | None]:
-    """Say below the bars what combined travel is, where it is judged."""
-    judged = any(row.criterion == COMBINED and row.utilisation is not None for row in verdicts)
-    for block in blocks:
-        if judged and isinstance(block, Table) and block.id == "criteria":
-            block = replace(block, note=COMBINED_MEANS)
-        yield block
+def _compared(runs: Mapping[str, JudgedRun], tests: Sequence[Measured]) -> Iterator[Block]:
+    """Yield tables and curves of a run, the last one, beside the run before it and tests."""
+    name, now = list(runs.items())[-1]
+    correlations = [correlate(now.response, test) for test in tests]
+    channels = [channel for test in correlations for channel in test.responses][:_CHANNELS]
+    panels = [replace(panel, title=f"{panel.title} {panel.ylabel}") for panel in (channel_panel(c, name) for c in channels)]
+    if len(runs) > 1:
+        comparison = compare_runs(
+            {name: run.response for name, run in runs.items()}, verdicts={name: run.verdicts for name, run in runs.items()}
+        )
+        for table in (figures_table(comparison), accelerations_table(comparison), *travel_tables(comparison)):
+            yield replace(table, shown=min(_ROWS, len(table.rows)))
+        # the most critical mount along its governing axis, and the most critical acceleration, or else the largest
+        worst = most_used(row for row in now.verdicts if row.criterion.kind == ACCELERATION)
+        parts = [worst.subject] if worst else worst_names(now.response)[:1]
+        along = (worst.criterion.axis if worst else "") or TOTAL
+        drawn = overlay_histories(comparison, now.selection)
+        keys = [("deflection", *now.selection.axes[:1], now.selection.governing or "")]
+        keys += [("acceleration", along, kind, part) for kind in ("body", "point") for part in parts]
+        panels += [drawn[key] for key in keys if key in drawn]
+    if correlations:
+        yield Statement("tests", items=tuple(f"{test.name}: {test.statement}" for test in correlations))
+    if panels:
+        yield Chart(
+            id="compared", rows=[[panel] for panel in panels], height=150.0, caption="Now, before, and as measured.",
+            alt="Histories now, before, and as measured.",
+        )  # fmt: skip
 
 
 def _key(case: LoadCase, loaded: Loaded) -> str:
