@@ -5,9 +5,10 @@ import tempfile
 from importlib import import_module
 from pathlib import Path
 
+from tests.slips.foreign_inputs import foreign_inputs
 from tests.slips.planting import Base, Outcome, Slip, planted, told
 
-CAMPAIGNS = ("models_and_tables", "records_and_jobs")
+CAMPAIGNS = ("models_and_tables", "records_and_jobs", "from_practice")
 
 
 def slips(part: str = "") -> list[Slip]:
@@ -29,8 +30,9 @@ def _line(outcome: Outcome) -> str:
 
 def main() -> int:
     chosen, outcomes, alarms = slips(" ".join(sys.argv[1:])), list[Outcome](), 0
+    right = [*bases(chosen), *foreign_inputs()]
     with tempfile.TemporaryDirectory() as folder:
-        for number, base in enumerate(bases(chosen)):
+        for number, base in enumerate(right):
             for sentence in told(base, Path(folder) / f"base{number}"):
                 alarms += 1
                 print(f"FALSE ALARM | {base.name} | {sentence}")
@@ -42,7 +44,7 @@ def main() -> int:
     for slip in chosen:
         if slip.untold:
             print(f"not told: {slip.name}: {slip.untold}")
-    print(f"{len(chosen)} slips: {named} of {len(outcomes)} named; {alarms} false alarms over {len(bases(chosen))} inputs.")
+    print(f"{len(chosen)} slips: {named} of {len(outcomes)} named; {alarms} false alarms over {len(right)} inputs.")
     return 0
 
 

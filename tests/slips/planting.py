@@ -14,7 +14,7 @@ class Base:
     """An input as it should be: texts by the names of their files, and the file that is asked about; "" = the folder."""
 
     name: str
-    files: Mapping[str, str]
+    files: Mapping[str, str | bytes]
     asked: str = ""
     #: what reads the file that is asked about, and may list sentences; None: `wirerope check`
     ask: Callable[[Path], object] | None = None
@@ -57,7 +57,7 @@ def told(base: Base, folder: Path) -> list[str]:
     """Write an input into an empty folder and return what is said of it."""
     for name, text in base.files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
+        (folder / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     return said(folder / base.asked, base.ask)
 
 

@@ -3,6 +3,7 @@
 import pytest
 
 from tests.slips.__main__ import bases, slips
+from tests.slips.foreign_inputs import foreign_inputs
 from tests.slips.planting import planted, told
 
 EVERY = slips()
@@ -27,9 +28,16 @@ def test_a_sample_of_slips_is_named(tmp_path, monkeypatch):
     assert faults(PAIRS[::25], tmp_path) == []
 
 
+def test_nothing_is_said_of_a_fifth_of_foreign_inputs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = {base.name: told(base, tmp_path / base.name) for base in foreign_inputs()[::5]}
+    assert {name: sentences for name, sentences in said.items() if sentences} == {}
+    assert len(said) == 10
+
+
 @pytest.mark.slow
 def test_nothing_is_said_of_what_is_right(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    said = {base.name: told(base, tmp_path / base.name) for base in bases(EVERY)}
+    said = {base.name: told(base, tmp_path / base.name) for base in (*bases(EVERY), *foreign_inputs())}
     assert {name: sentences for name, sentences in said.items() if sentences} == {}
     assert len(said) >= 5

@@ -1,5 +1,6 @@
 """`wirerope isolators`: the catalogue, one isolator, an isolator from a data sheet, blank or not, or from its geometry."""
 
+import warnings
 from pathlib import Path
 from typing import Literal
 
@@ -29,7 +30,9 @@ def isolators(
         out: where the picture of the loops is written (.png, .svg, .pdf).
     """
     from wirerope_mj.content.catalogue import catalogue_table, isolator_content, parts_table
+    from wirerope_mj.foundation.errors import ModelWarning
     from wirerope_mj.foundation.resources import catalogue_folder
+    from wirerope_mj.mounts.isolator.implausible import isolator_warnings
     from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator, vendor_parts
     from wirerope_mj.mounts.vendor_parts.comparison import left_out
     from wirerope_mj.mounts.vendor_parts.parts import VendorPart
@@ -47,6 +50,8 @@ def isolators(
     given = Path(name)
     path = given if given.is_file() else find_isolator(name, beside=catalogue_folder())
     device = load_isolator(path)
+    for text in isolator_warnings(device):
+        warnings.warn(text, ModelWarning, stacklevel=1)
     known = isinstance(path, VendorPart) or path.parent == catalogue_folder()
     part = path.name if isinstance(path, VendorPart) else path.stem
     show(isolator_content(device, left_out(part, device) if known else None))

@@ -49,6 +49,7 @@ SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
 # clearances [m] that are plausible: mounts travel a millimetre at least, and none two metres; an acceleration [m/s^2] below
 # which people who walk by go beyond it; a load over the mean weight on a mount, which some mounts are off it by less
 _CLEAR, _STILL, _OF_WEIGHT = (2e-4, 2.0), 0.05, 0.1
+_TOUGH = 2e4  # acceleration [m/s^2] that nothing needs a limit for which stands on wire rope: projectiles have such
 
 _LABELS = {1: ("",), 3: ("x", "y", "z"), 6: SIDES}
 
@@ -99,6 +100,8 @@ class PayloadLimit:
             return f"no equipment on wire rope has a clearance of {odd:.3g} m: is its unit mm where m is said, or m for mm?"
         if self.kind == "acceleration" and least < _STILL:
             return f"{least:.3g} m/s^2 is less than a footstep makes: is its unit mm/s^2 where m/s^2 or g is meant?"
+        if self.kind == "acceleration" and most > _TOUGH:
+            return f"{most:.4g} m/s^2 is borne by nothing that stands on wire rope: is it in another unit, such as mm/s^2?"
         if self.kind == "load" and least < _OF_WEIGHT * weight:
             return f"{least:.4g} N are less than a tenth of what stands on a mount at rest, {weight:.4g} N: is it in kN?"
         return ""

@@ -4,6 +4,7 @@ _LONGEST_SHOCK = 1.0  # [s] beyond which the unit of a pulse is questioned
 # change of velocity [m/s] beyond which the unit of a shock is questioned, that of a fall from 5 m: half-sines of standards end
 # at 7.5, and those of sleds, which go beyond, last longer than this [s]; below this one [m/s] no mount feels it
 _FASTEST, _OF_SLEDS, _SLOWEST = 10.0, 0.05, 0.01
+_SHORTEST, _STILL = 1e-4, 1e-3  # length [s] from which a slow shock is a gentle test, unless it is as slow as this [m/s]
 _UNITS = "is its peak in another unit, m/s^2 where g is said or mm/s^2 where m/s^2 is?"
 
 
@@ -16,7 +17,7 @@ def doubt_of_velocity(change: float, duration: float, question: str = _UNITS) ->
     """Return a question about the units of a shock by its change of velocity [m/s], which no test has; else ""."""
     if abs(change) > _FASTEST and duration < _OF_SLEDS:
         return f"it changes the base's velocity by {abs(change):.3g} m/s, more than shock tests do: {question}"
-    if abs(change) < _SLOWEST:
+    if abs(change) < _STILL or (abs(change) < _SLOWEST and duration < _SHORTEST):
         return (
             f"it changes the base's velocity by {1e3 * abs(change):.2g} mm/s, which no mount feels: is its length in another "
             "unit, s where ms is said, or its peak?"

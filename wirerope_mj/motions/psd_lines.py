@@ -115,6 +115,9 @@ def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
 # highest frequency [Hz] of a density from which its unit is questioned: specifications of equipment end at 2000, those of
 # gunfire and pyrotechnics at 5000; rms displacement [m] from which it is: the heave of ships in the worst sea stays below
 _HIGHEST, _FARTHEST = 5e3, 4.0
+# rms acceleration [m/s^2] beyond which the unit of a density is questioned, 50 g; how many times a single point stands off both
+# beside it; displacement [m] of an oscillator under a spectrum, which the ground of no earthquake and no ship's deck reaches
+LOUDEST, _LONE, _SWEPT = 50.0 * STANDARD_GRAVITY, 100.0, 1.2
 
 
 def psd_points(path: Path) -> Points:
@@ -127,14 +130,35 @@ def psd_points(path: Path) -> Points:
     """
     points = _density(path)
     moved = psd_rms([(frequency, level / (2.0 * math.pi * frequency) ** 4) for frequency, level in points])
-    doubt = ""
+    in_hertz, doubt = " Say the unit in the header, or write them in Hz.", ""
     if points[-1][0] > _HIGHEST:
-        doubt = f"it reaches {points[-1][0]:.4g} Hz, and densities end at 2000 or 5000 Hz: are its frequencies in rad/s?"
+        doubt = (
+            f"it reaches {points[-1][0]:.4g} Hz, and densities end at 2000 or 5000 Hz: are its frequencies in rad/s?{in_hertz}"
+        )
+    elif (rms := psd_rms(points)) > LOUDEST:
+        doubt = (
+            f"its rms is {rms / STANDARD_GRAVITY:.3g} g, more than shakers reach: is it in (m/s^2)^2/Hz where g^2/Hz is said?"
+        )
+    elif (odd := _lone_point(points)) is not None:
+        doubt = f"its level at {odd:.4g} Hz stands a hundred times off both beside it: is a digit wrong?"
     elif moved > _FARTHEST:
-        doubt = f"at {points[0][0]:.3g} Hz its base would move by {moved:.3g} m rms: are its frequencies in kHz?"
+        doubt = f"at {points[0][0]:.3g} Hz its base would move by {moved:.3g} m rms: are its frequencies in kHz?{in_hertz}"
     if doubt:
-        warnings.warn(f"{path}: {doubt} Say the unit in the header, or write them in Hz.", RecordWarning, stacklevel=2)
+        warnings.warn(f"{path}: {doubt}", RecordWarning, stacklevel=2)
     return points
+
+
+def _lone_point(points: Points) -> float | None:
+    """Return the frequency [Hz] of a point that alone stands a hundred times above or below both beside it, half an octave off.
+
+    Narrow bands upon a density are narrower, and have two points at their level.
+    """
+    for before, here, after in zip(points, points[1:], points[2:], strict=False):
+        ratios = before[1] / here[1], after[1] / here[1]
+        wide = here[0] / before[0] > math.sqrt(2.0) and after[0] / here[0] > math.sqrt(2.0)
+        if wide and (max(ratios) < 1.0 / _LONE or min(ratios) > _LONE):
+            return here[0]
+    return None
 
 
 _MEETS = 0.5  # Largest step at the end of a slope [dB]: slopes are printed in whole decibels
@@ -192,8 +216,20 @@ def _density(path: Path) -> Points:
 
 
 def spectrum_points(path: Path) -> Points:
-    """Read the points (frequency [Hz], acceleration [m/s^2]) of a file such as "frequency [Hz], acceleration [g]"."""
-    return _points(path, ACCELERATION_UNITS, kind="response spectrum", example='"frequency [Hz], acceleration [g]"')
+    """Read the points (frequency [Hz], acceleration [m/s^2]) of a file such as "frequency [Hz], acceleration [g]".
+
+    Warns:
+        RecordWarning: oscillators under it would move as far as under no shock.
+    """
+    points = _points(path, ACCELERATION_UNITS, kind="response spectrum", example='"frequency [Hz], acceleration [g]"')
+    frequency, moved = max(((f, a / (2.0 * math.pi * f) ** 2) for f, a in points), key=lambda point: point[1])
+    if moved > _SWEPT:
+        warnings.warn(
+            f"{path}: at {frequency:.3g} Hz it moves an oscillator by {moved:.3g} m: are its frequencies in kHz, or its "
+            "accelerations in another unit, m/s^2 or mm/s^2 for g?",
+            RecordWarning, stacklevel=2,
+        )  # fmt: skip
+    return points
 
 
 def table_lines(path: Path) -> tuple[str, Points]:

@@ -19,12 +19,11 @@ from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes
 from wirerope_mj.motions.motion import Said, StartedMotion
 from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, vibration_arguments
 from wirerope_mj.motions.piecewise import UniformSpline
-from wirerope_mj.motions.psd_lines import checked_points, psd_points, psd_power, psd_rms
+from wirerope_mj.motions.psd_lines import LOUDEST, checked_points, psd_points, psd_power, psd_rms
 
 Amplitudes = Literal["fixed", "random"]
 _DEGREES = {"quintic": 5, "cubic": 3}
 KNOTS_PER_PERIOD = 8  # knots of the acceleration in a period of the highest frequency
-_LOUDEST = 50.0 * STANDARD_GRAVITY  # rms beyond which the unit of a density is questioned [m/s^2]
 MOST_POINTS = 1e8  # points of a random vibration: a gigabyte, more than an hour up to 2 kHz
 
 
@@ -100,7 +99,7 @@ class RandomVibration(AsCall, StartedMotion):
     @property
     def doubt(self) -> str:
         """Question whether the unit of the density is wrong, if its rms is above 50 g; else ""."""
-        loud = self.rms > _LOUDEST
+        loud = self.rms > LOUDEST
         return f"its rms is {self.rms / STANDARD_GRAVITY:.4g} g: is the unit of its density another?" if loud else ""
 
     @property

@@ -14,6 +14,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
+from wirerope_mj.motions.doubts import doubt_of_velocity
 from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
 from wirerope_mj.motions.phrases import START, SpokenMotion, made_of
 from wirerope_mj.motions.pulses import HalfSine
@@ -22,6 +23,8 @@ LEFT_AT_END = 1e-3  # fraction of the oscillation that is left at `end`
 # largest product of a blow's length and the deck's decay rate: the oscillation that its beginning excites is gone long
 # before its end, and e to that power is far from overflow
 SLOWEST_BLOW = 100.0
+# periods of the deck that a blow lasts, and acceleration of its free oscillation [m/s^2], beyond which units are questioned
+_LONGEST_BLOW, _LARGEST_PEAK = 2.0, 1e4
 
 
 @dataclass(frozen=True, init=False)
@@ -102,6 +105,22 @@ class DecayingSine(StartedMotion):
         if self.quantity == "velocity":
             return self.level
         return self.level / (self._omega**2 * abs(self._free))
+
+    @property
+    def doubt(self) -> str:
+        """Question whether a unit is another, if no deck is so fast or so high, or no blow so long; else ""."""
+        if self.impact_duration * self.frequency > _LONGEST_BLOW:
+            return (
+                f"its blow of {self.impact_duration:.4g} s lasts longer than two periods of the deck, "
+                f"{1.0 / self.frequency:.3g} s each: was {self.impact_duration:.4g} ms meant?"
+            )
+        peak = abs(self.velocity_change) * self._omega
+        if peak > _LARGEST_PEAK:
+            return (
+                f"its acceleration would reach {peak / STANDARD_GRAVITY:.4g} g without a blow's length, more than that of any "
+                "deck: are frequency and velocity in Hz and m/s?"
+            )
+        return doubt_of_velocity(self.velocity_change, 0.0, "is it in mm/s, or in another unit?")
 
     @property
     def corners(self) -> Array:

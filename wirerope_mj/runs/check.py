@@ -19,6 +19,7 @@ from wirerope_mj.content.statics import RESTED_REMEDY
 from wirerope_mj.engine.from_tables.layout import NAME
 from wirerope_mj.engine.from_tables.read import read_table
 from wirerope_mj.engine.simulation.run import missing_modes
+from wirerope_mj.engine.simulation.simulate import duration_of
 from wirerope_mj.engine.statics import model_warnings, static_table
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import (
@@ -58,6 +59,7 @@ from wirerope_mj.runs.room import in_thin_air, overlapping
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import is_run, scenario_content, stored_scenario, system_of
 from wirerope_mj.runs.study import load_study_file
+from wirerope_mj.studies.search.search import Search
 
 _OURS = (ModelWarning, RecordWarning, AccuracyWarning, StudyWarning)
 _LOCATION = re.compile(r"(.+?)(?:, ((?:sheet|lines?|row) [^:]+))?: (.+)", re.DOTALL)  # as messages begin
@@ -189,7 +191,32 @@ def _tables(source: Path) -> Texts:
 
 
 def _scenario(scenario: Scenario) -> Texts:
-    yield from _of_system(system_of(scenario.on_its_floor()), [scenario.motion])
+    scenario = scenario.on_its_floor()
+    system = system_of(scenario)
+    yield from _of_motion(scenario.motion, scenario.simulate.get("duration"), system)
+    yield from _of_system(system, [scenario.motion])
+
+
+def _of_motion(motion: BaseMotion, duration: float | None, system: System) -> Texts:
+    """Yield what is implausible about a motion that no phrase says, and about the simulated time [s], if it is stated."""
+    for part in motion.parts:
+        if part.doubt:
+            yield f"{part.description}: {part.doubt}"
+    try:
+        duration_of(motion, duration, system)
+    except ValueError as error:
+        if duration is not None:
+            yield str(error)
+
+
+def _study(path: Path) -> Texts:
+    """Read a study or search, every variant of it, or the first generation; what its values look like is warned of."""
+    study = load_study_file(path).make()
+    every = study.study if isinstance(study, Search) else study
+    for motion in every.motions:
+        yield from _of_motion(motion, every.duration, every.base)
+    yield from _of_system(every.base)
+    study.table()
 
 
 def _run(folder: Path) -> Texts:
@@ -207,9 +234,9 @@ def _isolator(path: Path) -> Texts:
     yield from isolator_warnings(load_isolator(path))
 
 
-def _datasheet(path: Path) -> None:
+def _datasheet(path: Path) -> Texts:
     if read_short_sheet(path) is None:
-        fit_datasheet(path)
+        yield from isolator_warnings(fit_datasheet(path))
 
 
 def _mission(path: Path) -> None:
@@ -250,7 +277,7 @@ def _map(path: Path) -> None:
 # What reads each kind: what it raises is refused; what it warns of, or yields as sentences, is implausible.
 _READERS: dict[str, Callable[[Path], object]] = {
     "model": lambda path: _of_system(load_system(path)), "scenario": lambda path: _scenario(load_scenario(path).make()),
-    "study": lambda path: _of_system(load_study_file(path).make().base), "isolator": _isolator, "datasheet": _datasheet,
+    "study": _study, "isolator": _isolator, "datasheet": _datasheet,
     "law": lambda path: read_law(read_toml(path, "law file"), Place(path)), "levels": motion_of_levels, "job": _job,
     "life": _mission, "map": _map, "density": psd_points, "spectrum": spectrum_points, "amplitudes": table_lines,
     "curve": read_curve, "forces over time": force_rows, "cyclic test": _cyclic_test, "record": _record, "run": _run,

@@ -41,6 +41,9 @@ KINDS = {
 }  # fmt: skip
 
 
+_DENSITIES = {"psd", "asd", "power spectral density"}  # what a column of a density may be called, with a unit or without
+
+
 def kind_of(path: Path) -> str | None:
     """Tell the kind of a file, a key of `KINDS`; None where it cannot be told.
 
@@ -85,7 +88,7 @@ def _kind_of_table(header: Header) -> str | None:
         return "masses"
     if {"name", "x", "y", "z"} <= names:
         return "points"
-    if has_unit(header, PSD_UNITS) or names >= {"from", "to", "slope"}:
+    if has_unit(header, PSD_UNITS) or names & _DENSITIES or names >= {"from", "to", "slope"}:
         return "density"
     if has_unit(header, FREQUENCY_UNITS):
         return "spectrum" if has_unit(header, ACCELERATION_UNITS) and "from" not in names else "amplitudes"

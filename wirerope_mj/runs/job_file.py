@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from wirerope_mj.content.blocks import Document
 from wirerope_mj.content.job import REPORTED
@@ -43,7 +43,7 @@ class Simulated:
     """How cases are simulated."""
 
     duration: Annotated[float | None, example(0.5)] = None  #: length [s]
-    initial: Annotated[str | None, example("settled")] = None  #: "settled", "relaxed" or "unloaded"
+    initial: Annotated[Literal["settled", "relaxed", "unloaded"] | None, example("settled")] = None  #: state that it begins in
     sample_rate: Annotated[float | None, example(2000.0)] = None  #: samples a second [Hz]
     accuracy: Annotated[float | None, example(1e-4)] = None  #: of peaks, by which the step is chosen
     timestep: Annotated[float | None, example(1e-4)] = None  #: step [s], in place of an accuracy

@@ -16,6 +16,7 @@ from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
+from wirerope_mj.engine.statics import limit_doubts
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.declared import is_subject, limit_subjects
 from wirerope_mj.engine.system.model_files import missing_isolators, read_changes
@@ -55,14 +56,8 @@ def judged_by(system: System, *, combined_travel: bool, limits: Sequence[Payload
             )
         if any((earlier.kind, earlier.name) == (limit.kind, limit.name) for earlier in limits[:number]):
             raise ModelError(f"limit {limit.kind}/{limit.name}: it is given twice.")
-    weight = 0.0
-    if any(limit.kind == "load" for limit in limits):  # of the payload, on each mount that is no stop
-        mass = sum(float(system.model.body_subtreemass[system.model.body(name).id]) for name in system.payloads)
-        mounts = sum(not mount.isolator.is_stop for mount in system.mounts.values())
-        weight = mass * float(np.linalg.norm(system.model.opt.gravity)) / max(mounts, 1)
-    for limit in limits:
-        if doubt := limit.doubt(weight):
-            warnings.warn(f"limit {limit.kind}/{limit.name}: {doubt}", ModelWarning, stacklevel=2)
+    for doubt in limit_doubts(system, limits):
+        warnings.warn(doubt, ModelWarning, stacklevel=2)
     named = {(limit.kind, limit.name) for limit in limits}
     kept = [limit for limit in system.limits if (limit.kind, limit.name) not in named]
     return replace(system, limits=(*kept, *limits), combined_travel=system.combined_travel and combined_travel)

@@ -243,7 +243,8 @@ def check_places(layout: Layout, masses: Path) -> None:
         if away:
             raise RecordError(
                 f'{mount.location}: mount "{mount.name}" has its sites swapped: its direction leads from the base to the '
-                "payload, and here it leads away from the payload's centre of mass. Turn the direction round."
+                "payload, and here it leads away from the payload's centre of mass at "
+                f"({', '.join(f'{x:.4g}' for x in payload.centre)}) m. Turn the direction round, or check where the masses are."
             )
     for n, mount in enumerate(layout.mounts):
         for earlier in layout.mounts[:n]:

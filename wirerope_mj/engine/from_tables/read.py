@@ -13,7 +13,7 @@ import numpy as np
 
 from wirerope_mj.engine.flexible.panel import DAMPING
 from wirerope_mj.engine.from_tables.cad_list import MOMENTS, PRODUCTS, columns_of_masses, sign_of_products
-from wirerope_mj.engine.from_tables.implausible import warn_of_masses, warn_of_radians, warn_of_stops
+from wirerope_mj.engine.from_tables.implausible import warn_of_layout, warn_of_masses, warn_of_radians
 from wirerope_mj.engine.from_tables.layout import (
     ACTS,
     Box,
@@ -133,7 +133,7 @@ def read_layout(name: str, tables: Mapping[str, Path], *, products: str = "") ->
         forces=forces, envelope=envelope, isolators=isolators,
     )  # fmt: skip
     check_places(layout, tables["masses"])
-    warn_of_stops(layout)
+    warn_of_layout(layout)
     return layout
 
 

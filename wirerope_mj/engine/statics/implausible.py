@@ -3,6 +3,9 @@
 All of it can be simulated, and is warned of. Where mounts and masses stand is looked at by `misplaced.py` beside this file.
 """
 
+from collections.abc import Sequence
+from difflib import get_close_matches
+
 import mujoco
 import numpy as np
 
@@ -10,7 +13,9 @@ from wirerope_mj.engine.statics.linear import dry_friction, soft_equalities
 from wirerope_mj.engine.statics.misplaced import misplaced_elements
 from wirerope_mj.engine.statics.payloads import MOVES, movers_of, payloads_of, point_positions
 from wirerope_mj.engine.system import System, mount_rates
+from wirerope_mj.engine.system.declared import LIMIT
 from wirerope_mj.engine.system.equalities import equality_rows, free_motions, jacobian
+from wirerope_mj.foundation.payload_limits import KINDS, PayloadLimit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, UNITS, significant
 from wirerope_mj.mounts.isolator.implausible import isolator_warnings
 
@@ -36,6 +41,9 @@ def model_warnings(system: System, *, turned: bool = False) -> tuple[str, ...]:
         *_axes_without_law(system),
         *_unusual_gravity(system, turned=turned),
         *_misrated_loads(system),
+        *limit_doubts(system, system.limits),
+        *_misnamed_limits(system.model),
+        *_braked_payloads(system),
         *(_distant_masses(system) or misplaced_elements(system)),
         *(text for device in devices.values() for text in isolator_warnings(device)),
     )
@@ -122,6 +130,39 @@ def _distant_masses(system: System) -> list[str]:
                     f"body {name!r}: its moment of inertia of {model.body_inertia[body].max():.4g} kg m^2 at {mass:.6g} kg is "
                     f"a radius of gyration of {radius:.4g} m, and the mounts are {apart:.3g} m apart: is the inertia of its "
                     "<inertial> in kg mm^2?"
+                )
+    return said
+
+
+def limit_doubts(system: System, limits: Sequence[PayloadLimit]) -> list[str]:
+    """Return a question about the unit of each limit that nothing can need."""
+    model = system.model
+    mass = sum(float(model.body_subtreemass[model.body(name).id]) for name in system.payloads)
+    mounts = sum(not mount.isolator.is_stop for mount in system.mounts.values())
+    weight = mass * float(np.linalg.norm(model.opt.gravity)) / max(mounts, 1)
+    return [f"limit {limit.kind}/{limit.name}: {doubt}" for limit in limits if (doubt := limit.doubt(weight))]
+
+
+def _misnamed_limits(model: mujoco.MjModel) -> list[str]:
+    """Return a warning of each number of a model that is probably meant as a limit."""
+    names = [model.numeric(number).name for number in range(model.nnumeric)]
+    return [
+        f"numeric {name!r} limits nothing: a limit is called limit/KIND/NAME, KIND one of {', '.join(KINDS)}."
+        for name in names if name.count("/") > 1 and LIMIT not in name and get_close_matches(name.split("/")[0] + "/", [LIMIT])
+    ]  # fmt: skip
+
+
+def _braked_payloads(system: System) -> list[str]:
+    """Return a warning for each free payload whose joint has springs or dampers, which act between it and the still world."""
+    model, said = system.model, []
+    for payload in payloads_of(system):
+        for joint in np.flatnonzero((model.jnt_bodyid == payload.root) & (model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)):
+            dofs = slice(model.jnt_dofadr[joint], model.jnt_dofadr[joint] + 6)
+            stated = {"damping": model.dof_damping[dofs].any(), "stiffness": bool(model.jnt_stiffness[joint])}
+            for name in (name for name, there in stated.items() if there):
+                said.append(
+                    f"joint {model.joint(joint).name!r}: its `{name}` acts between {payload.name!r} and the world at rest, not "
+                    "the moving base, so that it drags at the payload. Leave it out; mounts have their own."
                 )
     return said
 

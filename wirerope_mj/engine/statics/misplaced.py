@@ -22,6 +22,11 @@ _AT_ENDS = 0.75
 # kg/m^3: a third above osmium, the densest of all materials
 _DENSEST = 3e4
 _NEAR = 2e-3  # [m] from which a ray starts beyond the face that it is to meet
+_LEANING, _ONE_WAY = 0.17, 0.95  # rise and lean of inclined mounts (10 degrees); length of the mean of directions that agree
+# of the distance of the mounts: depth of a plane that they stand in; height of a step that no floor has below a single mount;
+# overhang beyond mounts of which some stand upright and others at a wall
+_IN_PLANE, _STEP_UP, _ASIDE = 0.05, 0.25, 0.25
+_RATED = 8.0  # ratio of the ratings of mounts side by side, beyond which one of them is another part than was meant
 _STEP = np.pi / 12.0  # 15 degrees, of which angles in models are multiples as a rule
 
 
@@ -41,13 +46,13 @@ def misplaced_elements(system: System) -> list[str]:
         said += [text for mount in mounts for text in _at_an_end(system, data, mount, payload)]
         if free and not payload.joined and len(mounts) > 2:
             centre = payload.centre(data, model.body_subtreemass)
-            said += _turned(mounts, centre) or _outside_mounts(payload, mounts, centre)
+            said += _turned(mounts, centre) or [*_outside_mounts(payload, mounts, centre), *_unlike_others(mounts)]
         said += _masses(system, data, payload, mounts, free=bool(free))
     return said
 
 
 def _text(position: Array) -> str:
-    return f"({', '.join(f'{x:.4g}' for x in position.tolist())})"
+    return f"({', '.join(f'{x:.4g}' for x in np.round(position, 9).tolist())})"
 
 
 def _height(mount: Mount) -> float:
@@ -93,33 +98,88 @@ def _turned(mounts: Sequence[Mount], centre: Array) -> list[str]:
 
 
 def _outside_mounts(payload: Payload, mounts: Sequence[Mount], centre: Array) -> Iterator[str]:
-    """Yield a warning of a centre of mass that upright mounts cannot hold above them."""
-    if any(mount.axes[2, 2] < _UPRIGHT for mount in mounts):
+    """Yield a warning of a centre of mass that mounts cannot hold: beside all, or below those that it stands on."""
+    upright = [mount for mount in mounts if mount.axes[2, 2] >= _UPRIGHT]
+    if len(upright) < 3:
         return
-    places = np.array([mount.position for mount in mounts])
-    at = f"body {payload.name!r}: its centre of mass at {_text(centre)} m"
-    base = float((places[:, 2] - 0.5 * np.array([_height(mount) for mount in mounts])).min())
+    places = np.array([mount.position for mount in upright])
+    every = np.array([mount.position for mount in mounts])
+    base = float((places[:, 2] - 0.5 * np.array([_height(mount) for mount in upright])).min())
     spread = np.linalg.svd(places[:, :2] - places[:, :2].mean(axis=0), compute_uv=False)
     size = float(np.hypot(*np.ptp(places[:, :2], axis=0)))
     if spread[-1] < 1e-3 * max(spread[0], 1e-6):
         if float(np.ptp(places[:, 2])) > 0.1 * size:
             yield (
-                f"body {payload.name!r}: its upright mounts {mounts[0].name} to {mounts[-1].name} stand above each other. "
+                f"body {payload.name!r}: its upright mounts {upright[0].name} to {upright[-1].name} stand above each other. "
                 "z is up: are y and z swapped, as in drawings where y is up?"
             )
         return
-    hull = scipy.spatial.ConvexHull(places[:, :2])
-    if float((hull.equations @ [*centre[:2], 1.0]).max()) > 0.02 * size:
+    if len(upright) == len(mounts):
+        outside = float((scipy.spatial.ConvexHull(places[:, :2]).equations @ [*centre[:2], 1.0]).max()) > 0.02 * size
+    else:  # others may hold it from a side
+        outside = bool((np.maximum(every.min(axis=0) - centre, centre - every.max(axis=0))[:2] > _ASIDE * size).any())
+    if outside:
         yield (
-            f"{at} lies outside the area between its mounts, from {_text(places.min(axis=0)[:2])} to "
-            f"{_text(places.max(axis=0)[:2])} m in x and y: it tips over. Check the signs, axes, origin and units of masses "
-            "and mounts."
+            f"body {payload.name!r}: its centre of mass at {_text(centre)} m lies outside the area between its mounts, from "
+            f"{_text(every.min(axis=0)[:2])} to {_text(every.max(axis=0)[:2])} m in x and y: it tips over. Check the signs, "
+            "axes, origin and units of masses and mounts."
         )
-    if centre[2] <= base + _SAME:
+    if centre[2] <= min(base, float(every[:, 2].min())) + _SAME:
         yield (
-            f"{at} lies below the mounts that it stands on, whose lower ends are at z = {base:.3g} m: is its height left out, "
-            "or z measured downwards? z is up."
+            f"body {payload.name!r}: its centre of mass at {_text(centre)} m lies below the mounts that it stands on, whose "
+            f"lower ends are at z = {base:.3g} m: is its height left out, or z measured downwards? z is up."
         )
+
+
+def _unlike_others(mounts: Sequence[Mount]) -> Iterator[str]:
+    """Yield a warning of a mount that stands otherwise than all others, which are alike, and of mounts that lean one way."""
+    places, axes = (np.array([getattr(mount, name) for mount in mounts]) for name in ("position", "axes"))
+    axes = axes[:, :, 2]
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    level = axes[:, :2]
+    leans = np.linalg.norm(level, axis=1)
+    if (
+        leans.min() > _LEANING
+        and axes[:, 2].min() > _LEANING
+        and np.linalg.norm((level / leans[:, None]).mean(axis=0)) > _ONE_WAY
+    ):
+        axis = axes.mean(axis=0) / np.linalg.norm(axes.mean(axis=0))
+        if np.ptp(places @ axis) > _IN_PLANE * size:  # else they stand on a slope
+            yield (
+                f"mounts {mounts[0].name} to {mounts[-1].name} all lean towards {_text(level.mean(axis=0))}, so that the "
+                "weight pushes the payload that way: the directions (`azimuth`) of those on the other side should be "
+                "turned round."
+            )
+    standing = [mount for mount in mounts if mount.axes[2, 2] > _LEVEL]
+    for mount in standing if len(standing) > 3 else ():
+        others = [other for other in standing if other is not mount]
+        heights = np.array([other.position[2] for other in others])
+        up = float(mount.position[2] - heights.mean())
+        if np.ptp(heights) < _IN_PLANE * size and abs(up) > max(_STEP_UP * size, 2.0 * _height(mount)):
+            yield (
+                f"mount {mount.name!r} stands {abs(up):.3g} m {'above' if up > 0.0 else 'below'} all others, which stand "
+                "at one height: is its own right?"
+            )
+    upright = [mount for mount in mounts if mount.axes[2, 2] >= _UPRIGHT]
+    floor = np.array([mount.position[2] for mount in upright])
+    if len(upright) < 3 or np.ptp(floor) > _IN_PLANE * size:
+        return
+    for mount in mounts:
+        if abs(mount.position[2] - floor.mean()) > _IN_PLANE * size:
+            continue
+        if mount.axes[2, 2] < _UPRIGHT and _height(mount) == _height(upright[0]):
+            yield (
+                f"mount {mount.name!r} points along {_text(mount.axes[:, 2])}, and the upright ones stand at its height: is "
+                "its direction right?"
+            )
+        rated = mount.isolator.limits.static_load or 0.0
+        loads = [beside.isolator.limits.static_load or 0.0 for beside in upright if beside is not mount]
+        alike = rated > 0.0 and min(loads) > 0.0 and max(loads) < 2.0 * min(loads)
+        if alike and not max(loads) / _RATED < rated < min(loads) * _RATED:
+            yield (
+                f"mount {mount.name!r} is rated for {rated:.4g} N, and all others beside it for {min(loads):.4g} N or so: is "
+                "it the right isolator?"
+            )
 
 
 def _masses(system: System, data: mujoco.MjData, payload: Payload, mounts: Sequence[Mount], *, free: bool) -> Iterator[str]:

@@ -135,6 +135,22 @@ def declared_mounts(
     return mounts
 
 
+def _check_ways(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
+    """Raise ModelError if a mount stands between two bodies the other way round than most mounts between them."""
+    bodies = {mount.name: model.site_bodyid[[mount.payload_site, mount.base_site]] for mount in mounts}
+    ways = {name: tuple(model.body_rootid[both].tolist()) for name, both in bodies.items()}
+    counts = Counter(ways.values())
+    for mount in mounts:
+        payload, base = ways[mount.name]
+        if 0 < counts[payload, base] < counts[base, payload]:
+            names = [model.site(site).name for site in (mount.payload_site, mount.base_site)]
+            raise ModelError(
+                f"mount {mount.name!r}: its payload site {names[0]!r} is on {model.body(payload).name!r} and its base site "
+                f"{names[1]!r} on {model.body(base).name!r}; {counts[base, payload]} other mounts stand the other way "
+                "round. Swap its two sites."
+            )
+
+
 def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
     """Return the id of the base: the child of the world above all base sites that carries no payload site, 0 if fixed."""
     named = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TUPLE, BASE)
@@ -149,19 +165,8 @@ def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
     ends = [mount.payload_site for mount in mounts], [mount.base_site for mount in mounts]
     roots = [{int(model.body_rootid[model.site_bodyid[site]]) for site in sites} for sites in ends]
     candidates = sorted(roots[1] - roots[0])
+    _check_ways(model, mounts)
     if len(candidates) != 1:
-        bodies = {mount.name: model.site_bodyid[[mount.payload_site, mount.base_site]] for mount in mounts}
-        ways = {name: tuple(model.body_rootid[both].tolist()) for name, both in bodies.items()}
-        counts = Counter(ways.values())
-        for mount in mounts:
-            payload, base = ways[mount.name]
-            if 0 < counts[payload, base] < counts[base, payload]:
-                names = [model.site(site).name for site in (mount.payload_site, mount.base_site)]
-                raise ModelError(
-                    f"mount {mount.name!r}: its payload site {names[0]!r} is on {model.body(payload).name!r} and its base site "
-                    f"{names[1]!r} on {model.body(base).name!r}; {counts[base, payload]} other mounts stand the other way "
-                    "round. Swap its two sites."
-                )
         names = [model.body(body).name for body in candidates]
         raise ModelError(
             f"the base is not unique: {names or 'none'} of the bodies carry base sites and no payload site. Name it by "

@@ -10,7 +10,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
 from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, peak_from, quiet_level
-from wirerope_mj.motions.records.signals import level_warnings, moved_level, resolution_warnings
+from wirerope_mj.motions.records.signals import few_levels, hum_warnings, level_warnings, moved_level, resolution_warnings
 
 _FEWEST = 16  # samples below which nothing is judged: a record so short was written by hand
 # fraction of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian vibration is
@@ -40,6 +40,9 @@ LARGEST_SPEED, LARGEST_TRAVEL = 30.0, 10.0
 _DRIFT, _SLOW, _OFFSET = 3.0, 0.1, 0.2
 # velocity that a level at rest adds up to, over the range of that of the motion itself, from which it is warned of
 _GAIN = 0.1
+_ENDS = 0.05  # of what an offset adds up to: final velocity and travel of a record that has none
+# level at which a velocity begins, over that at which it stays behind a shock, and that over the largest
+_BEGINS, _STAYS = 0.05, 0.8
 _MEDIAN_STEP = 0.954  # median of the steps from sample to sample of white noise, over its rms
 # peak [m/s^2] below which a single pulse given in mm/s^2 is questioned: 0.05 g is no shock, but 50 g in m/s^2 is one
 _WEAK = 0.5
@@ -55,8 +58,10 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
     for axis, a in zip("xyz", reading.samples.T, strict=True):
         low, high = float(a.min()), float(a.max())
         if high > low:
-            yield from _wrong_unit(axis, quiet_level(a), reading, corrected)
-            rest = offset_of(a)
+            quiet, rest = quiet_level(a), offset_of(a)
+            if quiet is None and abs(abs(rest) - STANDARD_GRAVITY) <= _GRAVITY_ERROR * STANDARD_GRAVITY:
+                quiet = rest  # of a vibration
+            yield from _wrong_unit(axis, quiet, reading, corrected)
             peak, pulse = peak_from(a, rest), is_pulse(a, rest)
             limit = _PULSE_END if pulse else _VIBRATION_END  # of what is left at an end
             for verb, index, side in (("begins", 0, "before"), ("ends", -1, "after")):
@@ -67,6 +72,14 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
                         f"along {axis} it {verb} at {100.0 * ratio:.0f} % of its peak: {reason}, and {side} it the base's "
                         "acceleration is zero."
                     )
+            if levels := few_levels(a):
+                yield (
+                    f"along {axis} its samples stand at {levels} levels alone, "
+                    f"{reading.text((high - low) / (levels - 1), 3)} apart "
+                    "or so: the range of the recorder was far too wide for it, and peaks are known to such a step."
+                )
+                continue
+            yield from hum_warnings(f"along {axis}", a, rest, rate)
             yield from (clipped_text(f"along {axis}", reading.text(top, 5), n) for top, n in flat_tops(a))
             yield from resolution_warnings(f"along {axis}", a / factor, rest / factor, rate, unit=unit)
             yield from level_warnings(f"along {axis}", reading.time, a, (unit, factor))
@@ -96,13 +109,21 @@ def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str
             yield from _runaway(course, reading.text(gained / length, 3) if drifts else "", speed, travel)
             continue
         rms = float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP  # four deviations of what white noise adds up to
-        if abs(gained) > max(_SLOW, _GAIN * velocity_range, 4.0 * rms * step * float(np.sqrt(a.size))):
+        # a level that adds up is seen at the end, or on the way there; the coda of an earthquake has a mean, and ends at rest
+        ends_at_rest = abs(end) < _ENDS * abs(gained) and abs(travel) < _ENDS * abs(gained) * length
+        if not ends_at_rest and abs(gained) > max(_SLOW, _GAIN * velocity_range, 4.0 * rms * step * float(np.sqrt(a.size))):
             if baseline in ("mean", "velocity"):
                 constant = "mean" if baseline == "mean" else "final velocity"
                 yield (
                     f'along {axis} the quiet part stands at {reading.text(rest)} after baseline="{baseline}": the {constant} '
                     f"holds the pulse too, and {-gained:.3g} m/s of its velocity are spread over the record. "
                     'baseline="rest" (--baseline rest) takes off the level at rest alone.'
+                )
+            elif abs(float(np.median(a[:_FEWEST]))) < _BEGINS * abs(rest) and abs(rest) > _STAYS * float(np.abs(a).max()):
+                yield (
+                    f"{course}it goes from zero to {reading.text(rest, 3)} and stays there, as a velocity does after a "
+                    "shock: is it "
+                    "one, in m/s? Export the acceleration."
                 )
             else:
                 yield (

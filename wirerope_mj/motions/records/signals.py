@@ -1,11 +1,13 @@
 """Warnings about a signal: a shift of its zero, AC coupling, and a sampling rate too low for its pulses or vibration."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.records.reading import is_pulse, offset_of, peak_from
 
 # parts of what stands before a change and behind it, and the least samples of each: their medians must agree
@@ -227,3 +229,68 @@ def _fast(where: str, a: Array, rate: float, played: bool) -> Iterator[str]:
         f"{where} its energy lies about {part * rate:.4g} Hz, near the {0.5 * rate:.4g} Hz that {rate:.4g} samples a "
         f"second can hold: {lines}its peaks lie between the samples. Measure at a higher rate{remedy}."
     )
+
+
+# samples from which a channel is looked at; fraction of them that is not zero in what a sensor measured; distances between the
+# levels of a converter over the peak, below which it was set too wide; crossings of each level, which no ramp has
+_MEASURED, _LIVE, _LEVELS, _CROSSED = 64, 0.9, 12.0, 3
+_MAINS, _PERIODS, _HUMS, _PURE = (
+    (50.0, 60.0),
+    4.5,
+    0.01,
+    0.7,
+)  # Hz; least of them; fraction of the peak, of the quiet part's power
+_LOUD = 0.2  # fraction of the peak with which a shock begins, in a record that hums
+
+
+def channel_warnings(names: Sequence[str], axes: Array, samples: Array) -> Iterator[str]:
+    """Yield warnings of channels that are dead beside live ones, or equal: axes (n_channels, k), samples along them (n, k)."""
+    if samples.shape[0] < _MEASURED:
+        return
+    used = {int(np.flatnonzero(row)[0]): name for name, row in zip(names, axes, strict=True) if np.count_nonzero(row) == 1}
+    alone = {axis: name for axis, name in used.items() if np.count_nonzero(axes[:, axis]) == 1}
+    filled = {axis: np.count_nonzero(samples[:, axis]) / samples.shape[0] for axis in alone}
+    for axis, name in alone.items():
+        if not filled[axis] and max(filled.values()) > _LIVE:
+            yield f"channel {short(name)} is zero throughout, and others have noise: is its sensor dead, or not connected?"
+    for one, other in combinations(alone, 2):
+        if filled[one] > _LIVE and np.array_equal(np.abs(samples[:, one]), np.abs(samples[:, other])):
+            yield (
+                f"channels {short(alone[one])} and {short(alone[other])} are equal from sample to sample, as no two "
+                "sensors are: was "
+                "a column copied?"
+            )
+
+
+def few_levels(a: Array) -> int:
+    """Count the levels at which all samples (n,) of a coarse converter stand, at equal distances; 0 for any other signal."""
+    levels = np.unique(a)
+    if a.size < _MEASURED or not 3 <= levels.size <= 2.0 * _LEVELS:
+        return 0
+    gaps = np.diff(levels)
+    even = np.abs(gaps / gaps.min() - np.round(gaps / gaps.min())).max() < 1e-2
+    crossed = np.count_nonzero(np.diff(a)) > _CROSSED * levels.size
+    return levels.size if even and crossed and float(np.abs(a).max()) < _LEVELS * float(gaps.min()) else 0
+
+
+def hum_warnings(where: str, a: Array, rest: float, rate: float) -> Iterator[str]:
+    """Yield a warning if the quiet part before a shock is a sine of the mains' frequency."""
+    peak = peak_from(a, rest)
+    before = a[: int(np.argmax(np.abs(a - rest) > _LOUD * peak))]
+    if before.size < _MEASURED:
+        return
+    before = (before - before.mean()) * np.hanning(before.size)
+    power = np.abs(np.fft.rfft(before)) ** 2
+    lines = np.fft.rfftfreq(before.size, 1.0 / rate)
+    for mains in _MAINS:
+        if before.size < _PERIODS * rate / mains or 2.5 * mains > rate:
+            continue
+        near = np.abs(lines - mains) <= 2.0 * rate / before.size
+        size = float(np.sqrt(2.0 * np.mean(before**2) / np.mean(np.hanning(before.size) ** 2)))
+        pure = lines[power.argmax()] == lines[near][power[near].argmax()] and power[near].sum() > _PURE * power.sum()
+        if pure and size > _HUMS * peak:
+            yield (
+                f"{where} its quiet part is a sine of {mains:.0f} Hz with {100.0 * size / peak:.2g} % of the peak: the hum of "
+                "the mains, from a ground loop or an unshielded cable? It stays in the record."
+            )
+            return

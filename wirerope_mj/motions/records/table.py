@@ -32,6 +32,7 @@ from wirerope_mj.foundation.table_files import (
 from wirerope_mj.foundation.table_header import TIME_COLUMN, Header, clock_time, holds, is_clock_time, is_missing
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY, TIME_UNITS, find_unit, range_of, underscored_unit
 from wirerope_mj.motions.records.reading import Reading, axes_of
+from wirerope_mj.motions.records.signals import channel_warnings
 from wirerope_mj.motions.records.turning import TURN_UNITS, kind_of, turn_columns, turned_by
 
 _BEYOND = 1.2  # times its range, above which no accelerometer shows anything
@@ -194,7 +195,11 @@ def read_record_table(
     ranges = [range_of(header.units[column]) for column in directions if column not in turned]
     if ranges and None not in ranges:
         require_within_range(header.location, samples[:, :3], max(limit for limit in ranges if limit is not None))
-    messages += [*filled, *_borrowed_time(header, time, list(directions))]
+    messages += [
+        *filled,
+        *_borrowed_time(header, time, list(directions)),
+        *channel_warnings([header.names[i] for i in directions], axes, samples),
+    ]
     return Reading(instants, samples, units=tuple(dict.fromkeys(units)), warnings=tuple(messages), turned_by=kind)
 
 

@@ -15,6 +15,7 @@ _RATED = (1.0, 15.0)
 # stiffness across the axis over that along it, in small cycles: those isolators have 0.08 to 0.4, rubber in shear 0.03; another
 # unit on one axis is a thousand
 _ACROSS = (1 / 300, 30.0)
+_CYCLE, _UNDAMPED = 0.05, 2e-3  # of the height: of cycles in which a law has friction; damping ratio of steel without any
 _SMALL = 0.02  # of the height: of cycles in which the stiffnesses of the axes are compared
 _RATIO = 1.0  # N/m: a slope of a force that is at most this, beside a law that is a thousand times stiffer, is a ratio
 _SOFT = 0.05  # stiffness of a bracket over its law's: it would take nearly all of the travel
@@ -38,6 +39,7 @@ def _slips(isolator: Isolator) -> Iterator[str]:
                 "N/m: is it in N/mm?"
             )
     yield from _rated_force(isolator)
+    yield from _lost_friction(isolator)
     yield from _across(isolator)
 
 
@@ -66,9 +68,10 @@ def _of_law(axis: str, law: Law, isolator: Isolator) -> Iterator[str]:
 
 
 def _force(law: Law, deflection: float) -> float:
-    """Return the size of the force of a law that is pushed slowly to a deflection [N]."""
+    """Return the force of a law that is pushed slowly to a deflection [N], positive where it resists."""
     path = np.linspace(0.0, deflection, 50)
-    return abs(float(law.trace(path, time=None if law.rate_independent else np.linspace(0.0, 1e3, 50)).force[-1]))
+    force = law.trace(path, time=None if law.rate_independent else np.linspace(0.0, 1e3, 50)).force[-1]
+    return math.copysign(1.0, deflection) * float(force)
 
 
 def _rated_force(isolator: Isolator) -> Iterator[str]:
@@ -76,16 +79,43 @@ def _rated_force(isolator: Isolator) -> Iterator[str]:
     if rated is None or travel is None or law is None or law.stops or travel > law.travel_ends[0]:
         return
     ratio = _force(law, -travel) / rated
-    if not _RATED[0] <= ratio <= _RATED[1]:
+    if ratio < 0.0:
+        yield (
+            f"the axial force at the rated compression of {1e3 * travel:.3g} mm presses the isolator on, instead of resisting: "
+            "check the signs of the law's stiffnesses."
+        )
+    elif not _RATED[0] <= ratio <= _RATED[1]:
         units = {"kg": STANDARD_GRAVITY, "lbf": 4.448, "kN": 1e3} if ratio > 1.0 else {}
         guess = [unit for unit, size in units.items() if _RATED[0] <= ratio / size <= _RATED[1]]
         laws = "are the laws' forces and stiffnesses in N and N/m" + (", and not in N/mm" if ratio < 0.1 else "")
+        named = f"is `static_load` in {' or '.join(guess)}, or are stiffnesses in another unit" if guess else laws
         yield (
             f"the axial force at the rated compression of {1e3 * travel:.3g} mm is {ratio:.3g} times the `static_load` of "
-            f"{rated:.4g} N, and 3 to 5 times in the vendors' tables: "
-            + (f"is `static_load` in {' or '.join(guess)}" if guess else f"{laws}, `static_load` in N")
-            + ", and is it that of this part?"
+            f"{rated:.4g} N, and 3 to 5 times in the vendors' tables: {named}{'' if guess else ', `static_load` in N'}, "
+            "and is it "
+            "that of this part?"
         )
+
+
+def _lost_friction(isolator: Isolator) -> Iterator[str]:
+    """Yield a warning for each axis whose hysteretic force is nothing beside its elastic one."""
+    height = isolator.geometry.height if isolator.geometry else None
+    for axis, law in isolator.axes.items():
+        forms = [part.normal_form for part in law.components] if law is not None else []
+        if law is None or height is None or law.stops or not law.rate_independent:
+            continue
+        if not any(isinstance(form, Normalised) for form in forms):
+            continue
+        x = _CYCLE * height * np.sin(np.linspace(0.0, 4.0 * np.pi, 801))
+        last, force = x[400:], law.trace(x).force[400:]
+        damping = float(np.trapezoid(force, last)) / (np.pi * _CYCLE * height * float(np.ptp(force)))
+        if 0.0 <= damping < _UNDAMPED:
+            yield (
+                f"[{axis}] in cycles of {1e3 * _CYCLE * height:.3g} mm the damping ratio is {100.0 * damping:.2g} %, "
+                "and that of "
+                "wire rope 5 to 20 %: friction is lost. `beta` and `gamma` are in N^(1-n)/m: they change with `n`, and with N "
+                "for kN or m for mm."
+            )
 
 
 def _across(isolator: Isolator) -> Iterator[str]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
@@ -15,7 +16,7 @@ from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws.parallel import part_of
 from wirerope_mj.mounts.vendor_parts import catalogue, load_isolator
 from wirerope_mj.studies.vary.distributions import Choice, Distribution, Specimens
-from wirerope_mj.studies.vary.quantity import WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor, without_force
+from wirerope_mj.studies.vary.quantity import FAR, WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor, without_force
 
 
 class MountColumn(InputColumn):
@@ -153,6 +154,11 @@ class MountFactor(MountColumn):
 
     def nominal_of(self, system: System, target: str) -> float:
         return 1.0
+
+    def warnings(self, system: System, values: Array) -> list[str]:
+        if 1.0 / FAR < (middle := float(np.median(np.abs(values)))) < FAR:
+            return []
+        return [f"{self.name} is a factor, about {middle:.3g} in the study: 1 is the isolator as it is. Is it in per cent?"]
 
     def apply(self, draft: Draft, value: float) -> None:
         for mount in self.targets:

@@ -30,6 +30,9 @@ from wirerope_mj.studies.vary.mount_quantities import (
 )
 from wirerope_mj.studies.vary.quantity import Draft, Entry, InputColumn, Quantity
 
+_LOUDEST = 20.0  # factor on a motion beyond which it is questioned: levels of studies go to a few times the specified
+_NEARLY = 0.985  # of a quarter, half or full turn in radians: the largest of a hundred values up to it
+
 
 @dataclass(frozen=True, kw_only=True)
 class MotionSettings:
@@ -99,6 +102,13 @@ class Level(MotionColumn):
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         return super().certainly_valid(draft, values) and bool((values != 0.0).all())
 
+    def warnings(self, system: System, values: Array) -> list[str]:
+        low, high = float(values.min()), float(values.max())
+        if not (low < 0.0 < high or max(-low, high) > _LOUDEST):
+            return []
+        odd = "so that some turn the motion round" if low < 0.0 < high else "and a level of 1 is the motion as it is"
+        return [f"{self.name} is a factor on the motion, from {low:.3g} to {high:.3g} in the study, {odd}: is that meant?"]
+
 
 class Azimuth(MotionColumn):
     """Direction [deg] of the motion from x towards y."""
@@ -114,6 +124,14 @@ class Azimuth(MotionColumn):
 
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         return super().certainly_valid(draft, values) and len(draft.system.assembly.tables.drive) >= 3
+
+    def warnings(self, system: System, values: Array) -> list[str]:
+        low, high = float(values.min()), float(values.max())
+        turns = [high / (part * math.pi) for part in (0.5, 1.0, 2.0)]
+        from_none = abs(low) < 0.02 * high or abs(low + high) < 0.04 * high
+        if not (from_none and any(_NEARLY < turn < 1.0005 for turn in turns)):
+            return []
+        return [f"{self.name} is in degrees, and its values, from {low:.4g} to {high:.4g}, look like radians."]
 
 
 class Elevation(Azimuth):
