@@ -30,7 +30,6 @@ from wirerope_mj.studies.vary.mount_quantities import (
 )
 from wirerope_mj.studies.vary.quantity import Draft, Entry, InputColumn, Quantity
 
-_LOUDEST = 20.0  # factor on a motion beyond which it is questioned: levels of studies go to a few times the specified
 _NEARLY = 0.985  # of a quarter, half or full turn in radians: the largest of a hundred values up to it
 
 
@@ -104,10 +103,12 @@ class Level(MotionColumn):
 
     def warnings(self, system: System, values: Array) -> list[str]:
         low, high = float(values.min()), float(values.max())
-        if not (low < 0.0 < high or max(-low, high) > _LOUDEST):
+        if not low < 0.0 < high:
             return []
-        odd = "so that some turn the motion round" if low < 0.0 < high else "and a level of 1 is the motion as it is"
-        return [f"{self.name} is a factor on the motion, from {low:.3g} to {high:.3g} in the study, {odd}: is that meant?"]
+        return [
+            f"{self.name} is a factor on the motion, from {low:.3g} to {high:.3g} in the study, so that some turn the motion "
+            "round: is that meant?"
+        ]
 
 
 class Azimuth(MotionColumn):
