@@ -38,7 +38,7 @@ def table_of(inputs, travel):
 def summary_of(table, sampling="random", inputs=(), found=None, labels=()):
     labelled = [SimpleNamespace(columns=[SimpleNamespace(name=name, label=label)]) for name, label in dict(labels).items()]
     study = SimpleNamespace(sampling=sampling, quantities=labelled)
-    result = SimpleNamespace(table=table, independent=table, is_sampled=sampling not in LISTED, study=study)
+    result = SimpleNamespace(columns=table, independent=table, is_sampled=sampling not in LISTED, study=study)
     found = effects(table, inputs, "travel") if found is None else tuple(found)
     return StudySummary(result=result, by="travel", effects=found)
 

@@ -7,6 +7,8 @@ import socket
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
+from contextlib import contextmanager, nullcontext
 
 import pyarrow as pa
 import pytest
@@ -210,11 +212,104 @@ def stop_after_first_part(monkeypatch, what):
     monkeypatch.setattr(computing, "write_part", write)
 
 
+def test_chunks_in_flight_when_the_scheduler_goes_are_handed_over_again_and_none_twice(monkeypatch):
+    class Losing:
+        """Hands over three chunks at a time, loses its scheduler twice with chunks in flight, and once with a suspect."""
+
+        losses = [1, 4, 12]
+
+        def __init__(self, client, work, *, where):
+            assert where == "the cluster at here"
+
+        def parts(self, chunks, running, suspect):
+            for chunk in chunks:
+                running[chunk] = chunk
+                if len(running) < 3:
+                    continue
+                for number in list(running)[:2]:
+                    if number in self.losses:
+                        self.losses.remove(number)
+                        raise CancelledError
+                    del running[number]
+                    if number == 7:
+                        suspect(number)
+                    else:
+                        yield number
+            while running:
+                yield running.pop(min(running))
+
+        def alone(self, chunk):
+            if self.losses:
+                self.losses.pop()
+                raise OSError
+            return chunk
+
+    monkeypatch.setattr(dask_engine, "_Cluster", Losing)
+    monkeypatch.setattr(dask_engine, "_client", lambda workers, address: nullcontext())
+    monkeypatch.setattr(dask_engine, "_warn_if_idle", lambda client, address: None)
+    monkeypatch.setattr(dask_engine, "check_answers", lambda address: None)
+    assert sorted(run_dask(None, range(12), workers=None, address="here")) == list(range(12))
+    assert Losing.losses == []
+
+
+def test_a_scheduler_that_goes_each_time_is_not_waited_for_without_end(monkeypatch):
+    started = []
+
+    @contextmanager
+    def gone(workers, address):
+        started.append(address)
+        raise OSError
+        yield
+
+    monkeypatch.setattr(dask_engine, "_client", gone)
+    monkeypatch.setattr(dask_engine, "check_answers", lambda address: None)
+    with pytest.raises(wr.SimulationError, match="the scheduler of the cluster at here has gone; what is done is kept"):
+        list(run_dask(None, range(12), workers=None, address="here"))
+    assert len(started) == dask_engine.LOSSES + 1
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:the cluster at .* has no workers yet")  # as long as one takes to start on a busy machine
+def test_a_scheduler_that_is_started_again_loses_nothing(local, tmp_path, monkeypatch):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = str(free.getsockname()[1])
+    dask, quiet = [sys.executable, "-m", "dask"], {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    address, started, restarts, ordinary = f"tcp://127.0.0.1:{port}", [], [], computing.write_part
+
+    def start():
+        where = ["--host", "127.0.0.1", "--port", port, "--no-dashboard"]
+        started.append(subprocess.Popen([*dask, "scheduler", *where], **quiet))
+        while socket.socket().connect_ex(("127.0.0.1", int(port))):
+            time.sleep(0.05)
+        worker = ["worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        started.append(subprocess.Popen([*dask, *worker], cwd=tmp_path, **quiet))
+
+    def write(folder, part):
+        ordinary(folder, part)
+        if not restarts:
+            restarts.append(part.number)
+            started[0].kill()
+            started[0].wait()
+            start()
+
+    start()
+    monkeypatch.setattr(computing, "write_part", write)
+    try:
+        result = study().run(tmp_path / "study", engine="dask", address=address)
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+    assert restarts
+    assert bits(result.table) == bits(local)
+
+
 @pytest.mark.slow
 def test_a_scheduler_that_goes_away_costs_only_what_was_in_flight(cluster, local, tmp_path, monkeypatch):
     address, scheduler, _ = cluster
     folder = tmp_path / "study"
     stop_after_first_part(monkeypatch, scheduler.kill)
+    monkeypatch.setattr(dask_engine, "AWAY", 0.5)
     with pytest.raises(wr.SimulationError, match="the scheduler of the cluster at .* has gone.*--resume"):
         study().run(folder, engine="dask", address=address)
     monkeypatch.undo()

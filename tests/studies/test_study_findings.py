@@ -135,7 +135,7 @@ def test_of_inputs_that_may_be_chance_those_of_all_mounts_are_told_first():
     table = table_of(columns, generator.random(20))
     found = [Effect(name=name, index=0.1, rank=0.1, certain=name.startswith("mount/m02")) for name in names]
     summary = StudySummary(
-        result=SimpleNamespace(table=table, study=SimpleNamespace(sampling="sobol")),
+        result=SimpleNamespace(columns=table, study=SimpleNamespace(sampling="sobol")),
         by="acceleration",
         effects=tuple(found),
     )

@@ -272,7 +272,7 @@ def sampled(table, sizes):
     whole = pa.table({**order, "status": table["status"], "message": [""] * table.num_rows})
     independent = whole.filter(pa.array(np.asarray(whole["variant"]) % (len(sizes) + 2) < 2))
     study = SimpleNamespace(sampling=OF_INDICES, quantities=quantities)
-    return SimpleNamespace(table=whole, independent=independent, is_sampled=True, study=study, nominal={})
+    return SimpleNamespace(columns=whole, independent=independent, is_sampled=True, study=study, nominal={})
 
 
 def test_the_inputs_that_are_told_are_those_of_the_strongest_factors_and_large_groups_are_named():

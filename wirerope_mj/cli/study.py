@@ -259,7 +259,7 @@ def compute_and_print(
     def show(result: StudyResult) -> None:
         if limits:
             write_stated(result, limits)
-        if len(result.failed) == result.table.num_rows:
+        if len(result.failed) == result.variants:
             return
         content = result_content(result, by)
         show_result(content, "answer", others=("results", "inputs", "worst"), every=all)
@@ -290,7 +290,7 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
         if not (folder / STUDY).is_file():
             raise
         raise KeyboardInterrupt(f"what is done is kept; go on with the same options and --resume --out {folder}") from None
-    if len(result.failed) == result.table.num_rows:
+    if len(result.failed) == result.variants:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")
     return result

@@ -76,7 +76,7 @@ def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
     """Yield the credibility of a study's answer, at the largest deflections of all variants."""
 
     def largest(measure: str) -> float:
-        values = np.asarray(result.table[measure], dtype=np.float64)
+        values = np.asarray(result.columns[measure], dtype=np.float64)
         return float(np.max(values, initial=0.0, where=np.isfinite(values)))
 
     study, error = result.study, result.step_error

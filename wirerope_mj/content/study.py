@@ -76,7 +76,7 @@ def study_content(summary: StudySummary) -> Content:
 
 
 def study_facts(result: StudyResult, things: str, how: str) -> tuple[tuple[str, str], ...]:
-    names, content = set(input_names(result.table)), result.inputs
+    names, content = set(input_names(result.columns)), result.inputs
     varies = ["direction"] * bool({AZIMUTH, ELEVATION} & names) + ["level"] * ("motion/level" in names)
     motions = " | ".join(motion.description for motion in result.study.motions)
     if varies:

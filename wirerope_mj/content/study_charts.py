@@ -3,10 +3,12 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from wirerope_mj.content.blocks import BASE, OTHERS, Chart, Curve, Field, Panel, short, with_room
 from wirerope_mj.content.numbers import MINUS
@@ -14,7 +16,6 @@ from wirerope_mj.content.study_statements import capital, exceedance_text
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.ticks import linear_ticks
-from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, SobolIndices
 from wirerope_mj.studies.results.measure import (
     Measure,
@@ -22,6 +23,7 @@ from wirerope_mj.studies.results.measure import (
     exceedance_of,
     finite,
     input_names,
+    is_done,
     measure_of,
     quantiles,
     values_of,
@@ -36,6 +38,7 @@ _NAME_LETTERS = 34  # letters of an input's name beside its bar
 _ROW = 19.0  # height of a bar with its gap
 _BAR = 0.7  # fraction of this height that the bar takes
 _TEXT = 2.1  # length of an axis over its longest bar, with room for the text
+MOST_STEPS, MOST_DOTS = 4096, 16384  # variants that are drawn one by one: steps of a distribution, dots
 _CLASSES = 4  # colours of directions that form no grid
 
 
@@ -43,7 +46,7 @@ def study_charts(summary: StudySummary) -> Iterator[Chart]:
     """Yield the charts of a study; their ids name their files."""
     result, by = summary.result, summary.by
     table = result.independent
-    inputs = [name for name in input_names(table) if len(set(table[name].to_pylist())) > 1]
+    inputs = [name for name in input_names(table) if pc.any(pc.not_equal(column := table[name], column[0])).as_py()]
     names = list(dict.fromkeys([by, *drawn_measures(table)]))[:2]
     several = [name for name in names if finite(values_of(table, name)).size > 1]
     if result.is_sampled and several:
@@ -65,7 +68,7 @@ def study_charts(summary: StudySummary) -> Iterator[Chart]:
         yield sensitivity_chart(summary)
     if result.study.sampling == OF_INDICES or sensitive:
         numbers = [name for name in summary.ranked_inputs if not pa.types.is_string(table.schema.field(name).type)]
-        drawn = [name for name in numbers if len(np.unique(np.asarray(table[name]))) > 2][:MOST_SCATTERS]
+        drawn = list(islice((name for name in numbers if np.unique(np.asarray(table[name])).size > 2), MOST_SCATTERS))
         if drawn:
             yield scatter_chart(summary, table, drawn)
 
@@ -76,7 +79,8 @@ def distribution_chart(summary: StudySummary, table: pa.Table, names: Sequence[s
     for shown in (measure_of(name, summary.limits) for name in names):
         values = values_of(table, shown.name)
         known = shown.factor * np.sort(finite(values))
-        fractions = 100.0 * np.arange(known.size + 1) / known.size
+        steps = np.unique(np.linspace(0, known.size - 1, min(known.size, MOST_STEPS)).round().astype(np.int64))
+        fractions = 100.0 * np.append(0, steps + 1) / known.size
         percentiles = zip(QUANTILES, quantiles(values, QUANTILES), strict=True)
         dots = [(shown.factor * value, 100.0 * q) for q, value in percentiles if math.isfinite(value)]
         room = float(np.ptp(known)) or abs(float(known[0])) or 1.0
@@ -86,7 +90,7 @@ def distribution_chart(summary: StudySummary, table: pa.Table, names: Sequence[s
             beyond = exceedance_of(table, shown.name, shown.limit)
             title = f"beyond the limit: {exceedance_text(beyond, beyond.ratio)}"
         panels.append(Panel(
-            [Curve(np.repeat(known, 2), np.repeat(fractions, 2)[1:-1], name="variants", kind=0)],
+            [Curve(np.repeat(known[steps], 2), np.repeat(fractions, 2)[1:-1], name="variants", kind=0)],
             "" if panels else "variants below [%]", xlabel=shown.label, title=title, xlimits=_limits(shown),
             exceeded=_exceeded(shown, known), dots=dots,
             notes=[(x, y - 3.0, f"{y:.0f} %: {x:.3g}", False) for x, y in dots],
@@ -144,13 +148,17 @@ def scatter_chart(summary: StudySummary, table: pa.Table, names: Sequence[str]) 
             order = np.argsort(x, kind="stable")
             rows = [part for part in np.array_split(order, min(max(round(x.size ** (1.0 / 3.0)), 3), 12)) if part.size]
             at, means = np.array([x[part].mean() for part in rows]), np.array([y[part].mean() for part in rows])
-        curves = [Curve(at, means, name="mean", kind=1), Curve(x, y, name="variants", kind=0, marks=True)]
         xlim = with_room(x, 0.04) if x.size else None
+        if x.size > MOST_DOTS:
+            some = np.sort(np.random.default_rng(1).choice(x.size, MOST_DOTS, replace=False))
+            x, y = x[some], y[some]
+        curves = [Curve(at, means, name="mean", kind=1), Curve(x, y, name="variants", kind=0, marks=True)]
         panel = _input_panel(curves, shown, summary.labels.get(name, name), xlim=xlim)
         panels.append(replace(panel, ylabel="") if panels else panel)
     listed = summary.result.study.sampling in LISTED
     mean = "the mean at each value of the input" if listed else "the mean of variants with like values of the input"
-    caption = f"{capital(shown.text)} of every variant over the strongest inputs; line: {mean}; dashed: the limit."
+    which = "every variant" if table.num_rows <= MOST_DOTS else f"{MOST_DOTS} variants, chosen at random,"
+    caption = f"{capital(shown.text)} of {which} over the strongest inputs; line: {mean}; dashed: the limit."
     return Chart(id="scatter", rows=[panels], height=170.0, caption=caption, alt=caption)
 
 
@@ -175,7 +183,7 @@ def choices_chart(table: pa.Table, name: str, names: Sequence[str]) -> Chart:
     order = np.argsort(-np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
     chosen = (table[name][int(row)].as_py() for row in order)  # "" where no mount fails
     choices = [f"{value:g}" if isinstance(value, float) else str(value) or "none" for value in chosen]
-    failed = np.flatnonzero(np.asarray(table["status"])[order] != DONE)
+    failed = np.flatnonzero(~is_done(table)[order])
     panels: list[Panel] = []
     for shown in map(measure_of, names):
         values = np.nan_to_num(shown.factor * values_of(table, shown.name)[order])

@@ -41,17 +41,17 @@ SLIGHT = 0.01  # total index below which a factor is listed without it
 def statements(result: StudyResult) -> list[str]:
     """Describe the exceedances of each limited measure, with cautions on early ends, stops, travel and sampling."""
     # A mount that keeps its static load is not mentioned.
-    overloaded = np.nanmax(values_of(result.table, "static_load"), initial=0.0) > 1.0
-    measures = map(measure_of, [*headlines(result.table), *(["static_load"] if overloaded else [])])
+    overloaded = np.nanmax(values_of(result.columns, "static_load"), initial=0.0) > 1.0
+    measures = map(measure_of, [*headlines(result.columns), *(["static_load"] if overloaded else [])])
     texts = [_limit_text(result, measure, measure.limit) for measure in measures if measure.limit is not None]
     if not texts:
         texts.append("The isolators state no rated travel and the model no limit: judged is only what --limit states.")
-    texts = [*early_statements(result.table), *texts, *struck_statements(result.table)]
-    if "travel" in headlines(result.table) and COMBINED not in result.table.column_names:  # of an older version
+    texts = [*early_statements(result.columns), *texts, *struck_statements(result.columns)]
+    if "travel" in headlines(result.columns) and COMBINED not in result.columns.column_names:  # of an older version
         texts += travel_statements(result.study.base)
     texts += specimen_messages(result.study.quantities)
     if result.study.sampling == OF_INDICES:
-        every = (sobol_indices(result, name) for name in drawn_measures(result.table))
+        every = (sobol_indices(result, name) for name in drawn_measures(result.columns))
         texts += [of_indices(indices) for indices in every if indices.factors]
     return texts
 
@@ -123,7 +123,7 @@ def exceedance_text(exceedance: Exceedance, ratio: float | None) -> str:
 
 def _limit_text(result: StudyResult, measure: Measure, limit: float) -> str:
     """Describe how often a measure exceeds its limit, and its largest value."""
-    table, independent, inputs = result.table, result.independent, input_names(result.table)
+    table, independent, inputs = result.columns, result.independent, input_names(result.columns)
     beyond, top = exceedance_of(independent, measure.name, limit), worst(independent, measure.name, 1)[0]
     values = values_of(independent, measure.name)
     largest = f"the largest is {measure.factor * np.nanmax(values):.3g} % in variant {top}"

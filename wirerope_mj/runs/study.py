@@ -274,7 +274,7 @@ def write_worst(result: StudyResult, by: str | None, count: int) -> list[Path]:
     inputs = {}
     for name in folders:
         row = result.study.row(int(name.split()[1]))
-        values = {key: row[key] for key in input_names(result.table)}
+        values = {key: row[key] for key in input_names(result.columns)}
         inputs[name] = {label: f"{value:.5g}" if isinstance(value, float) else str(value) for label, value in values.items()}
     if isinstance(result, SearchResult):
         tables = [front_table(result, _ROWS)] if result.front.num_rows else []
@@ -294,6 +294,6 @@ def _scenario(result: StudyResult, number: int) -> Scenario:
     return Scenario(
         question=f"{study.question}\n\nThis is variant {number} of the study {study.name}, which has {study.size}.",
         model=result.folder / result.inputs["model"]["file"], motion=study.motion(number), simulate=simulate,
-        name=f"{study.name}-{number:06d}", options={name: row[name] for name in input_names(result.table)},
+        name=f"{study.name}-{number:06d}", options={name: row[name] for name in input_names(result.columns)},
         changes=study.system(number).changes,
     )  # fmt: skip

@@ -30,7 +30,7 @@ from wirerope_mj.studies.vary.distributions import Distribution, distribution_fr
 from wirerope_mj.studies.vary.mount_quantities import OtherIsolator
 from wirerope_mj.studies.vary.quantities import MotionSettings, quantities
 from wirerope_mj.studies.vary.quantity import InputColumn
-from wirerope_mj.studies.vary.sampling import inputs
+from wirerope_mj.studies.vary.sampling import drawing
 from wirerope_mj.studies.vary.variants import Maker, Row, Work, check_variants
 
 STARTS = ("settled", "relaxed", "unloaded")
@@ -93,8 +93,7 @@ class StudyDefinition:
         self.quantities = quantities(self.vary, self.base, self.motions)
         if len(self.motions) > 1 and not any(varied.name == "motion/record" for varied in self.quantities):
             raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
-        self._inputs = inputs(self.quantities, variants=variants, sampling=sampling, seed=seed)
-        self.size = self._inputs.num_rows
+        self.size, self._draw = drawing(self.quantities, variants=variants, sampling=sampling, seed=seed)
         self.require_time(f"a study of {self.size} variants", self.size, "`variants`")
         self._maker = Maker(self.base, self.motions, self._columns)
 
@@ -201,6 +200,11 @@ class StudyDefinition:
                 self.base, list(self._extreme_motions()), duration=self.duration, timestep=self.timestep,
                 initial=self.initial, sample_rate=self.sample_rate,
             )  # fmt: skip
+
+    @cached_property
+    def _inputs(self) -> pa.Table:
+        """Inputs of all variants, drawn when they are asked for first: who reads a result never asks."""
+        return self._draw()
 
     @property
     def _columns(self) -> tuple[InputColumn, ...]:

@@ -1,7 +1,7 @@
 """Variants whose runs end before their peaks are over: only limits that are exceeded already are judged."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pyarrow as pa
@@ -73,22 +73,31 @@ def ended_early(table: pa.Table, measure: str = "") -> Booleans:
     kind = measure.partition("/")[0]
     if "message" not in table.column_names or kind in _AT_REST:
         return np.zeros(table.num_rows, dtype=bool)
-    early = np.asarray(pc.starts_with(table["message"], TOO_EARLY))
-    grown = {text for text in pc.unique(table["message"]).to_pylist() if text.startswith(GROWS)} if kind else set()
-    endings = [text for text in grown if kind in text.rpartition(_LISTED)[2].split(", ")]
-    return early | np.asarray(pc.is_in(table["message"], pa.array(endings, pa.string())))
+
+    def is_meant(text: str) -> bool:
+        grows = bool(kind) and text.startswith(GROWS) and kind in text.rpartition(_LISTED)[2].split(", ")
+        return grows or text.startswith(TOO_EARLY)
+
+    return _saying(table, is_meant)
 
 
 def still_growing(table: pa.Table) -> int:
     """Count the variants for which some measure still grows when their runs end."""
     if "message" not in table.column_names:
         return 0
-    return int(np.count_nonzero(pc.starts_with(table["message"], GROWS)))
+    return int(np.count_nonzero(_saying(table, lambda text: text.startswith(GROWS))))
+
+
+def _saying(table: pa.Table, is_meant: Callable[[str], bool]) -> Booleans:
+    """Return the mask of variants whose message `is_meant`, (n,)."""
+    messages = table["message"]
+    texts = [text for text in pc.unique(messages).to_pylist() if is_meant(text)]
+    return np.asarray(pc.is_in(messages, pa.array(texts, pa.string())))
 
 
 def why_early(table: pa.Table) -> str:
     """Return the note of the variant that needs the longest run among those that end too early; "" if none does."""
-    return max(set(table["message"].filter(pa.array(ended_early(table))).to_pylist()), key=_least, default="")
+    return max(pc.unique(table["message"].filter(pa.array(ended_early(table)))).to_pylist(), key=_least, default="")
 
 
 def _least(note: str) -> float:

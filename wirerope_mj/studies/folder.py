@@ -2,12 +2,13 @@
 
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import tomli_w
 
@@ -20,12 +21,14 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import DONE, Part
 from wirerope_mj.studies.inputs_file import RESPONSES, STUDY, check_same, read_inputs, write_inputs
+from wirerope_mj.studies.stored_table import PARTS, TABLE, StoredTable
 
-TABLE, SUMMARY, PARTS = "variants.parquet", "summary.json", "parts"
+SUMMARY = "summary.json"
 MARKS = (STUDY,)  # By these files a folder is known as that of a study
 # Stands in the name of a part whose process died: its rows are in the table, and the chunk is computed again on resume.
 _DIED = ".died"
-ROW_GROUP = 2048  # Rows, at least, that are joined in one row group of the table: a few MB
+# Numbers, at least, in one row group of the table: 8 MB. So much is held while it is joined, and to read one row of it.
+ROW_GROUP = 2**20
 
 
 @contextmanager
@@ -64,11 +67,11 @@ def study_folder(
 
 def check_whole(new: Path, folder: Path) -> None:
     """Raise SimulationError if the study computed in `new` must not replace the one in `folder`."""
-    rows = read_table(new, ["status", "message"])
+    rows = StoredTable(new, str)
     reason = ""
     if dead_chunks(new):
         reason = "processes that computed variants died."
-    elif DONE not in rows["status"].to_pylist():
+    elif DONE not in pc.unique(rows["status"]).to_pylist():
         reason = f"every variant failed; variant 0: {rows['message'][0]}"
     if reason:
         raise SimulationError(f"{folder}: {reason} The study that was there is as it was.")
@@ -164,7 +167,7 @@ def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
     for number in numbers:
         path = part_path(folder, number)
         tables.append(read_part(path if path.is_file() else part_path(folder, number, _DIED)))
-        if sum(table.num_rows for table in tables) >= ROW_GROUP or number == numbers[-1]:
+        if sum(table.num_rows * table.num_columns for table in tables) >= ROW_GROUP or number == numbers[-1]:
             yield pa.concat_tables(tables).combine_chunks()
             tables = []
 
@@ -180,44 +183,6 @@ def read_part(path: Path) -> pa.Table:
         ) from None
 
 
-def read_table(folder: Path, columns: Sequence[str] | None = None) -> pa.Table:
-    """Read the table of a complete study, or some columns of it; RecordError if its file is damaged or changed."""
-    with _table_file(folder) as path:
-        table = pq.read_table(path, columns=columns)
-    where = f"{folder / TABLE}: column"
-    for name in [name for name in _ALWAYS if columns is None or name in columns]:
-        if name not in table.column_names or table[name].type != _ALWAYS[name] or table[name].null_count:
-            raise RecordError(f"{where} {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}")
-        if name == "variant" and not np.array_equal(table[name].to_numpy(), np.arange(table.num_rows)):
-            raise RecordError(f"{where} 'variant' must number the rows from 0 on; the table was changed. {_COPY}")
-    return table
-
-
-# Columns of every study's table, and their types.
-_ALWAYS = {"variant": pa.int64(), "status": pa.string(), "message": pa.string()}
-_COPY = "Put a copy in its place, or compute the study again with --force (`force=True`)."
-
-
-def read_schema(folder: Path) -> pa.Schema:
-    """Return names and types of the columns of a study's table; RecordError if its file is damaged."""
-    with _table_file(folder) as path:
-        return pq.read_schema(path)
-
-
-@contextmanager
-def _table_file(folder: Path) -> Iterator[Path]:
-    """Lend the path of the table, and say what can be done if it is damaged."""
-    try:
-        yield folder / TABLE
-    except (OSError, pa.ArrowException):
-        remedy = (
-            "Remove it, and go on with --resume (`resume=True`): the parts that made it are there."
-            if (folder / PARTS).is_dir()
-            else f"The parts that made it are gone: {_COPY[0].lower()}{_COPY[1:]}"
-        )
-        raise RecordError(f"{folder / TABLE}: this table is damaged. {remedy}") from None
-
-
 def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
     """Write the table from all parts, and the summary, if they do not exist, and remove the parts.
 
@@ -227,7 +192,7 @@ def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
         tables = parts(folder, list(range(chunks)))
         first = next(tables)
         with atomic_file(folder / TABLE) as temporary_path, pq.ParquetWriter(temporary_path, first.schema) as writer:
-            for table in (first, *tables):
+            for table in chain([first], tables):
                 writer.write_table(table)
     if not (folder / SUMMARY).is_file():
         write_json(folder / SUMMARY, summary())

@@ -139,10 +139,8 @@ def read_inputs(folder: Path) -> Entries:
         raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
     known = {key: value for key, value in content.items() if key in keys_of(StudyInputs)}
     structure(StudyInputs, known, Place(path, error=RecordError, remedy=_REMEDY))
-    if content["format"] != FIRST:
-        return content
     # Today's names; the format stays, which says how the table is written.
-    return {**content, "vary": [{**quantity, "name": todays_name(quantity["name"])} for quantity in content["vary"]]}
+    return {**content, "vary": [{**quantity, "name": todays_name(quantity["name"], content)} for quantity in content["vary"]]}
 
 
 def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: Entries | None) -> Entries:
@@ -222,13 +220,11 @@ def _difference(key: str, old: Entries, new: Entries) -> str:
     )
 
 
-def todays_name(name: str) -> str:
-    """Return today's name of an input of format 1: "body/floor/centre/x" is "body/floor/centre_shift/x"."""
-    return _SHIFT.sub(r"\1_shift", name)
+def todays_name(name: str, content: Entries) -> str:
+    """Return today's name of an input: of format 1 "body/floor/centre/x" is "body/floor/centre_shift/x"."""
+    return _SHIFT.sub(r"\1_shift", name) if content["format"] == FIRST else name
 
 
 def todays_table(table: pa.Table, content: Entries) -> pa.Table:
     """Return the table of a study's folder with today's names."""
-    if content["format"] != FIRST:
-        return table
-    return table.rename_columns([todays_name(name) for name in table.column_names])
+    return table.rename_columns([todays_name(name, content) for name in table.column_names])

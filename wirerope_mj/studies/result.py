@@ -2,10 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass, field, replace
-from fnmatch import fnmatchcase
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +18,8 @@ from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import FAILED, nominal
-from wirerope_mj.studies.folder import dead_chunks, finished_chunks, kept_numbers, kept_response, parts, read_schema, read_table
-from wirerope_mj.studies.inputs_file import RESPONSES, STUDY, todays_table
+from wirerope_mj.studies.folder import dead_chunks, finished_chunks, kept_numbers, kept_response, parts
+from wirerope_mj.studies.inputs_file import RESPONSES, STUDY, todays_name, todays_table
 from wirerope_mj.studies.results.measure import (
     ALL,
     Exceedance,
@@ -29,10 +27,12 @@ from wirerope_mj.studies.results.measure import (
     exceedance_of,
     measure_of,
     quantiles,
+    rows_of,
     unit_of,
     values_of,
     worst,
 )
+from wirerope_mj.studies.stored_table import StoredTable, read_table
 from wirerope_mj.studies.vary.sampling import LISTED, OF_INDICES, factors
 
 NOT_COMPUTED = (
@@ -73,6 +73,13 @@ class StudyResult(Exportable, Summarised):
         return todays_table(pa.concat_tables(parts(self.folder, numbers)), self.inputs)
 
     @cached_property
+    def columns(self) -> pa.Table | StoredTable:
+        """The table for whoever needs few columns of it or few rows: unless it is in memory already, only these are read."""
+        if not self.complete or "table" in vars(self):
+            return self.table
+        return StoredTable(self.folder, partial(todays_name, content=self.inputs))
+
+    @cached_property
     def nominal(self) -> dict[str, float]:
         """Measures of the nominal system, with nothing varied and under the first of the motions; none if it fails."""
         measures = nominal(self.study.work)
@@ -98,31 +105,24 @@ class StudyResult(Exportable, Summarised):
     @property
     def exported(self) -> Exported:
         """The table as other programs take it, SI units."""
-        names = self.table.column_names
+        columns = self.columns
+        names = columns.column_names
         return Exported(
             names=names, units=[unit_of(name) for name in names], about={"study": str(self.inputs.get("name", "study"))},
-            column=lambda number: self.table.column(number).to_numpy(),
-            blocks=lambda: iter([[column.to_numpy() for column in self.table.columns]]),
+            column=lambda number: columns[names[number]].to_numpy(),
+            blocks=lambda: (
+                [column.to_numpy() for column in block.columns]
+                for block in (columns.blocks() if isinstance(columns, StoredTable) else [columns])
+            ),
             grouped=False,  # "acceleration" and "acceleration/rack"
         )  # fmt: skip
-
-    def narrowed(self, columns: Sequence[str]) -> "StudyResult":
-        """Return the complete study's result with only the columns that match `columns`; no others are read.
-
-        The table of a million variants takes gigabytes of memory, one column of it 8 MB.
-        """
-        columns_stored = read_schema(self.folder).names
-        copied = copy(self)
-        names = [name for name in columns_stored if any(fnmatchcase(name, column) for column in columns)]
-        vars(copied)["table"] = read_table(self.folder, names)
-        return copied
 
     @cached_property
     def failed(self) -> dict[int, str]:
         """Messages of the variants that failed, by number."""
-        rows = self.table.select(["variant", "status", "message"])
-        rows = rows.filter(pc.equal(rows["status"], FAILED))
-        return dict(zip(rows["variant"].to_pylist(), rows["message"].to_pylist(), strict=True))
+        mask = pc.equal(self.columns["status"], FAILED)
+        variants, messages = (self.columns[name].filter(mask).to_pylist() for name in ("variant", "message"))
+        return dict(zip(variants, messages, strict=True))
 
     @cached_property
     def message(self) -> str:
@@ -140,18 +140,18 @@ class StudyResult(Exportable, Summarised):
         """Sentences on what a complete run lacks; empty if nothing."""
         text = f" {NOT_COMPUTED}" if dead_chunks(self.folder) else ""
         if self.inputs.get("keep") == RESPONSES:
-            wanted = set(self.table["variant"].to_pylist()) - set(self.failed)
+            wanted = set(self.columns["variant"].to_pylist()) - set(self.failed)
             if gone := len(wanted - kept_numbers(self.folder)):
                 text += f" Of the responses that were kept {gone} are gone; they are simulated when they are asked for."
         return text
 
     @cached_property
-    def independent(self) -> pa.Table:
-        """Variants that are independent: all of a study, but of one for Sobol's indices only A and B."""
+    def independent(self) -> pa.Table | StoredTable:
+        """Variants that are independent, as `columns`: all of a study, but of one for Sobol's indices only A and B."""
         if self.study.sampling != OF_INDICES:
-            return self.table
+            return self.columns
         of_row = len(factors(self.study.quantities)) + 2
-        return self.table.filter(pa.array(np.asarray(self.table["variant"]) % of_row < 2))
+        return self.columns.filter(pa.array(np.asarray(self.columns["variant"]) % of_row < 2))
 
     @property
     def is_sampled(self) -> bool:
@@ -167,8 +167,7 @@ class StudyResult(Exportable, Summarised):
             ValueError: there is no such measure, or it has no value in any variant.
         """
         table = self.independent
-        rows = {number: row for row, number in enumerate(table["variant"].to_pylist())}
-        return table.take([rows[number] for number in worst(table, checked_measure(table, measure), count)])
+        return rows_of(table, worst(table, checked_measure(table, measure), count))
 
     def quantiles(self, measure: str, probabilities: Sequence[float] = (0.5, 0.9, 0.95, 0.99)) -> list[float]:
         """Return quantiles of a measure, SI; NaN with fewer than five variants beyond, too few to tell.

@@ -10,6 +10,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from wirerope_mj.foundation.errors import ClusterWarning, SimulationError
@@ -29,6 +30,9 @@ AHEAD = 2
 ATTEMPTS = 1
 # Longest time in which workers of this machine start, or end without one another [s]: a busy machine imports slowly.
 STARTING = 60.0
+# Longest time for which a scheduler of a cluster that exists may be away, as where it is started again [s], and how often it
+# may go while no chunk is done: what makes it go each time would do so for ever.
+AWAY, LOSSES = 60.0, 5
 _DEATH = (
     "the process that computed this chunk of variants died again and again. It may have run out of memory: go on with "
     "--resume (`resume=True`), which computes it again."
@@ -44,20 +48,36 @@ def run_dask(
     A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its
     workers also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed
     over at a time. `workers` are processes of a cluster of this machine's own, `address` is that of a cluster's
-    scheduler, tcp://HOST:8786. ValueError if `workers` together with `address`, or Dask is not installed; SimulationError
-    if no scheduler answers, it goes away, or its workers have other versions of the packages that compute.
+    scheduler, tcp://HOST:8786; what was in flight when it went is handed over again if it is back within `AWAY`. ValueError
+    if `workers` together with `address`, or Dask is not installed; SimulationError if no scheduler answers, it stays away,
+    or its workers have other versions of the packages that compute.
     """
     check_cluster(workers, address)
     where = "this machine's own cluster" if address is None else f"the cluster at {address}"
-    with _client(workers, address) as client, _report_lost_scheduler(where):
-        if address is not None:
-            _warn_if_idle(client, address)
-        suspects: list[Chunk] = []
-        here = _Cluster(client, work, where=where)
-        yield from here.parts(iter(chunks), suspects.append)
-        # Dask counts a death against all that waited at the worker: only a chunk that is alone is its cause for certain.
-        for chunk in suspects:
-            yield here.alone(chunk)
+    # Chunks to compute, those in flight, and those to compute alone: none is in two of them, and each leaves with its part.
+    rest, running, suspects, losses = iter(chunks), dict[int, Chunk](), list[Chunk](), 0
+    while True:
+        try:
+            with _client(workers, address) as client:
+                if address is not None:
+                    _warn_if_idle(client, address)
+                here = _Cluster(client, work, where=where)
+                for part in here.parts(rest, running, suspects.append):
+                    losses = 0
+                    yield part
+                # Dask counts a death against all that waited there: only a chunk that is alone is its cause for certain.
+                while suspects:
+                    part = here.alone(suspects[0])
+                    del suspects[0]
+                    yield part
+                return
+        except (CancelledError, OSError) as error:
+            losses += 1
+            if address is None or losses > LOSSES or not _comes_back(address):
+                text = f"the scheduler of {where} has gone; what is done is kept: go on with it with --resume (`resume=True`)."
+                raise SimulationError(text) from error
+            rest = chain(list(running.values()), rest)
+            running.clear()
 
 
 def check_cluster(workers: int | None, address: str | None) -> None:
@@ -70,14 +90,17 @@ def check_cluster(workers: int | None, address: str | None) -> None:
         check_answers(address)
 
 
-@contextmanager
-def _report_lost_scheduler(where: str) -> Iterator[None]:
-    """Report in one message that the scheduler cannot be reached any more."""
-    try:
-        yield
-    except (CancelledError, OSError) as error:
-        text = f"the scheduler of {where} has gone; what is done is kept: go on with it with --resume (`resume=True`)."
-        raise SimulationError(text) from error
+def _comes_back(address: str) -> bool:
+    """Wait for a scheduler that went for `AWAY`; tells whether one answers there again."""
+    began = time.monotonic()
+    while time.monotonic() - began < AWAY:
+        try:
+            check_answers(address)
+        except SimulationError:
+            time.sleep(0.2)
+        else:
+            return True
+    return False
 
 
 class _Cluster:
@@ -86,27 +109,31 @@ class _Cluster:
     def __init__(self, client: "Client", work: Work, *, where: str) -> None:
         self._client, self._work, self._where, self._versions = client, work, where, versions()
 
-    def parts(self, chunks: Iterator[Chunk], suspect: Callable[[Chunk], None]) -> Iterator[Part]:
-        """Yield the parts of chunks as they are ready; chunks computed where a worker died are reported as suspects."""
+    def parts(self, chunks: Iterator[Chunk], running: dict[int, Chunk], suspect: Callable[[Chunk], None]) -> Iterator[Part]:
+        """Yield the parts of chunks as they are ready; chunks computed where a worker died are reported as suspects.
+
+        In `running` stand by their numbers those that have no part yet, also when the scheduler goes.
+        """
         from distributed import as_completed
 
         shared, done = self._shared(), as_completed(loop=self._client.loop)
-        running: dict[Future, Chunk] = {}
+        chunk_of: dict[Future, Chunk] = {}
 
         def hand_over() -> None:
             while len(running) < AHEAD * max(sum(self._client.nthreads().values()), 1):
                 chunk = next(chunks, None)
                 if chunk is None:
                     return
+                running[chunk.number] = chunk
                 future = self._submit(shared, chunk)
-                running[future] = chunk
+                chunk_of[future] = chunk
                 done.add(future)
 
         hand_over()
         while running:
             future = next(done)
-            chunk = running.pop(future)
-            part = self._part(future)
+            part, chunk = self._part(future), chunk_of.pop(future)
+            del running[chunk.number]
             if part is None:
                 suspect(chunk)
             else:

@@ -9,9 +9,8 @@ import pyarrow as pa
 import scipy
 
 from wirerope_mj.foundation.arrays import AnyArray, Array, Integers
-from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, measures_of, unknown_measure, values_of
+from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, is_done, measures_of, unknown_measure, values_of
 from wirerope_mj.studies.vary.sampling import FEWEST, OF_INDICES, factors
 
 AZIMUTH, ELEVATION = "motion/azimuth", "motion/elevation"
@@ -80,7 +79,7 @@ def fraction_of_directions(table: pa.Table, inputs: list[str], values: Array, li
     if set(inputs) != {AZIMUTH, ELEVATION}:
         return None
     azimuth, elevation = (np.asarray(table[name], dtype=np.float64) for name in (AZIMUTH, ELEVATION))
-    areas = np.where((np.asarray(table["status"]) == DONE) & np.isfinite(values), sphere_areas(azimuth, elevation), 0.0)
+    areas = np.where(is_done(table) & np.isfinite(values), sphere_areas(azimuth, elevation), 0.0)
     whole = float(areas.sum())
     return float(areas[values > limit].sum()) / whole if whole > 0.0 else None
 
@@ -115,14 +114,14 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
     least of all), and a strong input would lend its effect to others. Of inputs that do depend on each other, such as the
     parameters of a specimen, the stronger one is given what they do together.
     """
-    values, done = np.asarray(table[measure], dtype=np.float64), np.asarray(table["status"]) == DONE
-    kept = done & np.isfinite(values)
+    values = values_of(table, measure)
+    kept = np.isfinite(values)
     values = values[kept]
     if values.size < _LEAST or np.ptp(values) <= 1e-12 * np.abs(values).max():
         return ()
-    columns = {name: np.asarray(table[name])[kept] for name in inputs}
-    classes = {name: _classes(column) for name, column in columns.items()}
-    remaining = {name: numbers for name, numbers in classes.items() if 2 <= numbers.max() + 1 <= values.size / 2}
+    # Of all inputs their classes are held, a byte or two for each variant, and one column at a time.
+    classes = {name: _classes(np.asarray(table[name])[kept]) for name in inputs}
+    remaining = {name: numbers for name, numbers in classes.items() if 2 <= int(numbers.max()) + 1 <= values.size / 2}
     whole, rest = float(np.sum((values - values.mean()) ** 2)), values - values.mean()
     results, certain = [], True
     sizes: dict[str, tuple[float, float]] = {}
@@ -133,8 +132,9 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
         explained, probability = sizes[name]
         certain = probability < SIGNIFICANCE / len(classes) and explained >= SMALLEST * whole
         rank = math.nan  # Spearman's correlation, Pearson's of the ranks; of what has no order there is none
-        if columns[name].dtype.kind in "fiub":
-            a, b = scipy.stats.rankdata(columns[name].astype(np.float64)), scipy.stats.rankdata(values)
+        column = np.asarray(table[name])[kept]
+        if column.dtype.kind in "fiub":
+            a, b = scipy.stats.rankdata(column.astype(np.float64)), scipy.stats.rankdata(values)
             a, b = a - a.mean(), b - b.mean()
             size = math.sqrt(float(a @ a) * float(b @ b))
             rank = float(a @ b) / size if size > 0.0 else math.nan
@@ -163,16 +163,12 @@ def _class_means(classes: Integers, values: Array) -> Array:
 def _classes(column: AnyArray) -> Integers:
     """Return the class of each variant: its value, or one of some intervals that hold equally many variants."""
     _, classes = np.unique(column, return_inverse=True)
-    if column.dtype.kind not in "fiu":  # strings and booleans
-        return np.asarray(classes, dtype=np.int64)
     # The cube root: enough classes for a curve, and enough variants in each for its mean.
-    wanted = max(round(column.size ** (1.0 / 3.0)), 3)
-    distinct = int(classes.max()) + 1
-    if distinct <= 4 * wanted:
-        return np.asarray(classes, dtype=np.int64)
-    ranks = scipy.stats.rankdata(classes, method="min") - 1
-    _, classes = np.unique((ranks * wanted) // column.size, return_inverse=True)
-    return np.asarray(classes, dtype=np.int64)
+    wanted, distinct = max(round(column.size ** (1.0 / 3.0)), 3), int(classes.max()) + 1
+    if column.dtype.kind in "fiu" and distinct > 4 * wanted:  # neither strings nor booleans
+        ranks = scipy.stats.rankdata(classes, method="min") - 1
+        _, classes = np.unique((ranks * wanted) // column.size, return_inverse=True)
+    return np.asarray(classes, dtype=np.min_scalar_type(int(classes.max())))
 
 
 # Half the width of a total index's interval, and how far an index lies outside 0 to 1, from which on the rows are too few.
@@ -226,10 +222,10 @@ def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
     """
     if result.study.sampling != OF_INDICES:
         raise ValueError(f'Sobol\'s indices need a study with sampling="{OF_INDICES}"; this one has {result.study.sampling!r}.')
-    names = measures_of(result.table)
+    names = measures_of(result.columns)
     if measure not in (*names, ALL):
         raise ValueError(unknown_measure(measure, names))
-    return indices_of(result.table, list(factors(result.study.quantities)), measure)
+    return indices_of(result.columns, list(factors(result.study.quantities)), measure)
 
 
 def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndices:

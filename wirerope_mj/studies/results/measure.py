@@ -4,14 +4,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from functools import reduce
 from operator import itemgetter
 from types import MappingProxyType
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import scipy
 
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.foundation.tables import Column
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.studies.ended import ended_early
@@ -140,8 +142,13 @@ def known_measures(table: pa.Table, names: Sequence[str]) -> list[str]:
 def values_of(table: pa.Table, name: str) -> Array:
     """Return a column of measures, NaN where the variant failed or nothing is judged, (n,)."""
     names = [column for column in table.column_names if column.startswith(name[:-1])] if name == ALL else [name]
-    values = np.fmax.reduce([np.asarray(table[column], dtype=np.float64) for column in names])
-    return np.where(np.asarray(table["status"]) == DONE, values, np.nan)
+    values = reduce(np.fmax, (np.asarray(table[column], dtype=np.float64) for column in names))
+    return np.where(is_done(table), values, np.nan)
+
+
+def is_done(table: pa.Table) -> Booleans:
+    """Return the mask of the variants that could be simulated, (n,)."""
+    return np.asarray(pc.equal(table["status"], DONE))
 
 
 def unknown_measure(name: str, known: Sequence[str]) -> str:
@@ -232,7 +239,7 @@ def exceedance_of(table: pa.Table, measure: str, limit: float) -> Exceedance:
 def exceedance_in(table: pa.Table, measure: str, values: Array, limit: float) -> Exceedance:
     """Return the exceedance of a limit by values of a measure of a table, with how many failed or ended too early."""
     return exceedance(
-        values, limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE)),
+        values, limit, failed=int(np.count_nonzero(~is_done(table))),
         early=int(np.count_nonzero(ended_early(table, measure) & (values <= limit))),
     )  # fmt: skip
 
@@ -245,9 +252,13 @@ def worst(table: pa.Table, measure: str, count: int) -> list[int]:
     return [int(numbers[row]) for row in order[:count] if np.isfinite(values[row])]
 
 
+def rows_of(table: pa.Table, numbers: Sequence[int]) -> pa.Table:
+    """Return the rows of some variants, in this order."""
+    return table.take(np.searchsorted(np.asarray(table["variant"]), np.asarray(numbers, dtype=np.int64)))
+
+
 def row_of(table: pa.Table, number: int) -> Entries:
-    row = int(np.flatnonzero(np.asarray(table["variant"]) == number)[0])
-    return table.slice(row, 1).to_pylist()[0]
+    return rows_of(table, [number]).to_pylist()[0]
 
 
 def struck_variants(table: pa.Table) -> int | None:

@@ -8,7 +8,6 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.studies.ended import ended_early
-from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import (
     Effect,
@@ -28,10 +27,11 @@ from wirerope_mj.studies.results.measure import (
     exceedance_of,
     headlines,
     input_names,
+    is_done,
     measure_of,
     most_critical,
     quantiles,
-    row_of,
+    rows_of,
     values_of,
     worst,
 )
@@ -74,7 +74,7 @@ class StudySummary:
         """Sobol's indices of the displayed measures; empty unless the study was sampled for indices."""
         if self.result.study.sampling != OF_INDICES:
             return ()
-        names = dict.fromkeys([self.by, *drawn_measures(self.result.table), *self.limits])
+        names = dict.fromkeys([self.by, *drawn_measures(self.result.columns), *self.limits])
         every = (sobol_indices(self.result, name) for name in names)
         return tuple(indices for indices in every if indices.factors)
 
@@ -86,7 +86,7 @@ class StudySummary:
     @cached_property
     def measures(self) -> tuple[Measure, ...]:
         """Measures to be displayed: `by` first, then the headlines of the table, then those limited here."""
-        names = dict.fromkeys([self.by, *headlines(self.result.table), *self.limits])
+        names = dict.fromkeys([self.by, *headlines(self.result.columns), *self.limits])
         return tuple(measure_of(name, self.limits) for name in names)
 
     @cached_property
@@ -114,7 +114,7 @@ class StudySummary:
     @property
     def ratio_beyond(self) -> float | None:
         """Fraction of sampled variants, or of all directions where they vary, beyond any limit; else None."""
-        done = np.asarray(self.result.independent["status"]) == DONE
+        done = is_done(self.result.independent)
         return self._ratio(np.where(done, np.any(list(self.beyond.values()), axis=0), np.nan), 0.5)
 
     @cached_property
@@ -137,7 +137,7 @@ class StudySummary:
     @property
     def of_directions(self) -> str:
         """Text behind a ratio of directions: " of all directions"; "" of variants."""
-        return "" if self.result.is_sampled else f" of {directions_text(self.result.table)}"
+        return "" if self.result.is_sampled else f" of {directions_text(self.result.columns)}"
 
     @cached_property
     def ranked_inputs(self) -> tuple[str, ...]:
@@ -147,7 +147,7 @@ class StudySummary:
         number or two. Of others those that certainly matter come first, then what all mounts share, then what each mount has
         of its own: of those that may be chance nobody knows which one is the strongest.
         """
-        names = input_names(self.result.table)
+        names = input_names(self.result.columns)
         if self.result.study.sampling == OF_INDICES:
             strong = [names[column] for columns in self._factors.values() if len(columns) <= _PAIR for column in columns]
             return tuple(strong) or tuple(names)
@@ -165,13 +165,11 @@ class StudySummary:
     def worst(self, count: int) -> list[Entries]:
         """Return the rows of the variants with the largest values of `by`; for Sobol's indices, of independent ones."""
         table = self.result.independent
+        numbers = worst(table, self.by, count)
+        rows = rows_of(table, numbers)
         absent = {measure.name for measure in self.measures} - {*table.column_names}
-        every = {name: values_of(table, name).tolist() for name in absent}
-        rows = table["variant"].to_pylist()
-        return [
-            row_of(table, number) | {name: values[rows.index(number)] for name, values in every.items()}
-            for number in worst(table, self.by, count)
-        ]
+        every = {name: values_of(rows, name).tolist() for name in absent}
+        return [row | {name: values[place] for name, values in every.items()} for place, row in enumerate(rows.to_pylist())]
 
     @cached_property
     def _factors(self) -> dict[str, list[int]]:
@@ -192,7 +190,7 @@ def any_exceeded(summaries: Sequence[StudySummary]) -> Exceedance:
     """Count the variants beyond any limit of some studies, of those that could be simulated in all."""
     tables = [summary.result.independent for summary in summaries]
     beyond = np.any([mask for summary in summaries for mask in summary.beyond.values()], axis=0)
-    done = np.all([np.asarray(table["status"]) == DONE for table in tables], axis=0)
+    done = np.all([is_done(table) for table in tables], axis=0)
     early = np.any([ended_early(table) for table in tables], axis=0) & ~beyond & done
     return exceedance(
         np.where(done, beyond, np.nan), 0.5, failed=int(np.count_nonzero(~done)), early=int(np.count_nonzero(early))
@@ -209,7 +207,7 @@ def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
     ValueError if there is no such measure, or it has no value in any variant; RecordError if the limits that were stated
     cannot be read.
     """
-    table, stated = result.table, read_stated(result)
+    table, stated = result.columns, read_stated(result)
     critical = most_critical(result.independent, limits_of(stated))
     by = checked_measure(table, by or (critical or (headlines(table) or HEADLINES))[0])
     # Listed inputs go hand in hand: what one of them explains alone means nothing.

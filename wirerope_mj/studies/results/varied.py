@@ -21,7 +21,6 @@ from wirerope_mj.studies.results.effects import sobol_indices
 from wirerope_mj.studies.results.measure import (
     ALL,
     CONFIDENCE,
-    STRUCK,
     Exceedance,
     exceedance_in,
     exceedance_of,
@@ -127,10 +126,7 @@ def summary(result: StudyResult) -> Entries:
     probability beyond the limit with its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the
     middle and the largest value.
     """
-    nominal = result.nominal
-    result = result.narrowed(("variant", "status", "message", STRUCK, *SUMMARISED))
-    method = result.inputs["sampling"]["method"]
-    table = result.independent if method == OF_INDICES else result.table
+    nominal, method, table = result.nominal, result.inputs["sampling"]["method"], result.independent
     measures: Entries = {}
     for name in known_measures(table, SUMMARISED):
         measures[name] = {"nominal": nominal[name]} if name in nominal else {}
@@ -159,7 +155,7 @@ def summary(result: StudyResult) -> Entries:
             }  # fmt: skip
             counts = {"base_rows": sobol.rows, "dropped_rows": sobol.dropped}
             measures[name] |= counts | {"indices": indices} if indices else {}
-    struck = struck_variants(result.table)
+    struck = struck_variants(result.columns)
     return {**head(result), **({} if struck is None else {"struck": struck}), "measures": measures}
 
 
@@ -167,7 +163,7 @@ def head(result: StudyResult) -> Entries:
     """Return the entries with which summaries of studies and searches begin."""
     return {
         "format": result.inputs["format"], "name": result.inputs["name"], "id": result.inputs["id"],
-        "variants": result.table.num_rows, "failed": len(result.failed),
+        "variants": result.columns.num_rows, "failed": len(result.failed),
         "timestep_s": result.inputs["simulate"]["timestep"],
         "varied": [quantity.to_dict() for quantity in varied_of(result.study)],
     }  # fmt: skip
@@ -256,6 +252,6 @@ def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
         return ()
     stated = read_json(path, _KIND, _REMEDY).get(KEY, [])
     try:
-        return tuple(limit_of_text(limit["text"], measures_of(result.table)) for limit in stated)
+        return tuple(limit_of_text(limit["text"], measures_of(result.columns)) for limit in stated)
     except (KeyError, TypeError, ValueError) as error:
         raise RecordError(f"{path}: `{KEY}` is not what was written: {error} {_REMEDY}") from None

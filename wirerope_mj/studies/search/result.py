@@ -18,10 +18,10 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.ended import ended_early, why_early
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.folder import TABLE, read_table
 from wirerope_mj.studies.inputs_file import read_inputs
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
+from wirerope_mj.studies.stored_table import TABLE, StoredTable
 from wirerope_mj.studies.vary import distributions
 from wirerope_mj.studies.vary.quantity import acts
 
@@ -300,7 +300,7 @@ def read_result(folder: Path, study_class: type[StudyDefinition]) -> StudyResult
     """
     content = read_inputs(folder)
     complete = (folder / TABLE).is_file()
-    rows = read_table(folder, ["variant"]).num_rows if complete else 0
+    rows = len(StoredTable(folder, str)["variant"]) if complete else 0
     if "search" in content:
         return SearchResult(folder=folder, inputs=content, variants=rows, complete=complete, study_class=study_class)
     variants = int(content["sampling"]["variants"])

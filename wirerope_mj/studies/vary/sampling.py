@@ -4,8 +4,9 @@ And how well the scatter of a few specimens is known.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,37 +30,56 @@ SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, OF_INDICES)
 FEWEST = 8  # base rows of these matrices below which no variance is worth the name
 
 
-def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int) -> pa.Table:
-    """Return the table of inputs: `variant`, and one column for every sampled number.
+def drawing(
+    quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int
+) -> tuple[int, Callable[[], pa.Table]]:
+    """Return the number of variants, and what draws the table of inputs: `variant`, and a column for every sampled number.
 
     The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger
     study are those of a smaller one. ValueError if the number of variants is not positive or does not suit the sampling,
     the sampling is unknown, or a grid has no listed values.
     """
     one_of("sampling", sampling, SAMPLINGS)
-    columns = [column for quantity in quantities for column in quantity.columns]
     if sampling in LISTED:
-        values: Sequence[list[Any] | AnyArray] = _listed(quantities, variants, sampling)
-    else:
-        variants = integer("variants", variants, least=1)
-        _require_memory(variants, len(columns))
-        if sampling == OF_INDICES:
-            points = saltelli_points(list(factors(quantities).values()), variants, seed)
-        elif sampling == "random":
-            points = np.random.default_rng(seed).random((variants, len(columns)))
-        elif sampling == "latin-hypercube":
-            points = scipy.stats.qmc.LatinHypercube(len(columns), rng=np.random.default_rng(seed)).random(variants)
-        elif len(columns) > (most := scipy.stats.qmc.Sobol.MAXDIM):
-            raise ValueError(
-                f"Sobol's sequence has {most} dimensions, and {len(columns)} numbers vary; use `sampling` "
-                '"latin-hypercube" or "random".'
-            )
-        else:  # balanced in powers of two; every shorter series is the beginning of them
-            sequence = scipy.stats.qmc.Sobol(len(columns), scramble=True, rng=np.random.default_rng(seed))
-            points = sequence.random_base2(max(variants - 1, 0).bit_length())[:variants]
-        ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
-        blocks = zip(quantities, np.split(points, ends, axis=1), strict=True)
-        values = [column for quantity, points_of_quantity in blocks for column in values_at(quantity, points_of_quantity)]
+        lists = _lists(quantities, variants, sampling)
+        size = len(lists[0]) if sampling == "list" else math.prod(map(len, lists))
+        return size, partial(_listed, quantities, lists, sampling)
+    columns = sum(len(quantity.columns) for quantity in quantities)
+    size = integer("variants", variants, least=1)
+    _require_memory(size, columns)
+    if sampling == OF_INDICES:
+        groups = factors(quantities)
+        base_rows(size, len(groups))
+        if 2 * columns > (most := scipy.stats.qmc.Sobol.MAXDIM):
+            raise ValueError(f"Sobol's sequence has {most} dimensions, and {columns} numbers vary, each twice.")
+    elif sampling == "sobol" and columns > (most := scipy.stats.qmc.Sobol.MAXDIM):
+        raise ValueError(
+            f"Sobol's sequence has {most} dimensions, and {columns} numbers vary; use `sampling` "
+            '"latin-hypercube" or "random".'
+        )
+    for quantity in quantities:  # what the distributions refuse is refused now
+        values_at(quantity, np.full((1, len(quantity.columns)), 0.5))
+    return size, partial(_sampled, quantities, size, sampling, seed)
+
+
+def _sampled(quantities: Sequence[Quantity], variants: int, sampling: str, seed: int) -> pa.Table:
+    columns = sum(len(quantity.columns) for quantity in quantities)
+    if sampling == OF_INDICES:
+        points = saltelli_points(list(factors(quantities).values()), variants, seed)
+    elif sampling == "random":
+        points = np.random.default_rng(seed).random((variants, columns))
+    elif sampling == "latin-hypercube":
+        points = scipy.stats.qmc.LatinHypercube(columns, rng=np.random.default_rng(seed)).random(variants)
+    else:  # balanced in powers of two; every shorter series is the beginning of them
+        sequence = scipy.stats.qmc.Sobol(columns, scramble=True, rng=np.random.default_rng(seed))
+        points = sequence.random_base2(max(variants - 1, 0).bit_length())[:variants]
+    ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
+    blocks = zip(quantities, np.split(points, ends, axis=1), strict=True)
+    return _table(quantities, [column for quantity, part in blocks for column in values_at(quantity, part)])
+
+
+def _table(quantities: Sequence[Quantity], values: Sequence[list[Any] | AnyArray]) -> pa.Table:
+    columns = [column for quantity in quantities for column in quantity.columns]
     numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
     arrays = [pa.array(value, type=column.type) for value, column in zip(values, columns, strict=True)]
     return pa.table([numbers, *arrays], names=["variant", *(column.name for column in columns)])
@@ -112,8 +132,8 @@ def sample_parameters(isolator: Isolator, normals: Array) -> Array:
     return np.asarray(mean + sum(normals[:, [k]] * root[k] for k in range(mean.size)))
 
 
-def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str) -> list[list[Any]]:
-    """Return the columns of a list, or of a grid: all combinations; the last one varies fastest."""
+def _lists(quantities: Sequence[Quantity], variants: int | None, sampling: str) -> list[list[Any]]:
+    """Return the values that each column takes in a list or a grid; ValueError if they do not suit."""
     lists: list[list[Any]] = []
     for quantity in quantities:
         distribution = quantity.distribution
@@ -130,10 +150,16 @@ def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str)
     if variants is not None and variants != size:
         raise ValueError(f"`variants` must be left out of a {sampling}, or be its size {size}, got {variants}.")
     _require_memory(size, len(sizes))
+    return lists
+
+
+def _listed(quantities: Sequence[Quantity], lists: Sequence[list[Any]], sampling: str) -> pa.Table:
+    """Return the inputs of a list, or of a grid: all combinations; the last one varies fastest."""
     if sampling == "list":
-        return lists
-    indices = np.unravel_index(np.arange(size), sizes)
-    return [[values[k] for k in row] for values, row in zip(lists, indices, strict=True)]
+        return _table(quantities, lists)
+    sizes = [len(values) for values in lists]
+    indices = np.unravel_index(np.arange(math.prod(sizes)), sizes)
+    return _table(quantities, [[values[k] for k in row] for values, row in zip(lists, indices, strict=True)])
 
 
 def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
@@ -172,15 +198,10 @@ def saltelli_points(groups: Sequence[Sequence[int]], variants: int, seed: int) -
     """Return numbers from 0 to 1, (variants, n_columns), of Saltelli's matrices (Saltelli et al. 2010).
 
     Row by row: A, B, then for each factor A with the columns of this factor, `groups`, from B. So a larger study begins
-    with a smaller one, and what a failed variant spoils is one row. ValueError if there are too many columns for Sobol's
-    sequence, or the number of variants does not suit.
+    with a smaller one, and what a failed variant spoils is one row. ValueError if the number of variants does not suit.
     """
     rows = base_rows(variants, len(groups))
     columns = sum(map(len, groups))
-    if 2 * columns > scipy.stats.qmc.Sobol.MAXDIM:
-        raise ValueError(
-            f"Sobol's sequence has {scipy.stats.qmc.Sobol.MAXDIM} dimensions, and {columns} numbers vary, each twice."
-        )
     sequence = scipy.stats.qmc.Sobol(2 * columns, scramble=True, rng=np.random.default_rng(seed)).random(rows)
     # Sobol's first dimensions fill the space best, even in pairs: they go to factors of few columns, for each of which much
     # hangs on one number.
