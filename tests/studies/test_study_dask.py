@@ -9,6 +9,7 @@ import sys
 import time
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, nullcontext
+from types import SimpleNamespace
 
 import pyarrow as pa
 import pytest
@@ -220,6 +221,7 @@ def test_chunks_in_flight_when_the_scheduler_goes_are_handed_over_again_and_none
 
         def __init__(self, client, work, *, where):
             assert where == "the cluster at here"
+            self.client = client
 
         def parts(self, chunks, running, suspect):
             for chunk in chunks:
@@ -241,11 +243,12 @@ def test_chunks_in_flight_when_the_scheduler_goes_are_handed_over_again_and_none
         def alone(self, chunk):
             if self.losses:
                 self.losses.pop()
-                raise OSError
+                self.client.status = "closed"  # of itself, after a time: its calls then raise whatever comes
+                raise AttributeError
             return chunk
 
     monkeypatch.setattr(dask_engine, "_Cluster", Losing)
-    monkeypatch.setattr(dask_engine, "_client", lambda workers, address: nullcontext())
+    monkeypatch.setattr(dask_engine, "_client", lambda workers, address: nullcontext(SimpleNamespace(status="running")))
     monkeypatch.setattr(dask_engine, "_warn_if_idle", lambda client, address: None)
     monkeypatch.setattr(dask_engine, "check_answers", lambda address: None)
     assert sorted(run_dask(None, range(12), workers=None, address="here")) == list(range(12))

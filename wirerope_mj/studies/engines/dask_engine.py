@@ -58,7 +58,7 @@ def run_dask(
     rest, running, suspects, losses = iter(chunks), dict[int, Chunk](), list[Chunk](), 0
     while True:
         try:
-            with _client(workers, address) as client:
+            with _client(workers, address) as client, _noticing_loss(client):
                 if address is not None:
                     _warn_if_idle(client, address)
                 here = _Cluster(client, work, where=where)
@@ -88,6 +88,17 @@ def check_cluster(workers: int | None, address: str | None) -> None:
         raise ValueError("`workers` belongs to a cluster of this machine's own; one at `address` has its own workers.")
     if address is not None:
         check_answers(address)
+
+
+@contextmanager
+def _noticing_loss(client: "Client") -> Iterator[None]:
+    """Raise OSError for whatever a client raises that has no scheduler any more: in its calls it is any error."""
+    try:
+        yield
+    except Exception as error:
+        if client.status == "running" or isinstance(error, SimulationError):
+            raise
+        raise OSError("the client has lost its scheduler") from error
 
 
 def _comes_back(address: str) -> bool:
