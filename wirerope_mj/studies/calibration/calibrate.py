@@ -12,7 +12,7 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions.spectra.srs import shock_response_spectrum
-from wirerope_mj.studies.calibration.fit import GOOD, Fit, Forward, Posterior, Prior, Problem, fit, sample, usual_batches
+from wirerope_mj.studies.calibration.fit import GOOD, USUAL, Fit, Forward, Posterior, Prior, Problem, fit, sample
 from wirerope_mj.studies.calibration.forward import SystemForward, Test
 from wirerope_mj.studies.calibration.noise import DOMAINS, Domain, Series
 from wirerope_mj.studies.calibration.open_law import open_laws
@@ -260,7 +260,7 @@ def calibrate(
             compared as they are.
         draws: of the posterior.
         seed: of design and sampler.
-        progress: takes the fraction of the runs of the model that is done, as many as calibrations usually take.
+        progress: takes the fraction of the batches of runs that is done, of as many as calibrations usually take.
 
     Raises:
         ValueError: a prior is missing, or is none that can be calibrated.
@@ -283,6 +283,6 @@ def calibrate_model(
 ) -> Calibrated:  # fmt: skip
     """Calibrate the unknowns of any forward model to measured series; arguments as those of `calibrate`."""
     problem = Problem(forward, series, prior)
-    problem.progress = lambda batches: progress(min(batches / usual_batches(prior.size), 1.0))
+    problem.progress = lambda batches: progress(min(batches / USUAL, 1.0))
     most_likely = fit(problem, seed=seed)
     return Calibrated(problem=problem, fit=most_likely, posterior=sample(problem, most_likely, draws=draws, seed=seed))

@@ -4,7 +4,6 @@ The fit: a coarse design, least squares, and the residual's noise. The posterior
 quadratic emulator, checked against runs of the model.
 """
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -15,7 +14,6 @@ import scipy
 
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.studies.calibration.noise import Noise, Series, estimate_noise, first_noise
 from wirerope_mj.studies.vary.distributions import LARGEST, SMALLEST, Normal, Uniform
 
@@ -53,6 +51,7 @@ DESIGN, STARTS = 64, 2  # Points of the coarse design, and how many of the best 
 STEP = 0.02  # Step of the differences that make the Jacobian, in standard deviations of the prior
 ROUNDS, SHORT = 4, 2  # Times that the noise is estimated and the search goes on, from anywhere and from a known beginning
 ROUGH, FINE = 1e-3, 1e-6  # Tolerances of searches with the noise guessed, and estimated
+USUAL = 40  # Batches of runs of a calibration, about: the design, Jacobians and a run beside each, the emulator and its check
 REFUSED = 1e3  # Whitened residual where the model cannot be computed
 
 
@@ -93,7 +92,7 @@ class Problem:
         """Return the model's series, (n, n_samples), at u (n, d)."""
         values = self._forward(self.prior.values(normals))
         self.runs += len(normals)
-        self._batches += math.ceil(len(normals) / WIDTH)
+        self._batches += 1
         self.progress(self._batches)
         return values
 
@@ -121,15 +120,6 @@ class Problem:
                 for root, part in zip(roots, parts, strict=True)
             ]
         )
-
-
-def usual_batches(size: int) -> int:
-    """Return the number of batches of runs side by side that a calibration of so many unknowns takes, about.
-
-    Of the design, of some twenty Jacobians with a run beside each, and of the emulator, checked twice.
-    """
-    emulator = max(2 + 3 * size + size**2, 24)  # twice the terms of a quadratic
-    return math.ceil((1 + DESIGN + emulator + 2 * CHECKED) / WIDTH) + 20 * (1 + math.ceil(2 * size / WIDTH))
 
 
 def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]] | None = None) -> Fit:
