@@ -50,7 +50,10 @@ def share_bar(*words, **how):
         yield update
     print_line(f"{words[0]}: ends")
 
-progress.Estimate, progress.share_bar, progress.SAID = Estimate, share_bar, 0.0
+progress.Estimate, progress.SAID = Estimate, 0.0
+for module in list(sys.modules.values()):
+    if getattr(module, "share_bar", None) is bar:
+        module.share_bar = share_bar
 from wirerope_mj.cli import main
 sys.exit(main())
 """
