@@ -93,8 +93,8 @@ def _labels(shown: Sequence[Entries], centres: Mapping[str, Array]) -> Iterator[
             yield {"of": of, "choices": choices, "kind": item.get("tone", "")}
         elif item["kind"] != "centre":
             yield {"of": of, "choices": [label], "kind": "quiet", "inside": "size" in item}
-        elif item["mark"] == "mass" and len(centres) > 1:
-            length = f"{_length(math.dist(*centres.values()))} mm"
+        elif item["mark"] == "mass" and len(centres) > 1 and (apart := _length(math.dist(*centres.values()))) != "0":
+            length = f"{apart} mm"
             choices = [f"stiffness off the centre of mass by {length}", f"off by {length}", length]
             yield {"of": of, "choices": choices, "kind": "distance"}
 
