@@ -185,16 +185,13 @@ def main() -> None:
             print(f"exit code {done.code}: {request}: {done.lines[-3:]}", flush=True)
             continue
         starts = [(at, line.removesuffix(": begins")) for at, line in done.lines if line.endswith(": begins")]
-        for number, (began, word) in enumerate(starts):
-            ends = [at for at, line in done.lines if at > began and line == f"{word}: ends"]
-            end = ends[0] if ends else done.seconds
-            said = [(at, match) for at, line in done.lines if began <= at <= end and (match := SAID.match(line))]
-            if not said:
-                continue
-            found, (at, match) = True, said[0]
+        for at, match in [(at, match) for at, line in done.lines if (match := SAID.match(line))]:
+            found, word = True, match[1]
+            began = max(start for start, name in starts if name == word and start <= at)
+            end = next((after for after, line in done.lines if after >= at and line == f"{word}: ends"), done.seconds)
             seconds = float(match[2]) * TIMES[match[3]]
             factors["time"].append(factor(seconds, end - began))
-            last = number + 1 == len(starts)  # the end of it is that of the command
+            last = end == done.seconds or (began, word) == starts[-1]  # its memory and disk are those of the command
             sizes = [(size(match[4]), done.memory), (size(match[5]), done.disk)] if last else []
             texts = []
             for kind, pair in zip(("memory", "disk"), sizes, strict=False):

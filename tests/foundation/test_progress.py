@@ -1,7 +1,7 @@
 import pytest
 
 from wirerope_mj.engine.simulation import progress
-from wirerope_mj.engine.simulation.progress import share_bar, time_left
+from wirerope_mj.engine.simulation.progress import share_bar, time_left, work_after
 
 
 @pytest.mark.parametrize(
@@ -73,6 +73,28 @@ def test_what_takes_long_is_said_once_its_speed_is_known(capsys, monkeypatch, se
     lines = capsys.readouterr().err.splitlines()
     assert [line.partition(", ")[0] for line in lines] == estimates
     assert all(line.endswith(" of memory, 300 MB of disk") for line in lines)
+
+
+@pytest.mark.parametrize(("bar", "estimate"), [(20.0, "run: about 28 s"), (0.5, "run: about 8.5 s")])
+def test_an_estimate_of_a_run_holds_what_comes_after_its_bar(capsys, monkeypatch, bar, estimate):
+    monkeypatch.delenv("FORCE_COLOR", raising=False)
+    monkeypatch.setattr(progress, "SAID", 8.0)
+    clock = [0.0]
+    monkeypatch.setattr(progress, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(progress, "process_time", lambda: clock[0] / 2.0)  # another process has the other half of the processor
+    with work_after("run", 4.0, enabled=True), share_bar("simulating", "s", enabled=True) as update:
+        for step in range(21):
+            clock[0] = step / 20 * bar
+            update(step / 20, 4.0)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.partition(",")[0] == estimate
+
+
+def test_what_comes_after_a_block_without_progress_is_not_said(capsys, monkeypatch):
+    monkeypatch.setattr(progress, "SAID", 0.0)
+    with work_after("run", 100.0, enabled=False):
+        pass
+    assert capsys.readouterr() == ("", "")
 
 
 def test_a_bar_shows_value_and_time_left(capsys, monkeypatch):

@@ -139,9 +139,9 @@ def laws(*files: Path, elements: int = 5, law: Texts = None) -> int:
         raise ValueError(f"`--law`: there is no law {unknown[0]!r}; the laws are {', '.join(sorted(LAWS))}.")
     kinds = [LAWS[name] for name in law] if law else USUAL
     measured = [loop for one in read_tests(files, stop=False).values() for loop in one]
-    with share_bar("comparing", "laws", enabled=True) as update:
+    with share_bar("comparing", "% of the fits", enabled=True) as update:
         table = compare_laws(
-            measured, laws=kinds, elements=elements, progress=lambda fraction: update(fraction, len(kinds) * fraction)
+            measured, laws=kinds, elements=elements, progress=lambda fraction: update(fraction, 100.0 * fraction)
         )
     for line in str(table).splitlines():
         print(plain(line))

@@ -40,8 +40,8 @@ from wirerope_mj.studies.room import NO_ROOM, limits_in_room
 
 _LONGEST = 5e-4  # Step from which the halving begins [s]: a mode of 100 Hz has twenty of them in a period
 LEVELS = 8  # steps that are tried, the last of them 4 microseconds
-# fractions of the work that are done after each: two are tried of every part, finer ones of fewer and fewer
-DONE = (0.2, 0.4, 0.7, 0.9, 0.96, 0.98, 0.99, 1.0)
+# fractions of the work that are done before the first and after each: finer ones are tried of fewer and fewer parts
+PREPARED, DONE = 0.05, (0.27, 0.5, 0.75, 0.93, 0.98, 0.99, 0.995, 1.0)
 _PATIENCE = 4  # of them, after which a part whose run fails with each is given up
 # Difference of two runs over the error of the finer: 3 at order 2, a little less at the order that is seen.
 _FINER = 2.0
@@ -127,9 +127,9 @@ class Race:
         for case, name in self._left:
             alike.setdefault((case, self._systems[name].assembly.tables.layout.tobytes()), []).append(name)
         groups = [(case, names[k : k + WIDTH]) for (case, _), names in alike.items() for k in range(0, len(names), WIDTH)]
-        begun = DONE[level - 1] if level else 0.0
+        begun = DONE[level - 1] if level else PREPARED
+        outcomes: list[list[Mapping[str, float] | BatchFailure]] = []
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            outcomes: list[list[Mapping[str, float] | BatchFailure]] = []
             for outcome in pool.map(lambda group: self._batch(group[0], group[1], _LONGEST / 2**level), groups):
                 outcomes.append(outcome)
                 progress(begun + (DONE[level] - begun) * len(outcomes) / len(groups))
@@ -219,15 +219,15 @@ def try_parts(
         raise ValueError(f"`initial` must be one of {', '.join(HISTORIES)}, got {initial!r}.")
     if any(motion.rotates for motion in cases.values()):
         system = replace(with_rotation(system), limits=system.limits, combined_travel=system.combined_travel)
+    mounts = len(replaceable_mounts(system))
     tried = [
-        TriedPart(
-            name=name, isolator=parts[name], system=on, placement=placement, mounts=len(replaceable_mounts(system)), reason=why
-        )
+        TriedPart(name=name, isolator=parts[name], system=on, placement=placement, mounts=mounts, reason=why)
         for name, on, why in _systems(system, parts, room)
     ]
     with warnings.catch_warnings(action="ignore", category=ModelWarning):  # of parts that will not be chosen
         begun = _find_equilibria([part for part in tried if part.system is not None and not part.reason], initial)
     runs = {part.name: part for part in begun if not part.reason}
+    progress(PREPARED)
     race = Race(runs, cases, initial, accuracy)
     for level in range(LEVELS):
         race.run(level, progress)

@@ -4,7 +4,8 @@ import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from time import perf_counter
+from contextvars import ContextVar
+from time import perf_counter, process_time
 
 from wirerope_mj.foundation.budget import bytes_text, memory_taken
 from wirerope_mj.foundation.units import rough_duration_text
@@ -24,11 +25,15 @@ def print_line(line: str) -> None:
 class Estimate:
     """What some work takes in all, said once where that is long: "study: about 40 s, 1.2 GB of memory, 300 MB of disk".
 
-    The speed is measured from the end of the first part that is done, if that is small.
+    The speed is measured from the end of the first part that is done, if that is small. Within `work_after`, all is what takes
+    from the begin of that block to the end of what comes after it.
     """
 
-    def __init__(self, word: str, *, memory: float = 0.0, disk: float = 0.0, begun: float = 0.0) -> None:
+    def __init__(
+        self, word: str, *, memory: float = 0.0, disk: float = 0.0, begun: float = 0.0, after: float = 0.0
+    ) -> None:  # fmt: skip
         self.word, self.begun, self.said = word, begun, False
+        self.after, self.processor, self.whole = after, process_time(), _whole.get()
         self.memory, self.disk = memory, disk  # beside what this process has, and of the files that come of the work [B]
         self.first: tuple[float, float] | None = None  # instant [s] and fraction from which on the speed is measured
         self.began = perf_counter()
@@ -43,12 +48,44 @@ class Estimate:
             self.first = (now, fraction) if small else (self.began, self.begun)
         elapsed, done = now - self.first[0], fraction - self.first[1]
         if elapsed >= SETTLED and done > 0.0:
-            seconds = now - self.began + elapsed * (1.0 - fraction) / done
-            self.said = seconds >= SAID
-            if self.said:
-                sizes = {"memory": memory_taken() + self.memory, "disk": self.disk}
-                amounts = [f"{bytes_text(size)} of {name}" for name, size in sizes.items() if size]
-                say(", ".join([f"{self.word}: about {rough_duration_text(seconds)}", *amounts]))
+            self.say((self.whole or self).seconds(elapsed * (1.0 - fraction) / done), say)
+            if self.whole and self.said:
+                self.whole.said = True
+
+    def seconds(self, left: float = 0.0) -> float:
+        """Estimate the time of all [s]: what has passed, what is left, and what comes after, as slow as all was so far."""
+        passed, processor = perf_counter() - self.began, process_time() - self.processor
+        return passed + left + self.after * max(passed / processor if processor > 0.0 else 1.0, 1.0)
+
+    def say(self, seconds: float, say: Callable[[str], None] = print_line) -> None:
+        """Say what all takes if that is long."""
+        self.said = seconds >= SAID
+        if self.said:
+            sizes = {"memory": memory_taken() + self.memory, "disk": self.disk}
+            amounts = [f"{bytes_text(size)} of {name}" for name, size in sizes.items() if size]
+            say(", ".join([f"{(self.whole or self).word}: about {rough_duration_text(seconds)}", *amounts]))
+
+
+_whole: ContextVar[Estimate | None] = ContextVar("_whole", default=None)
+
+
+@contextmanager
+def work_after(word: str, seconds: float, *, enabled: bool) -> Iterator[None]:
+    """Have the estimates of bars in the block hold what comes after it, `seconds` of a processor.
+
+    Where no bar of the block took long enough for an estimate, it is said at the end of the block.
+    """
+    if not enabled:
+        yield
+        return
+    whole = Estimate(word, after=seconds)
+    token = _whole.set(whole)
+    try:
+        yield
+    finally:
+        _whole.reset(token)
+    if not whole.said:
+        whole.say(whole.seconds())
 
 
 @contextmanager

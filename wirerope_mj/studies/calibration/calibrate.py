@@ -260,7 +260,7 @@ def calibrate(
             compared as they are.
         draws: of the posterior.
         seed: of design and sampler.
-        progress: takes the fraction of the batches of runs that is done, of as many as calibrations usually take.
+        progress: takes the fraction of the runs that is done, of as many as calibrations usually take.
 
     Raises:
         ValueError: a prior is missing, or is none that can be calibrated.
@@ -283,6 +283,6 @@ def calibrate_model(
 ) -> Calibrated:  # fmt: skip
     """Calibrate the unknowns of any forward model to measured series; arguments as those of `calibrate`."""
     problem = Problem(forward, series, prior)
-    problem.progress = lambda batches: progress(min(batches / USUAL, 1.0))
+    problem.progress = lambda times: progress(min(times / USUAL, 1.0))
     most_likely = fit(problem, seed=seed)
     return Calibrated(problem=problem, fit=most_likely, posterior=sample(problem, most_likely, draws=draws, seed=seed))

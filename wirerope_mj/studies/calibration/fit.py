@@ -4,6 +4,7 @@ The fit: a coarse design, least squares, and the residual's noise. The posterior
 quadratic emulator, checked against runs of the model.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -51,7 +52,8 @@ DESIGN, STARTS = 64, 2  # Points of the coarse design, and how many of the best 
 STEP = 0.02  # Step of the differences that make the Jacobian, in standard deviations of the prior
 ROUNDS, SHORT = 4, 2  # Times that the noise is estimated and the search goes on, from anywhere and from a known beginning
 ROUGH, FINE = 1e-3, 1e-6  # Tolerances of searches with the noise guessed, and estimated
-USUAL = 40  # Batches of runs of a calibration, about: the design, Jacobians and a run beside each, the emulator and its check
+SIDE = 8  # runs side by side that take as long as a single run, about: lanes on two processors
+USUAL = 55  # Times that a calibration takes of such runs, about: the design, Jacobians and runs, the emulator and its check
 REFUSED = 1e3  # Whitened residual where the model cannot be computed
 
 
@@ -74,13 +76,13 @@ class Problem:
 
     Attributes:
         runs: of the model so far.
-        progress: takes the number of batches of runs side by side after each.
+        progress: takes how many times as long as a single run all have taken, after each batch of them.
     """
 
     def __init__(self, forward: Forward, series: Sequence[Series], prior: Prior) -> None:
         self.series, self.prior, self.runs = tuple(series), prior, 0
-        self.progress: Callable[[int], None] = lambda batches: None
-        self._batches = 0
+        self.progress: Callable[[int], None] = lambda times: None
+        self._times = 0
         self._forward = forward
         self.ends = np.cumsum([item.values.size for item in series])
         self.measured = np.concatenate([item.values for item in series])
@@ -92,8 +94,8 @@ class Problem:
         """Return the model's series, (n, n_samples), at u (n, d)."""
         values = self._forward(self.prior.values(normals))
         self.runs += len(normals)
-        self._batches += 1
-        self.progress(self._batches)
+        self._times += math.ceil(len(normals) / SIDE)
+        self.progress(self._times)
         return values
 
     def jacobian(self, normals: Array) -> Array:
