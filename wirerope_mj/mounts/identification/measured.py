@@ -23,6 +23,7 @@ STEADY = 1e-12  # Change of the hysteretic force over a cycle, relative to the f
 ENDS_NOISE = 6.0
 # Fraction of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise.
 OPEN_ENDED = 0.2
+_AT_END = 0.05  # of the stroke, within which a cycle begins at an end of it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,8 +156,8 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
             )
         if loop.closure > OPEN_ENDED and not (stop and loop.closure * np.ptp(f) <= ENDS_NOISE * rms_noise(f)):
             raise ValueError(
-                f"{name} is not a full cycle: its force begins at {f[0]:.6g} N and ends at {f[-1]:.6g} N, "
-                f"{100 * loop.closure:.0f} % of its range apart."
+                f"{name} is not a full cycle: its force ends {loop.closure * np.ptp(f):.4g} N from where it began, "
+                f"{100 * loop.closure:.0f} % of its range{half_text(loop)}. Record whole cycles, three or more of an amplitude."
             )
         require_unclipped(x, f, name, stop=stop)
         require_falling(loop, name, stop=stop)
@@ -174,6 +175,13 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
             measured = replace(measured, **recorded)
         ready.append(measured)
     return sorted(ready, key=lambda loop: float(np.ptp(loop.deflection)))
+
+
+def half_text(loop: Loop) -> str:
+    """Return what else speaks for half a cycle where the force does not close; "" where nothing does."""
+    x = loop.deflection
+    at_end = min(x[0] - x.min(), x.max() - x[0]) < _AT_END * np.ptp(x)
+    return ", its deflection turning round only once, as in half a cycle" if loop.cycles == 1 and at_end else ""
 
 
 def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:

@@ -9,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.mounts.identification.measured import prepare
+from wirerope_mj.mounts.identification.measured import half_text, prepare
 from wirerope_mj.mounts.identification.result import Identification, fitted_loops
 from wirerope_mj.mounts.identification.sufficient import closes
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Validity
@@ -114,8 +114,8 @@ def _unsteady(loops: _Loops) -> list[str]:
     """Warn of each loop that counts as steady and still changes from cycle to cycle, by more than its noise."""
     return [
         f"{path}: {_size(loop)} is not steady, its last cycle ends {100.0 * loop.closure:.2g} % of its force range from where "
-        "it began, and is fitted as if it were: parameters may be off by more than their errors. Record the way from the "
-        "unloaded device, or more cycles"
+        f"it began{half_text(loop)}, and is fitted as if it were: parameters may be off by more than their errors. Record the "
+        "way from the unloaded device, or more cycles"
         for path, loop in loops
         if not (isinstance(loop, RecordedLoop) and loop.averaged)
         and loop.closure > (_STEADY if loop.cycles > 1 else _ONE_CYCLE) + _OF_NOISE * rms_noise(loop.force) / np.ptp(loop.force)

@@ -13,7 +13,7 @@ from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_falling, require_unclipped
-from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
+from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal, require_slower
 from wirerope_mj.mounts.test_rig.turning import RecordedLoop, Trace, find_turning_points
 
 Locate = Callable[[int, int], str]  # Returns the text that says where the samples from one index to another stand
@@ -56,6 +56,8 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
                 force = without_hum(time, force, hum)
             steady = _loops_of_record(np.array(samples.deflection), force, time, locate, stop)
             for loop in steady:
+                if isinstance(loop, RecordedLoop) and loop.period is not None:
+                    require_slower(loop.amplitude, loop.period, locate(0, len(samples.lines) - 1))
                 require_nominal(samples, loop.amplitude, locate(0, len(samples.lines) - 1))
                 half = 0.5 * float(np.ptp(loop.force))
                 require_likely(loop.amplitude, half, locate(0, len(samples.lines) - 1), stop=stop)

@@ -78,10 +78,14 @@ _LEAST = 1e-3  # of half of the force range, below which hum changes no paramete
 _DRIFTS = 0.02  # of half of the force range over the record, from which a drift is named
 _LAGS = 0.0009  # of the period: a lag is named from 0.1 %, which is told to a tenth
 _HIDDEN = 0.3  # of the period, times noise over half of the force range: a bend that noise hides is taken for as much lag
+# Friction that slips early behind a reversal, as a second scale does, looks as if the force turned round before the deflection,
+# where noise or samples of a cycle hide the bend: of the period, times the root of that share, and over samples of a cycle.
+_EARLY, _COARSE = 0.1, 0.15
 _NOISY = 0.03  # of half of the force range, from which noise is named
 _SURE = 4.0  # standard errors of a drift or a lag
 _STROKE_RATIO = 0.1  # ratio by which strokes may differ and count as alike
-_FEWEST_CYCLES = 4  # whole cycles of a run, of which the way to the first still bends
+_FEWEST_CYCLES = 4  # whole cycles of a run, of which the way to the first still bends; of three the bend counts as error
+_SLOWEST = 2.0  # seconds between samples: no logger of a rig is slower, and ms that are called s make a thousandth of its rate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,6 +151,9 @@ def checked_record(time: Array, deflection: Array, force: Array) -> Checked:
     """Look for faults in a record: instants [s], deflection [m], force [N], (n,) each; a clean record has no fault."""
     faults: list[str] = []
     half = 0.5 * float(np.ptp(force))
+    step = float(np.median(np.diff(time))) if time.size > 1 else 0.0
+    if step > _SLOWEST:
+        faults.append(f"its samples are {step:.3g} s apart: is its time in ms where the header says s?")
     hum = hum_in(time, force)
     if hum is not None:
         force = without_hum(time, force, hum)
@@ -170,8 +177,10 @@ def checked_record(time: Array, deflection: Array, force: Array) -> Checked:
         )
     lag = None if play else lag_in(time, deflection, force)  # with play they do not turn round together
     noise = rms_noise(force)
-    least = max(_SURE * lag.error / lag.period, _LAGS, _HIDDEN * noise / max(half, 1e-300)) if lag else math.nan
-    if lag is not None and abs(lag.delay) > least * lag.period:
+    share = noise / max(half, 1e-300)
+    least = max(_SURE * lag.error / lag.period, _LAGS, _HIDDEN * share) if lag else math.nan
+    early = max(least, _EARLY * math.sqrt(share), _COARSE * step / lag.period) if lag else math.nan
+    if lag is not None and not -early <= lag.delay / lag.period <= least:
         which = "force turns round after" if lag.delay > 0.0 else "force turns round before"
         share, doubt = 100.0 * abs(lag.delay) / lag.period, 100.0 * lag.error / lag.period
         size = f"about {duration_text(abs(lag.delay), 2)}, {share:.2g} +- {max(doubt, 0.01):.1g} % of a cycle"
@@ -184,7 +193,7 @@ def checked_record(time: Array, deflection: Array, force: Array) -> Checked:
         faults.append(
             f"noise of the force is {noise:.3g} N rms, {100.0 * noise / half:.2g} % of half of its range: average more cycles"
         )
-    return Checked(faults=faults, least_lag=least)
+    return Checked(faults=faults, least_lag=early)
 
 
 def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
@@ -216,7 +225,7 @@ def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
     slopes = []
     for first, last in runs:
         begins = trace.times[first : last + 1 : 2]
-        if begins.size < _FEWEST_CYCLES + 1:
+        if begins.size < _FEWEST_CYCLES:
             continue
         means = np.diff(np.interp(begins, time, work)) / np.diff(begins)
         middles = 0.5 * (begins[1:] + begins[:-1])
@@ -226,6 +235,8 @@ def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
         each = max(noise / np.sqrt(count / means.size), whole[1])
         error = each / np.linalg.norm(middles[1:] - middles[1:].mean())
         slope = whole[0]
+        if means.size < _FEWEST_CYCLES:  # the rest of two cycles: what they bend by may fade on
+            error = float(np.hypot(error, slope - (means[1] - means[0]) / (middles[1] - middles[0])))
         if abs(late[0]) < abs(slope) - _SURE * error:
             slope = late[0] if late[0] * slope > 0.0 else 0.0
         slopes.append((float(np.mean(strokes[first:last])), float(slope), float(error)))

@@ -69,7 +69,7 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
             runs[-1].append(index)
     lags = []
     for reversals in (_locate(trace, run) for run in runs if len(run) >= _TURNS):
-        samples = reversals.period * (time.size - 1) / float(np.ptp(time))
+        samples = reversals.period / float(np.median(np.diff(time)))  # of a cycle: a rig may pause between amplitudes
         widths = [width for width in _WIDTHS if width * samples >= _FEWEST] or [_FEWEST / samples]
         fits: list[tuple[float, int, float, float]] = []
         begin = 0.0
@@ -107,7 +107,7 @@ def _locate(trace: Trace, run: Sequence[int]) -> _Reversals:
         about = float(trace.times[index])
         near = np.flatnonzero(np.abs(trace.time - about) <= width)
         if near.size < 2 * _FEWEST - 2:
-            samples = period * (trace.time.size - 1) / float(np.ptp(trace.time))
+            samples = period / float(np.median(np.diff(trace.time)))
             near = np.flatnonzero(np.abs(trace.time - about) <= _FEWEST * period / max(samples, 1.0))
         sense = 1.0 if trace.smooth[trace.turns[index]] > trace.smooth[trace.turns[index - 1]] else -1.0
         since, values = (trace.time[near] - about) / width, -sense * trace.deflection[near]

@@ -13,7 +13,7 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.table_files import number_in, numbered_rows, read_header, rows_below
 from wirerope_mj.foundation.table_header import Header, is_clock_time
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, find_unit
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STANDARD_GRAVITY, TIME_UNITS, find_unit
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_passive
 from wirerope_mj.mounts.test_rig.turning import rms_noise
@@ -80,6 +80,7 @@ _WORDS = {
 _LARGEST_AMPLITUDE = 1.0  # [m], beyond any travel of a wire rope isolator; a millimetre taken for a metre is a thousand times
 # secant stiffness [N/m]: of 77 vendors' parts the softest has 1900, the stiffest 3.5e6; of rubber stops 2e7; kN for N is 1000
 _SOFTEST, _STIFFEST = 500.0, 1e9
+_FASTEST = 2000.0  # acceleration of a cycle [m/s^2]: rigs reach a tenth of it; s for ms is a million times as much
 _FEWEST = 8  # samples: fewer are no loop
 _LEG = 0.2  # fraction of the range that counts as going back: above any noise that leaves a loop to be seen
 _NOMINAL = 2.0  # times that a loop may be larger or smaller than its stated amplitude: mixed units are 1000 times
@@ -240,6 +241,16 @@ def require_likely(amplitude: float, force: float, location: str, *, stop: bool 
         raise ValueError(
             f"{location}: +-{force:.4g} N at +-{1e3 * amplitude:.4g} mm are {1e-3 * stiffness:.4g} N/mm, "
             f"{word} than any isolator; are the forces in {units} said or expected, or the deflections in another unit?"
+        )
+
+
+def require_slower(amplitude: float, period: float, location: str) -> None:
+    """Raise ValueError if a cycle of an amplitude [m] and a period [s] is faster than any rig: probably wrong units of time."""
+    acceleration = amplitude * (2.0 * np.pi / period) * (2.0 * np.pi / period)
+    if acceleration > _FASTEST:
+        raise ValueError(
+            f"{location}: +-{1e3 * amplitude:.4g} mm at {1.0 / period:.4g} Hz are {acceleration / STANDARD_GRAVITY:.3g} g, "
+            'beyond any rig: is column "time" in s where the header says ms?'
         )
 
 
