@@ -5,10 +5,10 @@
 
 Each request is a command in a process of its own, whose estimates are printed however short it is; one that ends before an
 estimate is there took no more than a second or two of work. The factor is the larger of estimate over taken and taken over
-estimate, both from the start of what is estimated to its end; `passed` is the fraction of it that was over when the estimate
-was there, and `whole` the time of the command, with its imports and its pages. Memory is that of the command and its processes
-where it is largest, and disk the folder that is written. On a machine that does other things the speed changes in between: its
-load is printed beside.
+estimate, both from the start of what is estimated to its end, of a run to that of the command; `passed` is the fraction of it
+that was over when the estimate was there, and `whole` the time of the command, with its imports. Memory is that of the command
+and its processes where it is largest, and disk the folder that is written. On a machine that does other things the speed
+changes in between: its load is printed beside.
 """
 
 import argparse
@@ -149,7 +149,8 @@ def taken(request: str, folder: Path) -> Taken:
         now = 0.0
         try:
             for each in (watched, *watched.children(recursive=True)):
-                now += each.memory_info().rss
+                memory = each.memory_full_info()
+                now += getattr(memory, "pss", memory.rss)  # on Linux, what processes share once
         except psutil.NoSuchProcess:
             pass
         most = max(most, now)

@@ -82,7 +82,7 @@ def test_an_estimate_of_a_run_holds_what_comes_after_its_bar(capsys, monkeypatch
     clock = [0.0]
     monkeypatch.setattr(progress, "perf_counter", lambda: clock[0])
     monkeypatch.setattr(progress, "process_time", lambda: clock[0] / 2.0)  # another process has the other half of the processor
-    with work_after("run", 4.0, enabled=True), share_bar("simulating", "s", enabled=True) as update:
+    with work_after("run", 4.0, memory=0.0, enabled=True), share_bar("simulating", "s", enabled=True) as update:
         for step in range(21):
             clock[0] = step / 20 * bar
             update(step / 20, 4.0)
@@ -92,7 +92,7 @@ def test_an_estimate_of_a_run_holds_what_comes_after_its_bar(capsys, monkeypatch
 
 def test_what_comes_after_a_block_without_progress_is_not_said(capsys, monkeypatch):
     monkeypatch.setattr(progress, "SAID", 0.0)
-    with work_after("run", 100.0, enabled=False):
+    with work_after("run", 100.0, memory=0.0, enabled=False):
         pass
     assert capsys.readouterr() == ("", "")
 

@@ -28,7 +28,6 @@ from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.run import aliasing, missing_modes
 from wirerope_mj.engine.simulation.simulate import checked_corners
 from wirerope_mj.engine.statics.linear import soft_equalities
-from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.arrays import Entries
@@ -104,7 +103,8 @@ def progress_line(*, enabled: bool) -> Iterator[Callable[[str], None]]:
 
 
 STREAM_SAMPLES = 10_000  # Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns
-PAGES, OF_A_NUMBER = 3.0, 1.5e-7  # time of a processor [s] that the pages of a run take, and more of it for each number sampled
+PAGES = (3.0, 1.2e8)  # time of a processor [s] and memory [B] that the pages of a run take
+OF_A_NUMBER = (1.5e-7, 8.0)  # and what they take for each number sampled
 SAMPLE_RATE = 1000.0  # Sampling rate of `simulate` where the scenario gives none [Hz]
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
 _ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback", "engine")
@@ -150,7 +150,9 @@ def write_run(
         with warnings.catch_warnings():
             for text in (*soft_equalities(system), *missing_modes(system, scenario.motion)):  # the run's own pages say them
                 warnings.filterwarnings("ignore", message=re.escape(text))
-            with work_after("run", _pages_time(system, arguments), enabled=progress):
+            numbers = arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE) * len(column_plan(system).names)
+            seconds, memory = PAGES[0] + OF_A_NUMBER[0] * numbers, PAGES[1] + OF_A_NUMBER[1] * numbers
+            with work_after("run", seconds, memory=memory, enabled=progress):
                 response = simulate(system, scenario.motion, **arguments, out=temporary if long else None, progress=progress)
         seconds = perf_counter() - started
         text = _scenario_text(scenario, response, temporary, model=model_table(system, model), arguments=arguments)
@@ -218,12 +220,6 @@ def _options(scenario: Scenario) -> Entries:
 
 def _now() -> datetime:
     return datetime.now(UTC).replace(microsecond=0)
-
-
-def _pages_time(system: System, arguments: Entries) -> float:
-    """Estimate how long a processor judges a run and writes its response, report, recording and pictures [s]."""
-    samples = arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE)
-    return float(PAGES + OF_A_NUMBER * samples * len(column_plan(system).names))
 
 
 def is_streamed(arguments: Entries) -> bool:

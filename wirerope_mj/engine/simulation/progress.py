@@ -61,7 +61,8 @@ class Estimate:
         """Say what all takes if that is long."""
         self.said = seconds >= SAID
         if self.said:
-            sizes = {"memory": memory_taken() + self.memory, "disk": self.disk}
+            memory = memory_taken() + self.memory + (self.whole.memory if self.whole else 0.0)
+            sizes = {"memory": memory, "disk": self.disk}
             amounts = [f"{bytes_text(size)} of {name}" for name, size in sizes.items() if size]
             say(", ".join([f"{(self.whole or self).word}: about {rough_duration_text(seconds)}", *amounts]))
 
@@ -70,15 +71,15 @@ _whole: ContextVar[Estimate | None] = ContextVar("_whole", default=None)
 
 
 @contextmanager
-def work_after(word: str, seconds: float, *, enabled: bool) -> Iterator[None]:
-    """Have the estimates of bars in the block hold what comes after it, `seconds` of a processor.
+def work_after(word: str, seconds: float, *, memory: float, enabled: bool) -> Iterator[None]:
+    """Have the estimates of bars in the block hold what comes after it, `seconds` of a processor and `memory` [B].
 
     Where no bar of the block took long enough for an estimate, it is said at the end of the block.
     """
     if not enabled:
         yield
         return
-    whole = Estimate(word, after=seconds)
+    whole = Estimate(word, after=seconds, memory=memory)
     token = _whole.set(whole)
     try:
         yield
