@@ -388,13 +388,13 @@ def actions(rng, folder):
 
     def use():
         made = board()
-        before, told = dict(made._texts), [message for _, message in made.act(action)]
+        before, told = dict(made._documents.texts), [message for _, message in made.act(action)]
         json.dumps(told, allow_nan=False)
         refusals = [message["said"] for message in told if "refused" in message]
-        if dict(made._texts) != before:
+        if dict(made._documents.texts) != before:
             list(made.act({"do": "undo"}))
         made.act({"do": "slide", "key": "level", "value": 1.0})
-        if dict(made._texts) != before:
+        if dict(made._documents.texts) != before:
             return "undoing does not give the texts back"
         if refusals:
             raise ValueError(refusals[0])

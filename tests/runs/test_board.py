@@ -74,7 +74,7 @@ def centre(message, mark):
 def test_what_is_saved_gives_the_same_verdict_by_the_command(board, folder, tmp_path):
     act(board, do="move", names=["mount/m1", "mount/m4"], by=[40, 0, 0])
     shown = act(board, do="judge")["html"]["verdict"]
-    assert act(board, do="save")["said"] == "Saved: mounts.csv."
+    assert act(board, do="save")["said"] == f"Saved: mounts.csv, in {folder}."
     run = wr.run_job(folder / "job.toml", tmp_path / "run", workers=1)
     said = json.loads((tmp_path / "run" / "cases" / "shock" / "summary.json").read_text())["content"]["headline"]["text"]
     assert said.replace(" %", "\u00a0%") in shown
@@ -121,6 +121,21 @@ def test_a_mount_stands_as_it_was_turned_mirrored_and_lifted(board):
     low, high = -1082.575, 1082.575  # of the frame's box along x
     mirrored = act(board, do="mirror", names=["mount/m1"], axis="x")
     assert mount(mirrored, "m1")["position"][0] == pytest.approx(low + high + 800.0, abs=0.01)
+
+
+def test_a_row_is_found_by_the_name_that_it_had(board):
+    act(board, do="cell", table="masses", row="frame", column="name", value="skid")
+    assert "skid, mass 90" in act(board, do="cell", table="masses", row="frame", column="mass", value="90")["said"].lower()
+    act(board, do="undo")
+    act(board, do="undo")
+    assert "frame, mass 91" in act(board, do="cell", table="masses", row="frame", column="mass", value="91")["said"]
+
+
+def test_what_was_saved_says_what_is_no_more(board, folder):
+    stops = [item["name"] for item in board.open()["scene"]["items"] if item["kind"] == "stop" and item["movable"]]
+    act(board, do="remove", names=[name for name in stops if name.partition("/")[2] in (folder / "stops.csv").read_text()])
+    assert act(board, do="save")["said"] == f"Saved: stops.csv (taken away), in {folder}."
+    assert not (folder / "stops.csv").exists()
 
 
 def test_what_was_dragged_where_nothing_may_stand_shows_again_what_stands(board):

@@ -301,6 +301,57 @@ def test_a_fragment_leaves_what_is_typed_and_unfolded(page, served):
     assert board.of("slide")[0]["passing"] is True
 
 
+def test_a_row_that_is_renamed_keeps_what_is_typed_into_it(page, served):
+    board, _ = served
+    row = '<table><tbody><tr data-name="mass/{0}">' + "".join(
+        f'<td><input id="{{0}}-{column}" data-do="cell" data-column="{column}" data-row="{{0}}" value="{value}"></td>'
+        for column, value in (("name", "{0}"), ("mass", "60"))
+    ) + '</tr><tr data-name="mass/lid"><td><input data-column="mass" value="2"></td></tr></tbody></table>'  # fmt: skip
+    board.slide = lambda _: {"html": {"left": row.format("camera")}}
+    list_of = "() => [...document.querySelectorAll('#left input')].map(field => field.value).join()"
+    page.evaluate("document.querySelector('#height').dispatchEvent(new Event('input', { bubbles: true }))")
+    page.wait_for_function(f"() => ({list_of})() === 'camera,60,2'")
+    board.cell = lambda action: {"html": {"left": row.format(action["value"])}} if action["row"] == "camera" else {}
+    page.fill("#camera-name", "lens")
+    page.keyboard.press("Tab")
+    page.keyboard.type("61")
+    page.wait_for_selector("#lens-mass")
+    assert page.evaluate("document.activeElement.id") == "lens-mass"
+    page.keyboard.press("Enter")
+    page.wait_for_function(f"() => ({list_of})().startsWith('lens,')")
+    assert board.of("cell")[-1] == {"do": "cell", "column": "mass", "row": "lens", "value": "61"}
+
+
+def test_a_field_that_adds_is_empty_for_the_next_and_has_back_what_is_refused(page, served):
+    board, _ = served
+    fields = '<div class="limit" id="limit-of"><input id="new" data-do="add" data-adds value=""></div>'
+    board.slide = lambda _: {"html": {"left": fields}}
+    page.evaluate("document.querySelector('#height').dispatchEvent(new Event('input', { bubbles: true }))")
+    page.wait_for_selector("#new")
+
+    def add(action):
+        board.go.wait(PATIENCE)
+        if action["value"] == "wrong":
+            return {"refused": action["id"], "said": "no limit"}
+        return {"html": {"left": f'<div class="limit" id="limit-of-a"><input id="a" value="{action["value"]}"></div>{fields}'}}
+
+    board.add = add
+    page.fill("#new", "wrong")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".refusal")
+    assert page.input_value("#new") == "wrong"
+    board.go.clear()
+    page.fill("#new", "10 g")
+    page.keyboard.press("Enter")
+    assert page.input_value("#new") == ""
+    page.keyboard.type("20 g")
+    board.go.set()
+    page.wait_for_selector("#a")
+    assert page.input_value("#a") == "10 g"
+    assert page.input_value("#new") == "20 g"
+    assert page.locator(".refusal").count() == 0
+
+
 def test_an_action_that_is_lost_with_its_connection_is_sent_again(browser, served):
     board, server = served
     lost, kept = [], []

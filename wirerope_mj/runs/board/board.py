@@ -43,6 +43,7 @@ class Board:
         self._verdicts = Verdicts(opened.tests)
         self._found = {"found": "", "loops": ""}  # parts, as HTML
         self._restored = ""
+        self._renamed: dict[tuple[str, str], str] = {}  # rows of tables, by what a window may still call them
         self._writing: Waited | None = None  # the last one
         self._loaded = Loaded({}, opened.job, {}, {}) if opened.job else load(self._documents, self._documents.texts, {})
         if (left := self._documents.left_unsaved()) is not None:
@@ -81,8 +82,9 @@ class Board:
             yield from self._verdict()
         elif asked == "save":
             self._require_files()
-            names = self._documents.save()
-            yield True, {"dirty": False, "said": f"Saved: {', '.join(names) or 'nothing has changed'}.", "tone": "good"}
+            files = self._documents.save()
+            said = f"Saved: {', '.join(files)}, in {self._documents.folder}." if files else "Saved: nothing has changed."
+            yield True, {"dirty": False, "said": said, "tone": "good"}
         elif asked in FILES:
             yield from self._written(asked)
         elif asked in SEARCHES:
@@ -154,7 +156,13 @@ class Board:
         if asked in TABLE_EDITS:
             if loaded.layout is None:
                 raise ModelError("what stands in a model's file is not moved; a board moves what stands in tables.")
+            called = str(action.get("table")), str(action.get("row"))
+            table = loaded.tables.get(called[0])
+            if asked == "cell" and called in self._renamed and table and called[1] not in table.rows:
+                action = {**action, "row": self._renamed[called]}
             tables, said, copies = edited_tables(loaded.tables, loaded.layout, asked, action)
+            if asked == "cell" and action.get("column") == "name":
+                self._renamed[called] = str(action.get("value", "")).strip()
             return {"job": loaded.texts["job"], **tables}, said, {"selected": copies} if copies else {}
         if asked not in JOB_EDITS:
             raise ModelError(f"there is nothing called {asked[:40]!r} to do.")

@@ -33,8 +33,9 @@ class Documents:
         self.copies = Path(self._temporary.name)  # that stands for the folder of all files in the paths of copies
         job = self.files.get("job", self.copies / "run")
         self._root = Path(os.path.commonpath([job.parent, *(file.parent for file in self.files.values())]))
-        self._journal = job.parent / JOURNAL
-        self.written = job.parent / "runs" / job.stem  # folder of what is written of it
+        self.folder = job.parent
+        self._journal = self.folder / JOURNAL
+        self.written = self.folder / "runs" / job.stem  # folder of what is written of it
 
     @property
     def texts(self) -> Texts:
@@ -80,13 +81,13 @@ class Documents:
         return said
 
     def save(self) -> list[str]:
-        """Write the files that differ, each whole, and return their names."""
+        """Write the files that differ, each whole, and return their names and which of them are no more."""
         names = [kind for kind in self.files if self.texts.get(kind) != self._saved.get(kind)]
         for kind in names:
             self._write(kind, self.files[kind], self.texts)
         self._saved, self._edited = dict(self.texts), dict(self.texts)
         self._journal.unlink(missing_ok=True)
-        return [self.files[kind].name for kind in names]
+        return [f"{self.files[kind].name}{'' if kind in self.texts else ' (taken away)'}" for kind in names]
 
     def changed_outside(self) -> tuple[Texts, list[str]]:
         """Return the texts with those that others have written, and the names of files that were changed here, too."""

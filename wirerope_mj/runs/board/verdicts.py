@@ -183,7 +183,7 @@ def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> Iterator[
             for name, mount in sag.listed.items()
         ]
         used = [mount.utilisation for mount in sag.mounts.values() if mount.utilisation is not None]
-        figures = (("down", "mm", "z.1f"), ("carries", "kN", "z.3f"), ("of rated", "%", "z.0f"))
+        figures = (("compressed", "mm", "z.1f"), ("carries", "kN", "z.3f"), ("of rated", "%", "z.0f"))
         columns = [*left("mount"), *(Column(*figure) for figure in figures)]
         title = "At rest" + (f": up to {100.0 * max(used):.0f} % of the rated static load" if used else "")
         yield Table("at-rest", title, columns, rows, shown=4)

@@ -76,6 +76,7 @@ function answer(id, reason, word) {
     return;
   }
   element.ariaInvalid = "true";
+  if ("adds" in element.dataset) element.value ||= message.value;
   const refusal = document.createElement("p");
   element.after(Object.assign(refusal, { className: "refusal", role: "alert", tabIndex: 0, textContent: reason }));
   const start = element.type === "text" && word ? element.value.indexOf(word) : -1;
@@ -87,23 +88,24 @@ function acquit(element) {
   element.ariaInvalid = null;
 }
 
-function replace(element, html) {
-  const template = document.createElement("template");
-  template.innerHTML = html;
+function replace(element, innerHTML) {
+  const template = Object.assign(document.createElement("template"), { innerHTML });
   if (element) match(element, template.content);
 }
 
 const isRefusal = (node) => node?.className === "refusal";
-const keyOf = (node) => node.nodeName + (node.id || node.dataset?.name || "");
+const keyOf = (node) => node.nodeName + (node.dataset?.column || node.id || node.dataset?.name || "");
 
 // Give a parent the children of another and keep those that stay, with focus, caret and what is unfolded.
 function match(parent, made) {
   const present = new Set([...parent.childNodes].filter((node) => !isRefusal(node)));
+  const keys = new Set([...made.childNodes].map(keyOf)), renamed = (node) => node.nodeName === "TR" && !keys.has(keyOf(node));
   const wanted = [...made.childNodes].map((node) => {
-    const old = [...present].find((each) => keyOf(each) === keyOf(node));
+    const same = [...present].find((each) => keyOf(each) === keyOf(node));
+    const old = same ?? (node.nodeName === "TR" && [...present].find(renamed)); // a row with another name
     present.delete(old);
     if (old) resemble(old, node);
-    return old ?? node;
+    return old || node;
   });
   for (const node of present) node.remove();
   let next = parent.firstChild;
@@ -115,10 +117,7 @@ function match(parent, made) {
 }
 
 function resemble(old, made) {
-  if (old.nodeType !== Node.ELEMENT_NODE) {
-    old.data = made.data;
-    return;
-  }
+  if (old.nodeType !== Node.ELEMENT_NODE) return void (old.data = made.data);
   const waits = old.ariaInvalid || [...unanswered.values()].some(({ element }) => element === old);
   const typed = (waits || old === document.activeElement) && old.value !== (old.defaultValue ?? old.value);
   const gone = old.getAttributeNames().filter((name) => !KEPT.includes(name) && !made.hasAttribute(name));
@@ -131,7 +130,7 @@ function resemble(old, made) {
 }
 
 // Read the action of an element from its data attributes; one for so many selected, at least, names them.
-function actionOf({ dataset: { keys, live, least, ...action } }) {
+function actionOf({ dataset: { keys, live, least, adds, ...action } }) {
   return least ? { ...action, names: canvas.selected() } : action;
 }
 
@@ -142,6 +141,7 @@ document.addEventListener("click", ({ target }) => {
 });
 document.addEventListener("change", ({ target }) => {
   if (target.dataset.do) act({ ...actionOf(target), value: valueOf(target) }, target);
+  if ("adds" in target.dataset) target.value = ""; // the next one may be typed
 });
 document.addEventListener("input", ({ target }) => {
   if ("live" in target.dataset) pass({ ...actionOf(target), value: valueOf(target) });
