@@ -11,7 +11,14 @@ from wirerope_mj.assessment.durability import rainflow_cycles
 from wirerope_mj.cli import main
 from wirerope_mj.dynamics.frequency_response.summary import order_bands
 from wirerope_mj.engine.from_tables.sheet import read_sheet
-from wirerope_mj.foundation.errors import AccuracyWarning, BudgetError, ConvergenceError, ModelError, RecordError
+from wirerope_mj.foundation.errors import (
+    AccuracyWarning,
+    BudgetError,
+    ConvergenceError,
+    ModelError,
+    RecordError,
+    RecordWarning,
+)
 from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.motions import DecayingSine, Sine
@@ -212,7 +219,8 @@ def test_phrases_that_the_campaign_found(kind, phrase, message, tmp_path):
 
 def test_a_spectrum_that_is_not_met_is_said_with_its_phrase(tmp_path):
     (tmp_path / "s.csv").write_text("frequency [Hz],acceleration [g]\n2,0.3\n2.5,1e4\n6,0.3\n")
-    with pytest.raises(ConvergenceError, match='spectrum "s.csv 1 s x damping 5 % seed 1": no motion'):
+    refused = pytest.raises(ConvergenceError, match='spectrum "s.csv 1 s x damping 5 % seed 1": no motion')
+    with pytest.warns(RecordWarning, match="moves an oscillator by 397 m"), refused:
         motion_from_phrase("spectrum", "s.csv 1 s x damping 5 % seed 1", folder=tmp_path)
 
 
