@@ -235,7 +235,7 @@ def test_a_verdict_with_steps_of_the_last_position_says_so_until_its_own_follows
         message["html"]["verdict"] for _, message in board.act({"do": "move", "names": ["mount/m1"], "by": [10, 0, 0]})
         if "verdict" in message.get("html", {})
     ]  # fmt: skip
-    assert ["time steps of the last position" in verdict for verdict in verdicts] == [True, False]
+    assert ["A preliminary verdict" in verdict for verdict in verdicts] == [True, False]
 
 
 def test_inertia_turns_and_mirrors_with_its_mass(board):

@@ -340,6 +340,10 @@ def test_a_field_that_adds_is_empty_for_the_next_and_has_back_what_is_refused(pa
     page.keyboard.press("Enter")
     page.wait_for_selector(".refusal")
     assert page.input_value("#new") == "wrong"
+    page.focus("#new")
+    page.keyboard.press("Enter")  # as it stands, once more
+    page.wait_for_function("() => document.body.dataset.waits === 'false'")
+    assert len(board.of("add")) == 2
     board.go.clear()
     page.fill("#new", "10 g")
     page.keyboard.press("Enter")

@@ -11,8 +11,9 @@ def board(
     """Place equipment and mounts with the mouse in a page of this machine, and watch the verdict.
 
     WHAT is a folder of the tables that `wirerope new` takes, or a job whose model is such a folder. What is saved are these
-    files and nothing else: `wirerope cases` gives the same figures. A model, a scenario or a run is shown as it stands, behind
-    sliders. The page is served on this machine alone, and nothing is sent anywhere. Ctrl-C ends it.
+    files and nothing else: `wirerope cases` gives the same figures. `wirerope new FOLDER --blank` makes tables to begin with.
+    A model, a scenario or a run is shown as it stands, behind sliders. The page is served on this machine alone, and nothing
+    is sent anywhere. Ctrl-C ends it.
 
     wirerope board genset --template genset
 
