@@ -29,6 +29,7 @@ from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder
 from wirerope_mj.foundation.processes import process_beside
 
 interrupts.end_soon_after_interrupts()
+interrupts.resumed_by(lambda: "the same command goes on.")
 with (
     atomic_file(pathlib.Path("table.csv")) as file,
     atomic_folder(pathlib.Path("run"), force=True, kind="run", marks=("mark",)) as folder,
@@ -51,7 +52,8 @@ def test_an_interrupt_ends_what_waits_for_ever_and_leaves_what_was_there(stuck, 
         process.send_signal(number)
         _, told = process.communicate(timeout=120)  # a second, however busy the machine; not ten minutes
     assert process.returncode == code
-    assert told == "wirerope: interrupted; no half-written result was left behind.\n"
+    said = ["interrupted; no half-written result was left behind.", "the same command goes on."]
+    assert told == "".join(f"wirerope: {line}\n" for line in said)
     assert hidden(tmp_path) == []
     assert (tmp_path / "run" / "mark").read_text() == "old"
     assert not (tmp_path / "table.csv").exists()

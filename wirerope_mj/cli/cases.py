@@ -45,6 +45,7 @@ def cases(
     from wirerope_mj.content.job import job_content
     from wirerope_mj.content.numbers import several
     from wirerope_mj.engine.simulation.progress import Estimate, time_left
+    from wirerope_mj.foundation.interrupts import resumed_by
     from wirerope_mj.runs.job import CASES, run_job
     from wirerope_mj.runs.job_file import load_job
     from wirerope_mj.views.terminal import console, show, show_result
@@ -80,10 +81,12 @@ def cases(
         estimate.disk = written / fraction
         estimate.update(fraction)
 
+    remedy = f"the cases that are done are kept in {folder}; the same command goes on."
+    resumed_by(lambda: remedy)
     try:
         result = run_job(read, folder, force=force, workers=workers, pdf=pdf, docx=docx, done=done)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"the cases that are done are kept in {folder}; the same command goes on.") from None
+        raise KeyboardInterrupt(remedy) from None
     kept = [case.name for case in read.cases if case.name not in result.computed]
     why = "; ".join(f"{name}: {reason}" for name, reason in result.computed.items())
     screen.print(f"  computed {len(result.computed)} ({escape(why) or 'none'}), kept {len(kept)}", soft_wrap=True)

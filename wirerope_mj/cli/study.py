@@ -19,6 +19,7 @@ from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
+from wirerope_mj.foundation.interrupts import resumed_by
 from wirerope_mj.foundation.payload_limits import ON_MOUNTS
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.job_file import load_job
@@ -282,14 +283,20 @@ def compute_and_print(
 def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     """Return the result of a study of which at least one variant could be simulated."""
     replaces = how.get("force") and not how["resume"] and (folder / STUDY).is_file()
+
+    def remedy() -> str:
+        if replaces:
+            return f"the study in {folder} is as it was before."
+        kept = (folder / STUDY).is_file()
+        return f"what is done is kept; go on with the same options and --resume --out {folder}" if kept else ""
+
+    resumed_by(remedy)
     try:
         result = study.run(folder, progress=True, **how)
     except KeyboardInterrupt:
-        if replaces:
-            raise KeyboardInterrupt(f"the study in {folder} is as it was before.") from None
-        if not (folder / STUDY).is_file():
-            raise
-        raise KeyboardInterrupt(f"what is done is kept; go on with the same options and --resume --out {folder}") from None
+        if said := remedy():
+            raise KeyboardInterrupt(said) from None
+        raise
     if len(result.failed) == result.variants:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")

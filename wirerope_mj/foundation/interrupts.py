@@ -21,6 +21,7 @@ _PATIENCE = 1.0
 
 _last: list[Callable[[], object]] = []
 _arrived: list[int] = []
+_remedy: list[Callable[[], str]] = []
 
 
 def at_end(work: Callable[[], object], *, early: bool = False) -> None:
@@ -64,6 +65,11 @@ def end_soon_after_interrupts() -> None:
     _thread.start_new_thread(_watch, (reading,))  # not counted among the threads that forbid a copy of this process
 
 
+def resumed_by(remedy: Callable[[], str]) -> None:
+    """Have `remedy` say how what is interrupted from now on goes on, "" for nothing, even if it does not end by itself."""
+    _remedy[:] = [remedy]
+
+
 def end_at_once_after_interrupts() -> None:
     """End this process at the next interrupt without a message: it has nothing left to do."""
     for number in SIGNALS:
@@ -99,5 +105,6 @@ def _watch(reading: int) -> None:
     time.sleep(_PATIENCE)
     with suppress(OSError):
         shown = "\x1b[?25h" if os.isatty(2) else ""  # a bar of progress hides the cursor
-        os.write(2, f"{shown}wirerope: {MESSAGE}\n".encode())
+        said = [MESSAGE, *(text for remedy in _remedy if (text := remedy()))]
+        os.write(2, (shown + "".join(f"wirerope: {text}\n" for text in said)).encode())
     end(number)
