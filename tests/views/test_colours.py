@@ -90,7 +90,7 @@ def test_a_page_has_the_colours_of_the_table_in_both_schemes():
     assert all(f".chart .{class_of(kind)} {{ stroke: {hexadecimal(DARK.of(kind))}; }}" in dark for kind in KINDS)
     sheets = [VIEWS / "report" / "report.css", VIEWS / "report" / "blocks.css", VIEWS / "board" / "board.css"]
     used = re.findall(r"var\(--([a-z-]+)\)", "".join(sheet.read_text(encoding="utf-8") for sheet in sheets))
-    assert set(used) <= {*LIGHT.named, "used"}
+    assert set(used) <= {*LIGHT.named, "used", "scale"}
 
 
 def test_every_renderer_takes_its_colours_from_the_table():
