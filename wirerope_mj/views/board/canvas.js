@@ -27,13 +27,13 @@ export function createCanvas({ act, pass }) {
   const shiftOf = (name) => (
     plus(board.moving?.names.includes(name) ? board.moving.by : NONE, drawnShift(name), -1));
 
-  function redraw() {
-    frame ||= view.scale && requestAnimationFrame(() => {
-      frame = 0;
-      at("hatch").setAttribute("patternTransform", `scale(${1 / view.scale})`);
-      for (const drawing of drawings) if (drawing.clientWidth) draw(drawing, { ...board, shiftOf });
-    });
+  function paint() {
+    frame = 0;
+    at("hatch").setAttribute("patternTransform", `scale(${1 / view.scale})`);
+    for (const drawing of drawings) if (drawing.clientWidth) draw(drawing, { ...board, shiftOf });
   }
+
+  const redraw = () => (frame ||= view.scale && requestAnimationFrame(paint));
 
   function fit() {
     const { views, middle } = board.scene;
@@ -82,7 +82,7 @@ export function createCanvas({ act, pass }) {
 
   // Draw what was let go where its scene has it: a new one, or the old one if nothing came of the move.
   function release() {
-    if (board.moving?.sent) board.moving = null;
+    if (board.moving?.sent) [board.moving = null, redraw()];
   }
 
   function cancel() {
@@ -207,7 +207,7 @@ export function createCanvas({ act, pass }) {
     if (board.moving && !board.moving.names.every(itemOf)) cancel();
     select((selected ?? board.selected).filter(itemOf));
     if (scene && !view.scale) fit();
-    redraw();
+    if (view.scale) paint(); // at once: what is pressed next must lie where it is drawn
   }
   return { show, key, settle, release, selected: () => board.selected };
 }
