@@ -134,23 +134,23 @@ function actionOf({ dataset: { keys, live, least, adds, ...action } }) {
   return least ? { ...action, names: canvas.selected() } : action;
 }
 
-const valueOf = (field) => (field.type === "checkbox" ? field.checked : field.value);
+const typedIn = (field) => ({ ...actionOf(field), value: field.type === "checkbox" ? field.checked : field.value });
 document.addEventListener("click", ({ target }) => {
   const button = target.closest("button[data-do]");
   if (button) act(actionOf(button), button);
 });
 document.addEventListener("change", ({ target }) => {
-  if (target.dataset.do) act({ ...actionOf(target), value: valueOf(target) }, target);
-  if ("adds" in target.dataset) target.value = ""; // the next one may be typed
+  const adds = "adds" in target.dataset;
+  if (target.dataset.do && (target.value || !adds)) act(typedIn(target), target);
+  if (adds) target.value = ""; // the next one may be typed
 });
-document.addEventListener("input", ({ target }) => "live" in target.dataset && pass({ ...actionOf(target), value: valueOf(target) }));
+document.addEventListener("input", ({ target }) => "live" in target.dataset && pass(typedIn(target)));
 document.addEventListener("keydown", (event) => {
   const { target } = event, modifiers = [event.ctrlKey || event.metaKey, event.altKey, event.shiftKey];
   const name = ["ctrl+", "alt+", "shift+"].filter((_, k) => modifiers[k]).join("") + event.key.toLowerCase();
   const typed = target.closest("input:not([type=range], [type=checkbox]), textarea");
   const button = document.querySelector(`[data-keys~="${CSS.escape(name)}"]`);
-  // what was refused may be right by now, as a file that it names
-  if (name === "enter" && typed?.ariaInvalid) typed.dispatchEvent(new Event("change", { bubbles: true }));
+  if (name === "enter" && typed?.ariaInvalid) typed.dispatchEvent(new Event("change", { bubbles: true })); // right by now?
   if (name === "escape" && typed) [typed.value = typed.defaultValue, acquit(typed)];
   if (document.querySelector("dialog[open]") || (typed && name !== "ctrl+s")) return;
   if (name === "ctrl+s") [target.blur(), target.focus()]; // what is typed is sent before it is saved
