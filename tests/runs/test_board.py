@@ -438,6 +438,7 @@ def test_a_job_on_a_folder_of_tables_is_that_of_the_written_model(folder, tmp_pa
         load_job(tmp_path / "deck.toml")
 
 
+@pytest.mark.slow  # runs a scenario with its pages, and a board of it
 def test_a_run_of_a_variant_is_shown_as_it_was_and_varied_again(tmp_path):
     scenario = load_scenario("cabinet_shock").make()
     heavier = wr.varied(wr.load_system(scenario.model_source()), masses={"rack": 1.2})
