@@ -1,5 +1,6 @@
 """Studies on Dask's workers: the table of this machine's processes, whatever happens to a worker or the scheduler."""
 
+import gc
 import json
 import os
 import signal
@@ -30,6 +31,13 @@ pytestmark = pytest.mark.filterwarnings(  # of Dask's own sockets, when its proc
     "ignore::DeprecationWarning:distributed",
     "ignore:the given step of",  # what is asked here holds at coarse steps
 )
+
+
+@pytest.fixture(autouse=True)
+def collected():
+    """Collect what clients without a scheduler leave, here and not in a later test, which would fail for their sockets."""
+    yield
+    gc.collect()
 
 
 def study():
