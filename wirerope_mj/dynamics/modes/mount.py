@@ -145,6 +145,7 @@ def cycle_samples(law: Law, deflection: float, amplitude: float, frequency: floa
     return angle[:-1], force[:-1]
 
 
+@lru_cache(maxsize=256)
 def _evaluator(law: Law) -> Evaluated:
     """Make a function of deflection [m], its rate [m/s] and states, (n_z,), for the force [N] and the rates of the states."""
     parameters, n_states = law.kernel_parameters(), law.n_states  # once: there are many evaluations

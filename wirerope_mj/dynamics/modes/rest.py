@@ -113,18 +113,15 @@ def _forward_at_rest(system: System, data: mujoco.MjData, equilibrium: Equilibri
     for (name, mount), row in zip(system.mounts.items(), rows, strict=True):
         if mount.isolator.rotation is None and (equilibrium is None or not equilibrium.mounts[name].force.any()):
             continue
-        axes = data.site(mount.base_site).xmat.reshape(3, 3)
+        base, payload = int(row[at.BASE_SITE]), int(row[at.PAYLOAD_SITE])
+        axes = data.site_xmat[base].reshape(3, 3)
         force = axes @ equilibrium.mounts[name].force if equilibrium is not None else np.zeros(3)
-        base, payload = (data.site_xquat[int(row[site])] for site in (at.BASE_SITE, at.PAYLOAD_SITE))
         modelled, stiffness = row[at.MODELLED : at.PARTNER], row[at.TURNING : at.MODELLED]
-        torque = axes @ np.array(righting_torque(base, payload, modelled, stiffness))
-        point = data.site(mount.payload_site).xpos
-        ends = [(data.site(mount.payload_site), -force, torque), (data.site(mount.base_site), force, -torque)]
-        for site, push, turn in ends:
-            mujoco.mj_applyFT(model, data, push, turn, point, int(model.site_bodyid[site.id]), data.qfrc_applied)
-        for site, push, _ in ends:
-            for dof, shape in shapes_at(system, int(site.id)):
-                data.qfrc_applied[dof] += shape @ site.xmat.reshape(3, 3).T @ push
+        torque = axes @ np.array(righting_torque(data.site_xquat[base], data.site_xquat[payload], modelled, stiffness))
+        for site, push, turn in ((payload, -force, torque), (base, force, -torque)):
+            mujoco.mj_applyFT(model, data, push, turn, data.site_xpos[payload], model.site_bodyid[site], data.qfrc_applied)
+            for dof, shape in shapes_at(system, site):
+                data.qfrc_applied[dof] += shape @ data.site_xmat[site].reshape(3, 3).T @ push
     driven = system.assembly.driven_dofs
     data.qfrc_applied[driven] = data.qfrc_bias[driven] - data.qfrc_passive[driven]
     mujoco.mj_forward(model, data)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 from markupsafe import Markup, escape
@@ -63,17 +64,20 @@ def _box(item: Entries, axes: tuple[int, int], centres: Mapping[str, Array]) -> 
 
 
 def _mount(item: Entries, axes: tuple[int, int], centres: Mapping[str, Array]) -> Markup:
-    """Draw a mount as it stands: its space, a loop of its rope, its two bars."""
-    axial, bars, width = item["axial"], item["bars"], item.get("width") or 0.0
-    sizes = [np.cross(bars, axial) * width, np.multiply(bars, item.get("length") or width)]
-    sizes.append(np.multiply(axial, item.get("height") or 0.0))
-    middle, halves = _seen(item["position"], axes), np.array([0.5 * _seen(size, axes) for size in sizes])
+    sizes = item.get("width") or 0.0, item.get("length") or item.get("width") or 0.0, item.get("height") or 0.0
+    x, y = _seen(item["position"], axes)
+    device = _device(tuple(item["axial"]), tuple(item["bars"]), sizes, axes)
+    return Markup(f'<g transform="translate({x:.1f} {y:.1f})">{device}</g>')
+
+
+@lru_cache(maxsize=1024)
+def _device(axial: tuple[float, ...], bars: tuple[float, ...], sizes: tuple[float, ...], axes: tuple[int, int]) -> Markup:
+    """Draw a mount about its middle: its space, a loop of its rope, its two bars; sizes across bars, along them, axial [mm]."""
+    edges = np.array([np.cross(bars, axial), bars, axial]) * np.array(sizes)[:, None]
+    halves = np.array([0.5 * _seen(edge, axes) for edge in edges])
     halves_up = [-half if tuple(half[::-1]) < (0.0, 0.0) else half for half in halves]
     turning = np.array(sorted(halves_up, key=lambda half: math.atan2(half[1], half[0])))
-    return Markup("").join([
-        _path([middle + _HEXAGON @ turning], "shape"), _path([middle + _LOOP @ halves], "rope"),
-        _path(middle + _BARS @ halves, "bar"),
-    ])  # fmt: skip
+    return _path([_HEXAGON @ turning], "shape") + _path([_LOOP @ halves], "rope") + _path(_BARS @ halves, "bar")
 
 
 def _mark(item: Entries, axes: tuple[int, int], centres: Mapping[str, Array]) -> Markup:
@@ -121,4 +125,4 @@ def _seen(vector: Sequence[float] | Array, axes: tuple[int, int]) -> Array:
 def _path(lines: Iterable[Iterable[Array]], kind: str, more: Markup = Markup("")) -> Markup:  # noqa: B008  # no list
     """Draw closed lines through points."""
     d = "".join("M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points) + "Z" for points in lines)
-    return Markup('<path class="{}" d="{}"{}/>').format(kind, d, more)
+    return Markup(f'<path class="{kind}" d="{d}"{more}/>')
