@@ -2,7 +2,8 @@
 
 import json
 import shutil
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from wirerope_mj.foundation.errors import ModelError, SimulationError
 from wirerope_mj.runs.board.board import Board
 from wirerope_mj.runs.board.documents import JOURNAL
 from wirerope_mj.runs.board.opened import from_template, opened
+from wirerope_mj.runs.board.parts import _tried as parts_tried
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.room import overlapping
 from wirerope_mj.runs.scenario import load_scenario
@@ -185,10 +187,37 @@ def test_parts_are_found_and_tried_in_all_places(board):
     assert "CB1400-10" in act(board, do="find", value="cb1400")["html"]["found"]
     assert "No part" in act(board, do="find", value="WR99")["html"]["found"]
     assert "<svg" in act(board, do="loops", value="WR12-400")["html"]["loops"]
-    tried = act(board, do="try-parts", value="WR16-[46]00")["html"]["found"]
+    tried = act(board, do="try-parts", value="WR16-[46]00")["html"]["tried"]
     assert "WR16-400" in tried
-    assert tried in act(board, do="move", names=["mount/m1"], by=[10, 0, 0])["html"]["left"]
+    assert "stop-trial" not in tried
+    rows = tried[tried.index("<table") :]
+    assert rows in act(board, do="move", names=["mount/m1"], by=[10, 0, 0])["html"]["left"]
     assert "no part" in act(board, do="loops", value="x")["said"]
+
+
+def test_parts_are_tried_by_other_processes_counted_and_stopped(board):
+    asked = board.act({"do": "try-parts", "value": "WR1*"})
+    begun = next(asked)[1]["html"]["tried"]
+    assert "Tried 0 of 16 parts." in begun
+    assert "stop-trial" in begun
+    answer = next(asked)[1]
+    assert "of the position before" in act(board, do="move", names=["mount/m1"], by=[10, 0, 0])["html"]["left"]
+    assert "of the position before" not in act(board, do="undo")["html"]["left"]
+    stopped = act(board, do="stop-trial")["html"]["tried"]
+    assert "Stopped: tried" in stopped
+    assert "stop-trial" not in stopped
+    with suppress(CancelledError):
+        answer.result()
+    for _, message in asked:  # what was on its way as it was stopped
+        with suppress(CancelledError):
+            message.result()
+    assert board._trial._answers[-1].cancelled()
+
+
+def test_why_parts_cannot_be_tried_is_said(board):
+    endless = {"hum": wr.Sine(acceleration=1.0, frequency=10.0, direction="z")}
+    assert "has no end" in parts_tried(board._loaded.job.system, endless, {"WR16-400": wr.load_isolator("WR16-400")})
+    assert act(board, do="try-parts", value="nothing", id="1")["refused"] == "1"
 
 
 def test_where_two_mounts_would_stand_in_each_other_nothing_moves(board, folder):

@@ -341,6 +341,12 @@ class CatalogueSelection(Summarised):
         figures = {"margin": part.governing[0], "acceleration": part.acceleration, "number": part.mounts, "height": height}
         return figures[by]
 
+    def rank(self, part: TriedPart) -> tuple[int, tuple[float, ...]]:
+        """Return what parts are ordered by in `tried`."""
+        used = part.governing[0]
+        figures = (self.figure(part, self.by) if part.meets else used, used)
+        return 2 if part.reason else 0 if part.meets else 1, tuple(math.inf if math.isnan(each) else each for each in figures)
+
     def _summary(self) -> tuple[str, dict[str, str]]:
         shown = {part.name: f"{100.0 * part.governing[0]:.0f} % of {part.governing[1]}" for part in self.meeting}
         return f"{len(self.meeting)} of {len(self.tried)} parts keep every limit", shown
@@ -386,14 +392,4 @@ def select_parts(
     if not selection.meeting:
         first = next((part.system for part in tried if part.system is not None), next(iter(systems.values())))
         selection = replace(selection, needed=needed_mount(first, len(replaceable_mounts(first)), cases))
-
-    def order(part: TriedPart) -> tuple[int, float, float]:
-        used = part.governing[0]
-        value = selection.figure(part, by) if part.meets else used
-        return (
-            2 if part.reason else 0 if part.meets else 1,
-            math.inf if math.isnan(value) else value,
-            math.inf if math.isnan(used) else used,
-        )
-
-    return replace(selection, tried=tuple(sorted(tried, key=order)))
+    return replace(selection, tried=tuple(sorted(tried, key=selection.rank)))

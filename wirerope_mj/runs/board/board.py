@@ -17,7 +17,7 @@ from wirerope_mj.runs.board.forms import form_of
 from wirerope_mj.runs.board.job_text import JOB_EDITS, edited_job
 from wirerope_mj.runs.board.loaded import Loaded, load
 from wirerope_mj.runs.board.opened import Opened
-from wirerope_mj.runs.board.parts import SEARCHES
+from wirerope_mj.runs.board.parts import SEARCHES, Trial
 from wirerope_mj.runs.board.placing import PLACED, TABLE_EDITS, edited_tables, names_of, shift_of
 from wirerope_mj.runs.board.verdicts import Verdicts, at_rest_html
 from wirerope_mj.runs.board.what_if import variant, with_slider
@@ -28,7 +28,7 @@ from wirerope_mj.views.board.columns import fragment
 from wirerope_mj.views.board.scene import board_scene
 
 Message = Entries
-Waited = Future[Path | str]  # what another process writes
+Waited = Future[Any]  # what another process computes
 
 
 class Board:
@@ -42,9 +42,10 @@ class Board:
         self._documents = opened.documents
         self._verdicts = Verdicts(opened.tests)
         self._found = {"found": "", "loops": ""}  # parts, as HTML
+        self._trial = Trial()
         self._restored = ""
         self._renamed: dict[tuple[str, str], str] = {}  # rows of tables, by what a window may still call them
-        self._writing: Waited | None = None  # the last one
+        self._writing: Future[Path | str] | None = None  # the last one
         self._loaded = Loaded({}, opened.job, {}, {}) if opened.job else load(self._documents, self._documents.texts, {})
         if (left := self._documents.left_unsaved()) is not None:
             self._take(left, "restored what was not saved last time")
@@ -88,11 +89,10 @@ class Board:
         elif asked in FILES:
             yield from self._written(asked)
         elif asked in SEARCHES:
-            search, begun, done = SEARCHES[asked]
-            if begun:
-                yield False, {"said": begun, "tone": ""}
-            self._found |= search(self._loaded, str(action.get("value", "")))
-            yield True, {"html": dict(self._found)} | ({"said": done, "tone": "good"} if done else {})
+            self._found |= SEARCHES[asked](str(action.get("value", "")))
+            yield True, {"html": dict(self._found)}
+        elif asked in ("try-parts", "stop-trial"):
+            yield from self._tried(asked, action)
         else:
             said, selected = self._done(asked, action)
             yield True, {**self._placed(sliders=asked == "slide"), "said": _sentence(said), "tone": "", **selected}
@@ -135,6 +135,7 @@ class Board:
         return self._documents.written / name if any(name in files for files in FILES.values()) else None
 
     def close(self) -> None:
+        self._trial.stop()
         self._documents.close()
 
     def _require_files(self) -> None:
@@ -175,7 +176,12 @@ class Board:
         Where sliders alone were moved the forms stay as they are.
         """
         column = "sliders" if sliders else "left"
-        html = {column: fragment(f"{column}.html.jinja", form=form_of(self._loaded, self._found))}
+        html = {
+            column: fragment(
+                f"{column}.html.jinja",
+                form=form_of(self._loaded, self._found | {"tried": self._trial.html(self._loaded.texts)}),
+            )
+        }
         return {"scene": self._scene(self._loaded, {}), "dirty": self._documents.unsaved, "stale": True, "html": html}
 
     def _scene(self, loaded: Loaded, over: Mapping[str, float], **moved: Any) -> Message:
@@ -200,6 +206,17 @@ class Board:
         for html, changes in self._verdicts.of(self._loaded, exact=exact):
             scene = {} if html.keys() == {"compared"} else {"scene": self._scene(self._loaded, {})}
             yield True, {"html": html, **changes, **scene}
+
+    def _tried(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message | Waited]]:
+        """Have other processes try the parts whose names match a pattern, and list them as they become known, or stop that."""
+        answers = self._trial.begin(self._loaded, str(action.get("value", ""))) if asked == "try-parts" else self._trial.stop()
+        for answer in answers:
+            yield True, {"html": {"tried": self._trial.html(self._loaded.texts)}}
+            yield False, answer
+            if answer.cancelled():
+                return
+        said = "Parts are listed by what they use." if answers else "Stopped."
+        yield True, {"html": {"tried": self._trial.html(self._loaded.texts)}, "said": said, "tone": ""}
 
     def _written(self, asked: str) -> Iterator[tuple[bool, Message | Waited]]:
         """Have another process write what `wirerope cases` writes of the job as it is now, and open a part of it."""

@@ -1,18 +1,31 @@
 """Parts that the mounts of a board can be: found in the catalogue, and tried in all places by simulation."""
 
 import math
-from collections.abc import Callable
-from functools import cache
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import replace
+from functools import cache, partial
+from threading import Event
+from typing import TYPE_CHECKING, Any
 
 from wirerope_mj.content.cyclic_tests import isolator_chart
+from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, WireRopeError
 from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import VendorPart, load_isolator, vendor_parts
+from wirerope_mj.runs.board.documents import Texts
 from wirerope_mj.runs.board.loaded import Loaded
+from wirerope_mj.runs.board.written import lost
 from wirerope_mj.views.board.columns import column_html, fragment
 
+if TYPE_CHECKING:
+    from wirerope_mj.studies.catalogue import CatalogueSelection  # with its studies, which a board may not need
+
 _SHOWN = 30  # parts that are listed at once
+_GROUP = 8  # parts that a process tries at once
 
 
 @cache
@@ -22,33 +35,14 @@ def part_names() -> tuple[str, ...]:
     return (*shipped, *(part.name for part in vendor_parts()))
 
 
-def _found(loaded: Loaded, text: str) -> dict[str, str]:
+def _found(text: str) -> dict[str, str]:
     """List the parts of the vendors' tables whose names hold a text."""
     rows = [_row(part) for part in vendor_parts() if text.lower() in part.name.lower()][:_SHOWN]
-    return {
-        "found": fragment(
-            "parts.html.jinja", rows=rows, said="" if rows else f"No part of the vendors' tables is called {text[:40]!r}."
-        )
-    }
+    said = "" if rows else f"No part of the vendors' tables is called {text[:40]!r}."
+    return {"found": fragment("parts.html.jinja", rows=rows, said=said, running=False)}
 
 
-def _tried(loaded: Loaded, pattern: str) -> dict[str, str]:
-    """Simulate every part whose name matches a pattern in all places under all load cases, and list them by what they use.
-
-    ValueError if no name matches; ModelError if the model has no mounts.
-    """
-    from wirerope_mj.content.part_selection import catalogue_selection_content  # with its studies, which a board may not need
-    from wirerope_mj.studies.catalogue import catalogue, select_parts
-
-    cases = {case.name: case.scenario.motion for case in loaded.job.cases}
-    selection = select_parts({"": loaded.job.system}, catalogue(pattern or "*"), cases)
-    known = {part.name: part for part in vendor_parts()}
-    rows = [_row(known[part.name], part.governing[0]) for part in selection.tried if not part.reason][:_SHOWN]
-    said = catalogue_selection_content(selection, every=False).verdict.text
-    return {"found": fragment("parts.html.jinja", rows=rows, said=said)}
-
-
-def _loops(loaded: Loaded, name: str) -> dict[str, str]:
+def _loops(name: str) -> dict[str, str]:
     """Draw the loops of a part; ModelError if it is none, or has no isolator."""
     if name not in part_names():
         raise ModelError(f"there is no part {name[:40]!r}.")
@@ -68,8 +62,62 @@ def _row(part: VendorPart, used: float | None = None) -> Entries:
     }  # fmt: skip
 
 
-# Searches by what asks for them: what gives HTML by the element that shows it, what is said before it, and after it
-SEARCHES: dict[str, tuple[Callable[[Loaded, str], dict[str, str]], str, str]] = {
-    "find": (_found, "", ""), "loops": (_loops, "", ""),
-    "try-parts": (_tried, "Simulating every part in all places ...", "Parts are listed by what they use."),
-}  # fmt: skip
+SEARCHES: dict[str, Callable[[str], dict[str, str]]] = {"find": _found, "loops": _loops}
+"""What gives HTML by the element that shows it, by what asks for it."""
+
+
+class Trial:
+    """Parts simulated in all places under all load cases by other processes, some at a time, and listed by what they use."""
+
+    def __init__(self) -> None:
+        self._parts, self._stopped, self._answers = 0, Event(), list[Future[Any]]()
+        self._texts: Texts = {}  # that the parts are tried with
+
+    def begin(self, loaded: Loaded, pattern: str) -> Sequence[Future[Any]]:
+        """Try the parts whose names match a pattern, in place of those before; ValueError if there is none."""
+        from wirerope_mj.studies.catalogue import catalogue
+        from wirerope_mj.studies.engines.local import futures_of_processes
+
+        parts, cases = [*catalogue(pattern or "*").items()], {case.name: case.scenario.motion for case in loaded.job.cases}
+        groups = [dict(parts[k : k + _GROUP]) for k in range(0, len(parts), _GROUP)]
+        self.stop()
+        self._parts, self._texts, self._stopped = len(parts), loaded.texts, Event()
+        self._answers = futures_of_processes(partial(_tried, loaded.job.system, cases), groups, lost=lost, stop=self._stopped)
+        return self._answers
+
+    def stop(self) -> Sequence[Future[Any]]:
+        """End the processes; no further answer is to come."""
+        self._stopped.set()
+        return ()
+
+    def html(self, texts: Texts) -> str:
+        """List the parts tried so far, with how many of how many, and whether they were tried with other than some texts."""
+        done = [each.result() for each in self._answers if each.done() and not each.cancelled() and not each.exception()]
+        said, rows = list(dict.fromkeys(answer for answer in done if isinstance(answer, str))), list[Entries]()
+        selections = [answer for answer in done if not isinstance(answer, str)]
+        tried = [part for selection in selections for part in selection.tried]
+        stopped = self._stopped.is_set()
+        running = not stopped and not all(answer.done() for answer in self._answers)
+        if len(tried) < self._parts:
+            said.insert(0, f"{'Stopped: tried' if stopped else 'Tried'} {len(tried)} of {self._parts} parts.")
+        if tried and not (running and all(part.reason for part in tried)):
+            from wirerope_mj.content.part_selection import catalogue_selection_content
+
+            selection = replace(selections[0], tried=tuple(sorted(tried, key=selections[0].rank)))
+            known = {part.name: part for part in vendor_parts()}
+            rows = [_row(known[part.name], part.governing[0]) for part in selection.tried if not part.reason][:_SHOWN]
+            said.append(catalogue_selection_content(selection, every=False).verdict.text)
+        if self._answers and texts != self._texts:
+            said.append("All of this is of the position before: what was edited since is not in it.")
+        return fragment("parts.html.jinja", rows=rows, said=" ".join(said), running=running)
+
+
+def _tried(system: System, cases: Mapping[str, BaseMotion], parts: Mapping[str, Isolator | str]) -> "CatalogueSelection | str":
+    """Simulate some parts; in place of their selection may be why that cannot be."""
+    from wirerope_mj.studies.catalogue import select_parts
+
+    try:
+        selection = select_parts({"": system}, parts, cases)
+    except (WireRopeError, ValueError) as error:
+        return str(error)
+    return replace(selection, tried=tuple(replace(part, system=None) for part in selection.tried))  # which are large

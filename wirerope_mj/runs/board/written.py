@@ -3,7 +3,6 @@
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Thread
 
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.runs.job import CASES, run_job
@@ -28,21 +27,16 @@ class Order:
     folder: Path
     governing: str  # load case of which a film is
 
-    def write_beside(self) -> "Future[Path | str]":
+    def write_beside(self) -> Future[Path | str]:
         """Have another process compute and write it; the result is the file, or why there is none."""
-        writing = Future[Path | str]()
+        from wirerope_mj.studies.engines.local import futures_of_processes  # late: with it comes all that studies need
 
-        def wait() -> None:
-            from wirerope_mj.studies.engines.local import in_processes  # late: with it comes all that studies need
+        return futures_of_processes(_write, [self], lost=lost)[0]
 
-            try:
-                (result,) = in_processes(_write, [self], lost=lambda _, why: f"Its process {why} each time.", workers=2)
-                writing.set_result(result)
-            except BaseException as error:
-                writing.set_exception(error)
 
-        Thread(target=wait, daemon=True).start()
-        return writing
+def lost(_: object, why: str) -> str:
+    """Answer in place of a process."""
+    return f"Its process {why} each time."
 
 
 def _write(order: Order) -> Path | str:

@@ -6,7 +6,8 @@ import subprocess
 import sys
 import threading
 import weakref
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Sequence
+from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
 from typing import Any, Generic, TypeVar
@@ -17,6 +18,7 @@ from wirerope_mj.foundation.processes import environment_of_children, processors
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, failed_part
 from wirerope_mj.studies.vary.variants import Work
 
+_PATIENCE = 0.2  # time between two looks whether to stop [s]
 TRIES = 2  # Tries of a chunk whose process dies: the first death may have been an accident
 
 _started: "weakref.WeakSet[subprocess.Popen[bytes]]" = weakref.WeakSet()
@@ -58,19 +60,43 @@ def run_local(
 
 def in_processes(
     function: Callable[[Question], Answer], questions: Iterable[Question], *, lost: Callable[[Question, str], Answer],
-    workers: int | None = None,
+    workers: int | None = None, stop: threading.Event | None = None,
 ) -> Generator[Answer, None, None]:  # fmt: skip
     """Yield the answers of a module's function to questions as they are ready, in any order; all are pickled.
 
     Questions are read as processes become free; one worker calls the function here. `lost` answers a question during which a
-    process died `TRIES` times; its second argument says how.
+    process died `TRIES` times; its second argument says how. Processes end, in the middle of a question, once `stop` is set.
     """
     workers = processors() if workers is None else workers
     if workers == 1:
         for question in questions:
             yield function(question)
         return
-    yield from _Pool(function, questions, lost, workers).results()
+    yield from _Pool(function, questions, lost, workers, stop or threading.Event()).results()
+
+
+def futures_of_processes(
+    function: Callable[[Question], Answer], questions: Sequence[Question], *, lost: Callable[[Question, str], Answer],
+    stop: threading.Event | None = None,
+) -> list[Future[Answer]]:  # fmt: skip
+    """Have other processes answer questions as `in_processes` does, and return at once: a future is done with each answer.
+
+    One processor is left to this process if there are more. Once `stop` is set, the futures without an answer are cancelled.
+    """
+    futures = [Future[Answer]() for _ in questions]
+
+    def wait() -> None:
+        waiting = iter(futures)
+        try:
+            for answer in in_processes(function, questions, lost=lost, workers=max(2, processors() - 1), stop=stop):
+                next(waiting).set_result(answer)
+        except BaseException as error:
+            next(waiting).set_exception(error)
+        for future in waiting:
+            future.cancel()
+
+    threading.Thread(target=wait, daemon=True).start()
+    return futures
 
 
 class _Pool(Generic[Question, Answer]):
@@ -78,11 +104,11 @@ class _Pool(Generic[Question, Answer]):
 
     def __init__(
         self, function: Callable[[Question], Answer], questions: Iterable[Question], lost: Callable[[Question, str], Answer],
-        workers: int,
+        workers: int, stop: threading.Event,
     ) -> None:  # fmt: skip
         self._questions, self._lost, self._workers = iter(questions), lost, workers
         self._pickled = pickle.dumps(function, protocol=pickle.HIGHEST_PROTOCOL)
-        self._lock, self._stop = threading.Lock(), threading.Event()
+        self._lock, self._stop = threading.Lock(), stop
         # A slow reader holds the workers up, so that memory does not grow.
         self._done: queue.Queue[Answer | BaseException | None] = queue.Queue(maxsize=2 * workers)
         self._processes: list[_Process | None] = [None] * workers
@@ -93,8 +119,11 @@ class _Pool(Generic[Question, Answer]):
             thread.start()
         try:
             running = self._workers
-            while running:
-                result = self._done.get()
+            while running and not self._stop.is_set():
+                try:
+                    result = self._done.get(timeout=_PATIENCE)
+                except queue.Empty:
+                    continue
                 if isinstance(result, BaseException):
                     raise result
                 if result is None:
