@@ -72,13 +72,12 @@ def integrated(motion, times, start):
         x, v, w = y[:3], y[3:6], y[10:]
         turn = Rotation.from_quat(y[6:10]).as_matrix()
         origin, deck, spin, speed = base_pose(motion, t)
-        force, torque = np.array([0.0, 0.0, -MASS * GRAVITY]), np.zeros(3)
-        for corner in CORNERS:
-            arm, there = turn @ corner, origin + deck @ (PLACE + corner)
-            apart = deck.T @ (x + arm - there)
-            rate = deck.T @ (v + np.cross(turn @ w, arm) - speed - np.cross(spin, x + arm - origin))
-            pull = deck @ [k * d + c * r for (k, c), d, r in zip(LAW.values(), apart, rate, strict=True)]
-            force, torque = force - pull, torque - np.cross(arm, pull)
+        arms, there = CORNERS @ turn.T, origin + (PLACE + CORNERS) @ deck.T
+        apart = (x + arms - there) @ deck
+        spinning = np.array([[0.0, -spin[2], spin[1]], [spin[2], 0.0, -spin[0]], [-spin[1], spin[0], 0.0]])
+        rate = (v + np.cross(turn @ w, arms) - speed - (x + arms - origin) @ spinning.T) @ deck
+        pulls = (apart * [k for k, _ in LAW.values()] + rate * [c for _, c in LAW.values()]) @ deck.T
+        force, torque = [0.0, 0.0, -MASS * GRAVITY] - pulls.sum(axis=0), -np.cross(arms, pulls).sum(axis=0)
         alpha = (turn.T @ torque - np.cross(w, INERTIA * w)) / INERTIA
         qx, qy, qz, qw = y[6:10]
         matrix = [[0, w[2], -w[1], w[0]], [-w[2], 0, w[0], w[1]], [w[1], -w[0], 0, w[2]], [-w[0], -w[1], -w[2], 0]]

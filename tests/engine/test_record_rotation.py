@@ -107,6 +107,7 @@ def test_angles_are_those_of_an_integration_of_the_channels(tmp_path, ended, kin
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["kernel", "mujoco"])
 def test_box_on_the_recorded_deck_moves_as_newton_and_euler_have_it(tmp_path, ended, engine):
     played = wr.load_record(sensors(tmp_path / "imu.csv", ended, rate=2000.0), rotation="base")

@@ -139,6 +139,7 @@ def test_a_constant_of_another_module_counts(use):
     assert use(offset=2) == (8.0, 2.5, ["outer"])
 
 
+@pytest.mark.slow
 def test_how_a_kernel_is_compiled_counts(use):
     use()
     assert use(decorator="inlined")[2] == ["outer", "inner"]
@@ -189,6 +190,7 @@ def test_a_file_of_anything_else_is_compiled_anew(use, tmp_path, content):
     assert use() == (7.0, 2.5, ALL)
 
 
+@pytest.mark.slow
 def test_a_folder_that_cannot_be_written_hinders_nothing(use, tmp_path):
     (tmp_path / "file").write_text("")
     assert use(NUMBA_CACHE_DIR=str(tmp_path / "file" / "cache")) == (7.0, 2.5, ALL)
@@ -223,6 +225,7 @@ def test_a_wheel_that_is_built_twice_brings_the_same_kernels(use, tmp_path):
     assert first == second
 
 
+@pytest.mark.slow
 def test_settings_of_the_current_folder_say_nothing_of_where_kernels_are(use, tmp_path):
     """Reading a kernel executes what it holds, so that a folder that one looks at may not name the cache."""
     (tmp_path / ".numba_config.yaml").write_text("cache_dir: here\ncpu_name: generic\n")
@@ -232,6 +235,7 @@ def test_settings_of_the_current_folder_say_nothing_of_where_kernels_are(use, tm
     assert len(list((tmp_path / "cache" / "wirerope_mj").glob("*.kernel"))) == 3
 
 
+@pytest.mark.slow
 def test_a_relative_folder_of_the_environment_is_not_used(use, tmp_path):
     (tmp_path / "home").mkdir(mode=0o700)
     relative = {"NUMBA_CACHE_DIR": "here", "XDG_CACHE_HOME": "there", "HOME": str(tmp_path / "home")}

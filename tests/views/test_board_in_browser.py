@@ -75,7 +75,6 @@ def improve(page, hand):
     expect(page.locator("#headline")).to_have_text(re.compile("^PASS"))
 
 
-@pytest.mark.slow
 def test_a_genset_comes_from_fail_to_pass_and_the_command_says_the_same(browser, tmp_path):
     folder = tmp_path / "genset"
     with command(folder, "--template", "genset") as (_, address), window(browser, address) as page:
@@ -106,7 +105,6 @@ def test_a_genset_comes_from_fail_to_pass_and_the_command_says_the_same(browser,
         assert texts(folder) == before
 
 
-@pytest.mark.slow
 def test_keys_alone_write_the_same_files(browser, tmp_path):
     folder = tmp_path / "genset"
     with command(folder, "--template", "genset") as (_, address), window(browser, address) as page:
@@ -185,7 +183,6 @@ def test_a_mount_that_is_let_go_in_another_goes_back(browser, tmp_path):
         expect(page.locator("#headline")).to_have_text(re.compile("^FAIL"))
 
 
-@pytest.mark.slow
 def test_a_board_that_was_killed_has_what_was_not_saved(browser, tmp_path):
     folder = genset(tmp_path / "genset")
     before = texts(folder)
@@ -207,7 +204,6 @@ def test_a_board_that_was_killed_has_what_was_not_saved(browser, tmp_path):
         expect(page.locator('#plan [data-name="mount/m6"]')).to_have_attribute("aria-label", re.compile("x 800 "))
 
 
-@pytest.mark.slow
 def test_no_finding_of_axe_is_critical_or_serious(browser, tmp_path):
     try:
         from axe_playwright_python.sync_playwright import Axe
