@@ -14,6 +14,7 @@ from wirerope_mj.content.job import job_headline
 from wirerope_mj.content.verdicts import headline as verdicts_headline
 from wirerope_mj.content.verdicts import verdict_bars
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.mounts.isolator.travel import HANGS
 from wirerope_mj.runs.write import read_summary
 
 HALF = "most critical m1 travel in roll 1000 mm, limit 2000 mm (50 %)"
@@ -186,6 +187,36 @@ def test_a_damaged_summary_is_named_with_what_to_do(tmp_path, content, said):
 def test_a_pass_of_some_mounts_says_of_how_many():
     unrated = Verdict(criterion=Criterion("travel", sense="roll"), subject="r1", value=1.0, limit=None, unit="m")
     assert verdicts_headline([row(), unrated]).text.startswith("PASS of 1 of 2 mounts: most critical m1 ")
+
+
+@pytest.mark.quick
+def test_a_mount_that_hangs_is_not_among_those_that_pass():
+    hung = Verdict(criterion=Criterion("static load in compression"), subject="m1", value=0.0, limit=None, unit="N", note=HANGS)
+    said = verdicts_headline([row(), hung, payload(limit=10.0)])
+    assert (said.text.partition(":")[0], said.tone) == ("PASS of 0 of 1 mounts and payload", "unjudged")
+    said = verdicts_headline([row(limit=None), hung, payload(limit=10.0)])
+    assert "mounts not judged: they hang, and ratings hold for compression" in said.text
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("value", "tone"), [(1.0, "within"), (1.9, "near"), (2.1, "exceeded")])
+def test_a_headline_has_the_colour_of_the_bar_below_it(value, tone):
+    bars = verdict_bars("criterion", [("travel", "m1", row(value))])
+    answers = verdicts_headline([row(value)]), job_headline({"first": [row(value)]})
+    assert [*(answer.tone for answer in answers), bars.rows[0][2].tone] == [tone] * 3
+
+
+@pytest.mark.quick
+def test_a_mount_that_goes_solid_is_no_stop_that_is_struck():
+    bottoming = Verdict(criterion=Criterion("bottoming"), subject="m1", value=0.04, limit=None, unit="m")
+    solid, stop = (
+        Verdict(criterion=Criterion("stop"), subject=name, value=9.0, limit=None, unit="N", contact=contact)
+        for name, contact in (("bottom_m1", STRUCK), ("s1", CLEAR))
+    )
+    rows = [row(), bottoming, solid, stop]
+    assert "1 of 1 mount bottomed" in headline(rows)
+    assert "struck" not in headline(rows)
+    assert "mounts bottomed in drop" in job_headline({"drop": rows}).text
 
 
 @pytest.mark.quick

@@ -183,6 +183,23 @@ def test_a_limit_may_lack_its_sign_and_one_that_limits_nothing_is_refused(board)
         assert act(board, do="add-limit", value=text, id="1")["refused"] == "1"
 
 
+def test_what_is_not_judged_has_no_share_and_one_share_is_written_by_one_rule(board):
+    board._verdicts.used = {"m1": 1.19496}  # to four digits first it would be 120 %
+    words = mount(board.open(), "m1")["words"]
+    assert words.endswith("119 % used")
+    act(board, do="case", case="0", key="motions", value="half-sine 5 g 11 ms z")
+    hung = mount(act(board, do="stand", names=[f"mount/m{n}" for n in range(1, 7)], on="ceiling"), "m1")
+    assert (hung["used"], hung["tone"]) == (None, "quiet")
+
+
+def test_every_load_case_says_its_motion_and_what_came_out(board):
+    act(board, do="add-case")
+    verdict = act(board, do="case", case="1", key="motions", value="half-sine 2 g 11 ms x")["html"]["verdict"]
+    assert "shock\nhalf-sine 10 g 11 ms along z → " in verdict
+    assert "case 1\nhalf-sine 2 g 11 ms along x → " in verdict
+    assert '<details id="of-case-1"><summary>case 1: <span class="' in verdict
+
+
 def test_parts_are_found_and_tried_in_all_places(board):
     assert "CB1400-10" in act(board, do="find", value="cb1400")["html"]["found"]
     assert "No part" in act(board, do="find", value="WR99")["html"]["found"]

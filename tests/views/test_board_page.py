@@ -27,7 +27,7 @@ MIDDLE = """selector => {
 
 
 def mount(name, position, used, axial=(0, 0, 1)):
-    tone = "none" if used is None else "exceeded" if used > 1 else "good"
+    tone = "quiet" if used is None else "exceeded" if used > 1 else "within"
     return {
         "kind": "mount", "name": f"mount/{name}", "label": name, "part": "WR16-400", "movable": True,
         "position": list(position), "axial": list(axial),
@@ -94,7 +94,7 @@ class Board:
         self.go.wait(PATIENCE)
         items = self.moved(action)
         for item in items:
-            item |= {"used": 0.77, "tone": "good"} if item["kind"] == "mount" else {}
+            item |= {"used": 0.77, "tone": "within"} if item["kind"] == "mount" else {}
             item["collides"] = item.get("name") in action["names"]
         return {"scene": drawn(items, names=action["names"], by=action["by"])}
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, STRUCK, Verdict
-from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, amplified_text, critical_text, fail_text, scope
+from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, amplified_text, contacts, critical_text, fail_text, scope
 from wirerope_mj.assessment.criteria.summary import OWN_RULE
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, criterion_text, most_amplified, most_used
 from wirerope_mj.content.blocks import Block, Content, Document, Section, Statement
@@ -20,7 +20,7 @@ from wirerope_mj.content.required_spectra import pairs_table, required_statement
 from wirerope_mj.content.run import START, run_content
 from wirerope_mj.content.scene_outline import worst_instant
 from wirerope_mj.content.statics import run_statics_blocks
-from wirerope_mj.content.verdicts import TONE, headline, open_statement, unjudged, used_mark, verdict_bars
+from wirerope_mj.content.verdicts import TONE, headline, open_statement, unjudged, used_mark, used_tone, verdict_bars
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
 
 # Sections of a run that a case of a job may show; the first seven by default
@@ -180,9 +180,13 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
         text += f"; most critical {used}" if used else ""
     else:
         text = f"{PASS}{restriction}: most critical {used}; all {several(judged, 'check')} in {count} are within limits"
-        tone = "unjudged" if restriction else "within"
-    struck = [name for name, rows in verdicts.items() if any(row.contact == STRUCK for row in rows)]
-    text += f"; stops or contacts are struck in {listed(struck)}" if struck else ""
+        tone = "unjudged" if restriction else used_tone(worst.utilisation)
+    struck: dict[tuple[str, str], list[str]] = {}  # load cases by what is struck in them
+    for name, rows in verdicts.items():
+        for thing, does, outcomes in contacts(rows):
+            if STRUCK in outcomes:
+                struck.setdefault((thing, does), []).append(name)
+    text += "".join(f"; {thing}s {does} in {listed(names)}" for (thing, does), names in struck.items())
     text += f"; {missing}" if missing and judged and not open_cases else ""
     amplified = most_amplified(every)
     if amplified is not None:

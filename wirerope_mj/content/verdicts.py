@@ -42,8 +42,9 @@ def headline(verdicts: Sequence[Verdict]) -> Statement:
     # A stop that was struck is a warning: what fails alone has the colour of failure.
     tones = ((EXCEEDED, "exceeded"), (STRUCK, "near"), (WITHIN, "within"))
     tone = next((tone for verdict, tone in tones if verdict in present), "unjudged")
-    # A pass of only some limits is not green.
-    tone = "unjudged" if tone == "within" and not text.startswith(f"{PASS}:") else tone
+    # A pass of only some limits is not green, nor is one close to a limit.
+    if tone == "within" and worst is not None:
+        tone = used_tone(worst.utilisation) if text.startswith(f"{PASS}:") else "unjudged"
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0]}
     if worst is not None:
         values |= {"most_critical": worst.subject, "criterion": str(worst.criterion), "utilisation": worst.utilisation}
@@ -91,7 +92,7 @@ def bars_table(heading: str, rows: Iterable[tuple[str, str, float | None, str]],
     return Table(
         "criteria", "",
         [Column(heading, align="text"), *left("where"), Column("used", "%", "z.0f", bar=True), *left("value and limit")],
-        [(name, where, Mark(used, _used_tone(used) or "within"), text) for name, where, used, text in rows],
+        [(name, where, Mark(used, used_tone(used)), text) for name, where, used, text in rows],
         shown=most,
     )  # fmt: skip
 
@@ -174,13 +175,15 @@ def acceleration_limits(verdicts: Sequence[Verdict]) -> dict[str, Verdict]:
 
 
 def used_mark(utilisation: float | None) -> Mark:
-    return Mark(utilisation, _used_tone(utilisation))
+    tone = used_tone(utilisation)
+    return Mark(utilisation, "" if tone == "within" else tone)
 
 
-def _used_tone(utilisation: float | None) -> str:
+def used_tone(utilisation: float | None) -> str:
+    """Return the tone in which a utilisation stands, the same in sentences, bars and drawings."""
     if utilisation is None:
         return "quiet"
-    return "exceeded" if utilisation > 1.0 else "near" if utilisation > NEAR else ""
+    return "exceeded" if utilisation > 1.0 else "near" if utilisation > NEAR else "within"
 
 
 def _rated(row: Verdict) -> Verdict:

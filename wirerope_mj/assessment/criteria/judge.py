@@ -35,6 +35,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.mounts.isolator.travel import HANGS
 
 FAIL, PASS, UNKNOWN = "FAIL", "PASS", "NOT JUDGED"  # Answers with which a headline begins
 _SHOWN = 5  # verdicts that the text of `Verdicts` lists
@@ -60,10 +61,9 @@ def headline(verdicts: Sequence[Verdict]) -> str:
     else:
         answer = f"{UNKNOWN}: no limit is stated for anything in this run"
     clauses = [answer, missing if judged and not early else "", amplified_text(verdicts)]
-    for thing, of_mounts in (("contact pair", False), ("stop", True)):
-        outcomes = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
+    for thing, does, outcomes in contacts(verdicts):
         if STRUCK in outcomes:
-            clauses.append(f"{outcomes.count(STRUCK)} of {several(len(outcomes), thing)} struck")
+            clauses.append(f"{outcomes.count(STRUCK)} of {several(len(outcomes), thing)} {does}")
     left = len(verdicts) - judged - sum(bool(row.contact) for row in verdicts)
     if early and within:
         clauses.append(f"{several(within, 'check')} of the state at rest kept")
@@ -77,6 +77,15 @@ def headline(verdicts: Sequence[Verdict]) -> str:
     return "; ".join(clause for clause in clauses if clause) + "."
 
 
+def contacts(verdicts: Sequence[Verdict]) -> list[tuple[str, str, list[str]]]:
+    """List the outcomes of contact pairs, of stops, and of the stops where mounts go solid, with what they are and do."""
+    mounts = {f"bottom_{row.subject}" for row in verdicts if row.criterion == BOTTOMING}
+    pairs, stops, solid = list[str](), list[str](), list[str]()
+    for row in (row for row in verdicts if row.contact):
+        (pairs if row.criterion != STOP else solid if row.subject in mounts else stops).append(row.contact)
+    return [("contact pair", "struck", pairs), ("stop", "struck", stops), ("mount", "bottomed", solid)]
+
+
 def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
     """Name the judged parts of the system, such as " of the mounts", and the part not judged; "" each if all are judged."""
     rows = [row for row in verdicts if not row.contact]
@@ -88,12 +97,13 @@ def scope(verdicts: Sequence[Verdict]) -> tuple[str, str]:
     judged = [part for part, members in parts.items() if any(row.verdict in (WITHIN, EXCEEDED) for row in members)]
     missing = [part for part in ("mounts", "payload") if parts[part] and part not in judged]
     mounts = {row.subject for row in parts["mounts"]}
-    known = {row.subject for row in parts["mounts"] if row.verdict in (WITHIN, EXCEEDED)}
-    some = bool(known) and known != mounts
+    hanging = {row.subject for row in parts["mounts"] if row.note == HANGS}
+    known = {row.subject for row in parts["mounts"] if row.verdict in (WITHIN, EXCEEDED)} - hanging
+    some = "mounts" in judged and known != mounts
     of = f" of {f'{len(known)} of {len(mounts)} ' if some else 'the '}{' and '.join(judged)}"
     if not missing:
         return of if some else "", ""
-    part, why = missing[-1], ": nothing is rated"
+    part, why = missing[-1], ": they hang, and ratings hold for compression" if hanging == mounts else ": nothing is rated"
     if part == "payload":
         stated = all(row.note.endswith((UNLIMITED, NO_CLEARANCE)) for row in parts[part])
         why = ": no limit stated" if stated else ""

@@ -29,7 +29,10 @@ def static_load_unjudged(force: Sequence[float] | Array, rated: float | None) ->
     across = math.hypot(roll, shear)
     if across > abs(along):
         return "the load is across the axis, and the rating holds for compression"
-    return "the mount hangs, and the rating holds for compression" if along > 0.0 else ""
+    return HANGS if along > 0.0 else ""
+
+
+HANGS = "the mount hangs, and the rating holds for compression"
 
 
 # Rated travels in the order of the tables: the mount's axis, and its sign along it; 0 = both.

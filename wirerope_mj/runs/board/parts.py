@@ -9,6 +9,7 @@ from threading import Event
 from typing import TYPE_CHECKING, Any
 
 from wirerope_mj.content.cyclic_tests import isolator_chart
+from wirerope_mj.content.verdicts import used_tone
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, WireRopeError
@@ -54,11 +55,10 @@ def _loops(name: str) -> dict[str, str]:
 
 def _row(part: VendorPart, used: float | None = None) -> Entries:
     """Compose what the template of parts takes of one, with the use of its most critical limit if it was simulated."""
-    along = part.modes["compression"]
+    along, used = part.modes["compression"], None if used is None or math.isnan(used) else used
     return {
-        "name": part.name, "height": part.height, "load": along.static_load, "travel": along.travel,
-        "used": None if used is None or math.isnan(used) else used,
-        "tone": "" if used is None or math.isnan(used) else "exceeded" if used > 1.0 else "within",
+        "name": part.name, "height": part.height, "load": along.static_load, "travel": along.travel, "used": used,
+        "tone": used_tone(used),
     }  # fmt: skip
 
 

@@ -13,19 +13,19 @@ from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_used
 from wirerope_mj.content.blocks import Block, Chart, Statement
 from wirerope_mj.content.comparison import accelerations_table, figures_table, travel_tables
 from wirerope_mj.content.correlation import channel_panel
-from wirerope_mj.content.first_sheet import brief_blocks
+from wirerope_mj.content.first_sheet import brief_blocks, passage
 from wirerope_mj.content.histories import TOTAL, overlay_histories
 from wirerope_mj.content.job import JudgedCase, JudgedJob, brief, job_headline
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.modes import TIPS
 from wirerope_mj.content.numbers import several
 from wirerope_mj.content.selection import worst_names
-from wirerope_mj.content.verdicts import headline, used_mark
+from wirerope_mj.content.verdicts import criteria_blocks, headline, used_tone
 from wirerope_mj.dynamics.modes import NaturalFrequencies
 from wirerope_mj.engine.statics import Sag
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import Absent, SimulationError, WireRopeError
-from wirerope_mj.foundation.tables import Column, Table, left
+from wirerope_mj.foundation.tables import Column, Mark, Table, left
 from wirerope_mj.motions import Measured
 from wirerope_mj.runs.board.loaded import Loaded, judged_case
 from wirerope_mj.runs.board.what_if import frequency_ratio
@@ -109,20 +109,28 @@ class Verdicts:
             written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
         )  # fmt: skip
         self.used = {}
-        for row in (row for run in runs for row in run.verdicts):
+        for row in (row for run in runs for row in run.verdicts if row.utilisation is not None):
             self.used[row.subject] = max(row.utilisation or 0.0, self.used.get(row.subject, 0.0))
         remaining, first = len(job.cases) - len(cases), cases[0].run
-        blocks = [*(brief(judged) if len(cases) > 1 else brief_blocks(first))]
-        if any(row.criterion == COMBINED and row.utilisation is not None for run in runs for row in run.verdicts):
-            blocks = [
-                replace(block, note=COMBINED_MEANS) if isinstance(block, Table) and block.id == "criteria" else block
-                for block in blocks
-            ]
+        of_cases = cases if len(cases) > 1 else []
+        passages = {case.name: f"{case.name}\n{said.text}" for case in of_cases if (said := passage(case.run))}
+        combined = any(row.criterion == COMBINED and row.utilisation is not None for run in runs for row in run.verdicts)
+        blocks = [
+            replace(
+                block, note=COMBINED_MEANS if combined else "",
+                rows=[(passages.get(str(name), name), *rest) for name, *rest in block.rows],
+            ) if isinstance(block, Table) and block.id == "criteria" else block
+            for block in (brief(judged) if of_cases else brief_blocks(first))
+        ]  # fmt: skip
+        bars = next((number for number, block in enumerate(blocks, start=1) if isinstance(block, Table)), 0)
         html = fragment(
-            "right.html.jinja", said=job_headline(judged.verdicts) if len(cases) > 1 else headline(first.verdicts),
+            "right.html.jinja", said=job_headline(judged.verdicts) if of_cases else headline(first.verdicts),
             what_if=", ".join(f"{slider.label} {slider.text(value)}" for slider, value in loaded.moved), quick=quick,
             more=several(remaining, "load case") if remaining else "",
-            blocks=column_html(blocks),
+            bars=column_html(blocks[:bars]), blocks=column_html(blocks[bars:]),
+            cases=[
+                (case.name, headline(case.run.verdicts), column_html(criteria_blocks(case.run.verdicts))) for case in of_cases
+            ],
         )  # fmt: skip
         return {"verdict": html}, {"stale": bool(remaining)}
 
@@ -179,7 +187,7 @@ def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> Iterator[
         yield Statement("statics", f"At rest: {sag.reason}", tone="exceeded")
     else:
         rows = [
-            (name, -float(mount.deflection[2]) + 0.0, mount.carries, used_mark(mount.utilisation))
+            (name, -float(mount.deflection[2]) + 0.0, mount.carries, Mark(mount.utilisation, used_tone(mount.utilisation)))
             for name, mount in sag.listed.items()
         ]
         used = [mount.utilisation for mount in sag.mounts.values() if mount.utilisation is not None]

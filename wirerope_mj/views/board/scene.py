@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 import numpy as np
 
 from wirerope_mj.content.scene_outline import drawn_scene, mount_axes, mount_position
-from wirerope_mj.content.verdicts import NEAR
+from wirerope_mj.content.verdicts import used_tone
 from wirerope_mj.engine.from_tables.layout import Layout
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.engine.simulation.recorder import scene_of
@@ -44,8 +44,7 @@ def board_scene(
         else:
             sizes = {name: _rounded(1e3 * size) for name, size in (("height", mount.height), ("width", mount.width))}
             share = used.get(mount.name)
-            tone = "none" if share is None else "exceeded" if share > 1.0 else "near" if share > NEAR else "good"
-            how = {"used": share if share is None else round(share, 4), "tone": tone, "collides": mount.name in collide}
+            how = {"used": share, "tone": used_tone(share), "collides": mount.name in collide}
             mounts.append({**entry, **sizes, "part": mount.isolator, **how})
     points = [("point", name, at) for name, at in point_positions(system).items()]
     points += [("force", point.name, point.position) for point in (layout.forces if layout else ())]

@@ -19,7 +19,7 @@ from wirerope_mj.views.pictures import save_pictures
 _OF = {name: colour.lstrip("#").upper() for name, colour in LIGHT.named.items()}
 _COLOURS = {tone: _OF[tone] for tone in ("within", "unjudged", "exceeded", "quiet")} | {"near": _OF["unjudged"]}
 _TEXT = _OF["text"]
-_SHADES = {tone: _OF[f"{tone}-box"] for tone in ("within", "unjudged", "exceeded")}
+_SHADES = {tone: _OF[f"{tone}-box"] for tone in ("within", "unjudged", "exceeded")} | {"near": _OF["unjudged-box"]}
 _BOLD = ("exceeded", "strong")
 _WIDTH = 17.4  # of the text [cm]
 _PICTURE = 16.2  # width of charts and scenes [cm]
