@@ -125,6 +125,33 @@ def test_axes_named_together_are_one_motion_along_each():
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize("text", ["2 g rms 10 to 90 Hz 5 s z", "rms 2 g 10 to 90 Hz 5 s z", "2 grms 0.01 to 0.09 kHz 5 s z"])
+def test_a_random_vibration_is_said_by_its_level(tmp_path, text):
+    level = (2.0 * G) ** 2 / 80.0
+    motion = motion_from_phrase("random", text)
+    np.testing.assert_allclose(motion.psd, [(10.0, level), (90.0, level)], rtol=1e-12)
+    assert motion.rms == pytest.approx(2.0 * G, rel=1e-12)
+    (tmp_path / "flat.csv").write_text("frequency [Hz], psd [g^2/Hz]\n10, 0.05\n90, 0.05\n")
+    filed = motion_from_phrase("psd", "flat.csv 5 s z", folder=tmp_path)
+    times = np.linspace(0.0, 5.0, 101)
+    np.testing.assert_allclose(motion.acceleration(times), filed.acceleration(times), atol=1e-9)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("2 g rms 90 to 10 Hz 5 s z", "lower to a higher frequency"), ("0 g rms 10 to 90 Hz 5 s z", "`rms` must be > 0"),
+        ("2 g rms 10-90 Hz 5 s z", '"10-90" has no unit'), ("2 g rms 10 to 90 Hz z", "a time must stand there"),
+        ("2 g rms 90 Hz 5 s z", "2 values of frequency"),
+    ],
+)  # fmt: skip
+def test_a_level_that_is_none_is_refused(text, says):
+    with pytest.raises(ValueError, match=says):
+        motion_from_phrase("random", text)
+
+
+@pytest.mark.quick
 def test_every_example_is_understood(tmp_path):
     (tmp_path / "transport.csv").write_text("frequency [Hz], psd [g^2/Hz]\n5, 0.01\n200, 0.01\n")
     (tmp_path / "floor.csv").write_text("frequency [Hz], acceleration [g]\n1, 0.5\n5, 1\n33, 0.4\n")

@@ -106,6 +106,14 @@ def psd_rms(psd: Sequence[Sequence[float]]) -> float:
     return math.sqrt(float(psd_power(points, points[-1][0])))
 
 
+def flat_psd(rms: float, lowest: float, highest: float) -> Points:
+    """Return the power spectral density of one level from a lowest to a highest frequency [Hz] that has an rms value."""
+    if not 0.0 < lowest < highest:
+        raise ValueError(f"its band must go from a lower to a higher frequency above 0, got {lowest:g} to {highest:g} Hz.")
+    level = positive("rms", rms) ** 2 / (highest - lowest)
+    return (lowest, level), (highest, level)
+
+
 def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
     """Return a power spectral density [(m/s^2)^2/Hz] from points (frequency [Hz], level [g^2/Hz])."""
     checked = checked_points("points", points, quantity="level [g^2/Hz]", steps=True)

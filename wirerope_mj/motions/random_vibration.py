@@ -1,6 +1,7 @@
 """Stationary random vibration of a given power spectral density."""
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -19,7 +20,7 @@ from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes
 from wirerope_mj.motions.motion import Said, StartedMotion
 from wirerope_mj.motions.phrases import LASTING, SpokenMotion, file_first, vibration_arguments
 from wirerope_mj.motions.piecewise import UniformSpline
-from wirerope_mj.motions.psd_lines import LOUDEST, checked_points, psd_points, psd_power, psd_rms
+from wirerope_mj.motions.psd_lines import LOUDEST, checked_points, flat_psd, psd_points, psd_power, psd_rms
 
 Amplitudes = Literal["fixed", "random"]
 _DEGREES = {"quintic": 5, "cubic": 3}
@@ -56,6 +57,16 @@ class RandomVibration(AsCall, StartedMotion):
             summary='random vibration of a file with "frequency [Hz], psd [g^2/Hz]".',
             needs={"time": 1}, says_more=True, words=LASTING, begins=file_first(psd_points),
             make=lambda shape, phrase, direction, n, points: shape(psd=points, **vibration_arguments(phrase, direction, n)),
+        ),
+        SpokenMotion(
+            name="random", example="1 g rms 5 to 200 Hz 30 s z seed 1",
+            summary="random vibration of one density over a band: rms, lowest and highest frequency, length.",
+            needs={"acceleration": 1, "frequency": 2, "time": 1}, words=LASTING,
+            begins=lambda text, _: (None, re.sub(r"(?<=\dg)rms\b|(?<= g)rms\b|\brms\b", "", text)),
+            make=lambda shape, phrase, direction, n, _: shape(
+                psd=flat_psd(phrase.one("acceleration"), *phrase.quantities["frequency"]),
+                **vibration_arguments(phrase, direction, n),
+            ),
         ),
     )  # fmt: skip
 
