@@ -111,6 +111,7 @@ def checked_files(paths: Iterable[str | Path]) -> Iterator[CheckedFile]:
 
 
 def _in_folder(folder: Path) -> Iterator[CheckedFile]:
+    """Check the files in a folder and in those below it; a run, and tables of a model, count as one file."""
     if is_run(folder):
         yield _checked(folder, "run")
         return
@@ -127,7 +128,7 @@ def _in_folder(folder: Path) -> Iterator[CheckedFile]:
 
 
 def _checked(path: Path, kind: str = "") -> CheckedFile:
-    """Read a file as a command does, and collect what it says; its kind is told unless it is given."""
+    """Read a file as a command does, and collect its errors and warnings; its kind is found out unless it is given."""
     said: list[tuple[str, bool]] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -198,7 +199,7 @@ def _scenario(scenario: Scenario) -> Texts:
 
 
 def _of_motion(motion: BaseMotion, duration: float | None, system: System) -> Texts:
-    """Yield what is implausible about a motion that no phrase says, and about the simulated time [s], if it is stated."""
+    """Yield what is implausible about a motion, and about the simulated time [s] if one is stated."""
     for part in motion.parts:
         if part.doubt:
             yield f"{part.description}: {part.doubt}"
@@ -249,7 +250,10 @@ def _cyclic_test(path: Path) -> Texts:
 
 
 def _record(path: Path) -> Texts:
-    """Read a record as a base motion where its columns are called x, y or z, else each column as a measured response."""
+    """Check that a record can be read, as a base motion (columns x, y, z; in UFF one node), or else as measured responses.
+
+    Yield a note if no column states a unit. In UFF "#" numbers the channels of a node that have one direction.
+    """
     if is_uff(path):
         names = uff_channels(path)
         one_node = len({name.partition(":")[0] for name in names}) == 1 and not any("#" in name for name in names)

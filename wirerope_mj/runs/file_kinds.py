@@ -74,6 +74,7 @@ def kind_of(path: Path) -> str | None:
 
 
 def _kind_of_table(header: Header) -> str | None:
+    """Tell the kind of a table by its file's name and by the names and units of its columns; None where it cannot be told."""
     names = {name.lower() for name in header.names}
     if {"part", "loops"} <= names:  # a vendor's table, which the package itself reads
         return None
@@ -103,7 +104,7 @@ def _kind_of_table(header: Header) -> str | None:
 
 
 def has_unit(header: Header, units: Mapping[str, float]) -> bool:
-    """Tell whether a column has one of some units."""
+    """Tell whether any column of a table has one of the `units`."""
     return any(
         find_unit(unit or "", units) or underscored_unit(name, units)[1]
         for name, unit in zip(header.names, header.units, strict=True)

@@ -102,6 +102,7 @@ class WireRopeUnit(Fmi3Slave):
 
 
 def _entry(values: Array, number: int) -> tuple[Callable[[], float], Callable[[float], None]]:
+    """Return the functions that get and set an element of an array."""
     return lambda: float(values[number]), lambda value: values.__setitem__(number, float(value))
 
 

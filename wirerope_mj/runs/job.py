@@ -47,7 +47,7 @@ INPUTS = "inputs"  # Option of a case's run that holds digests of its inputs: wa
 _JUDGED_AGAIN = "changed: limits, judged again without simulating"  # why a case is whose samples are still those of its inputs
 _CHARACTERS = 12  # of a digest: of a million changes none is missed by chance
 
-# Is told name, time [s] and answer of a case that was simulated, and how many are left.
+# Called with name, computing time [s] and answer of a case that was simulated, and how many cases are left.
 Done = Callable[[str, float, str, int], None]
 
 
@@ -82,7 +82,7 @@ def run_job(
         force: whether all cases are simulated again.
         workers: number of processes; None for one per processor.
         pdf: whether the report is written as a PDF, too; one that stands in the folder is written anew.
-        docx: so, as a DOCX.
+        docx: the same for a DOCX.
         done: called after each case.
 
     Raises:
@@ -213,6 +213,8 @@ def _reason_to_simulate(run: Path, scenario: Scenario, *, force: bool) -> str:
 
 @dataclass(frozen=True)
 class _Outcome:
+    """Result of one case: the answer or an error, the computing time [s], and warnings."""
+
     name: str
     seconds: float
     answer: str

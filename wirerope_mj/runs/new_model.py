@@ -165,7 +165,7 @@ def from_template(
     folder: Path, template: str, *, deck: Deck | None = None, bottoming: bool = True, formats: Sequence[str] = ("png",),
     force: bool = False,
 ) -> Layout | None:  # fmt: skip
-    """Write the folder of a model to be edited: tables and model of "genset", of others the commented model.
+    """Write the folder of a model to be edited: with "genset" tables and their model, else a template's commented model.
 
     Returns:
         The layout where the template is one of tables, else None.

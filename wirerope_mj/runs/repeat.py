@@ -181,6 +181,7 @@ def _sample_differences(stored: Response, again: Response) -> Iterator[Differenc
 
 
 def _vector(name: str) -> str:
+    """Return the name of the vector of which a column is a component, or else the column's own."""
     vector, _, component = name.rpartition("/")
     return vector if component in ("w", "x", "y", "z", "roll", "shear", "axial") else name
 

@@ -73,12 +73,12 @@ def _content_of(folder: Path, *, decks: bool = False) -> Content:
     return replace(content, sections=(*content.sections, *correlation_sections(tests))) if tests else content
 
 
-# What writes a content and samples as a file, by the file's ending.
+# Functions that write a content and samples as a file, by the file's ending.
 RENDERERS = {".xlsx": write_workbook}
 
 
 def write_content_of(folder: Path, out: Path, *, channels: Sequence[str] = (), force: bool = False) -> Path:
-    """Write the content of a run, job, study or frequency response as a file of `RENDERERS`; `columns` are patterns.
+    """Write the content of a run, job, study or frequency response as a file of `RENDERERS`, with columns as `channels` match.
 
     RecordError if the folder is none of them, or the file cannot be written; ValueError if a pattern matches no column, or
     a job has none.

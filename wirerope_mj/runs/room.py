@@ -26,7 +26,7 @@ def overlapping(system: System) -> list[tuple[str, str]]:
 
 
 def box_of(layout: Layout) -> tuple[Array, Array]:
-    """Return the lowest and the highest corner of the equipment: of its envelope, or of the boxes of its masses."""
+    """Return the lowest and highest corner [m], (3,) each, of the equipment: of its envelope, or of the boxes of its masses."""
     boxes = [(box.centre, box.size) for box in layout.envelope] or [
         (mass.properties.centre, mass.properties.box) for mass in layout.masses
     ]

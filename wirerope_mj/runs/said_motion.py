@@ -58,7 +58,7 @@ def said_motion(
 def _played(
     record: Path | None, channels: Sequence[str] | None, direction: str | None, played: Entries, duration: float | None
 ) -> list[BaseMotion]:
-    """Return the motion of a record as `said_motion` takes it, if there is one."""
+    """Return the motion of a measured record in a list, which is empty without one; arguments are those of `said_motion`."""
     if record is not None:
         record_motion = load_record(record, channels=_channels(record, channels, direction, played), **played)
         if not (record_motion.samples.any() or record_motion.rotates):
@@ -123,6 +123,7 @@ def with_dwells_found(
 
 
 def _completed(text: str, system: System, folder: Path) -> str:
+    """Append the frequencies of the dwells to an amplitude table's phrase that asks for dwells and states none."""
     try:
         (quantity, lines), rest = file_first(table_lines)(text, folder)
         phrase = parse_phrase(rest, words=SPOKEN_MOTIONS[KIND].words)

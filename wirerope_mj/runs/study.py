@@ -155,6 +155,7 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
 
 
 def _text(limit: PayloadLimit) -> str:
+    """Write a limit as the option `--limit` takes it: "acceleration/rack = 15 g"."""
     unit, size = {"acceleration": ("g", STANDARD_GRAVITY), "gap": ("%", 0.01)}.get(limit.kind, (KINDS[limit.kind].unit, 1.0))
     return f"{limit.kind}/{limit.name} = {' '.join(f'{value / size:.12g}' for value in limit.values)} {unit}"
 

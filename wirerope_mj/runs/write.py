@@ -280,6 +280,7 @@ def _scenario_text(scenario: Scenario, response: Response, folder: Path, *, mode
 
 
 def _write_views(scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool) -> None:
+    """Write the recording, the pictures and the report of a run, of which `writing` shows the name meanwhile."""
     # Here, because the page, and rerun even more, take longer to import than a small simulation takes.
     from wirerope_mj.content.first_sheet import panel_over_frequency
     from wirerope_mj.content.run import run_content

@@ -1,6 +1,6 @@
 """Every part of a catalogue in the places of a model's mounts, under all load cases side by side, and ranked.
 
-Steps are halved until it is known what is judged.
+Time steps are halved until what is judged of each part is accurate enough, or exceeds a limit for certain.
 """
 
 import math
@@ -42,7 +42,7 @@ _LONGEST = 5e-4  # Step from which the halving begins [s]: a mode of 100 Hz has 
 LEVELS = 8  # steps that are tried, the last of them 4 microseconds
 # fractions of the work that are done before the first and after each: finer ones are tried of fewer and fewer parts
 PREPARED, DONE = 0.05, (0.27, 0.5, 0.75, 0.93, 0.98, 0.99, 0.995, 1.0)
-_PATIENCE = 4  # of them, after which a part whose run fails with each is given up
+_PATIENCE = 4  # halvings after which a part is given up if its run failed with every step
 # Difference of two runs over the error of the finer: 3 at order 2, a little less at the order that is seen.
 _FINER = 2.0
 _CERTAIN = 5.0  # differences of two runs beyond a limit from which on it is exceeded for certain
@@ -59,7 +59,7 @@ CRITERIA = {
 
 @dataclass(frozen=True, kw_only=True)
 class TriedPart:
-    """A part in the places of a model's mounts."""
+    """A catalogue part in place of a model's mounts, with the measures of its simulations."""
 
     name: str  # of the part
     isolator: Isolator | None = None  # the part; None if it has none
@@ -85,6 +85,7 @@ class TriedPart:
 
     @property
     def meets(self) -> bool:
+        """True if the part was computed and exceeds no limit."""
         return not self.reason and not self.governing[0] > 1.0
 
     @property
@@ -98,7 +99,7 @@ class TriedPart:
         return self.largest("displacement/*/*")
 
     def largest(self, pattern: str, case: str | None = None) -> float:
-        """Find the largest of the measures of a pattern, under all load cases or one; NaN if there is none."""
+        """Find the largest of the measures whose names match a pattern, under all load cases or one; NaN if there is none."""
         cases = self.measures if case is None else {case: self.measures.get(case, {})}
         values = [value for row in cases.values() for name, value in row.items() if fnmatchcase(name, pattern)]
         return max((value for value in values if not math.isnan(value)), default=math.nan)
@@ -108,7 +109,7 @@ Progress = Callable[[float], None]
 
 
 class Race:
-    """Parts under load cases, stepped side by side with one step after the other, each half the last one."""
+    """Simulations of parts under load cases, side by side, with ever shorter time steps, each half the last one."""
 
     def __init__(self, runs: Mapping[str, TriedPart], cases: Mapping[str, BaseMotion], initial: str, accuracy: float) -> None:
         self._systems = {name: run.system for name, run in runs.items() if run.system is not None}
@@ -122,7 +123,7 @@ class Race:
         self.reasons: dict[str, str] = {}
 
     def run(self, level: int, progress: Progress) -> None:
-        """Simulate the remaining parts with the step of a level, and keep those whose error is still too large."""
+        """Simulate the remaining parts with a time step halved `level` times, and keep those whose error is still too large."""
         alike: dict[tuple[str, bytes], list[str]] = {}  # load case and layout; as many as share lanes are of like periods
         for case, name in self._left:
             alike.setdefault((case, self._systems[name].assembly.tables.layout.tobytes()), []).append(name)
@@ -186,7 +187,7 @@ class Race:
 
 
 def sigma_measures(response: Response | None) -> dict[str, float]:
-    """Judge 3-sigma accelerations as a run does; return the largest utilisation and the largest acceleration [m/s^2].
+    """Judge a response's 3-sigma accelerations; return the largest utilisation and the largest acceleration [m/s^2].
 
     NaN without a response or a limit, or where the run is too short.
     """
@@ -342,7 +343,7 @@ class CatalogueSelection(Summarised):
         return figures[by]
 
     def rank(self, part: TriedPart) -> tuple[int, tuple[float, ...]]:
-        """Return what parts are ordered by in `tried`."""
+        """Return the key by which `tried` is sorted: parts that keep every limit come first, those not computed last."""
         used = part.governing[0]
         figures = (self.figure(part, self.by) if part.meets else used, used)
         return 2 if part.reason else 0 if part.meets else 1, tuple(math.inf if math.isnan(each) else each for each in figures)

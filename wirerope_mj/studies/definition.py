@@ -203,7 +203,7 @@ class StudyDefinition:
 
     @cached_property
     def _inputs(self) -> pa.Table:
-        """Inputs of all variants, drawn when they are asked for first: who reads a result never asks."""
+        """Inputs of all variants, drawn on first use: a stored result is read without them."""
         return self._draw()
 
     @property

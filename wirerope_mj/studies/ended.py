@@ -13,14 +13,14 @@ from wirerope_mj.foundation.arrays import Booleans, Entries
 from wirerope_mj.studies.vary.quantities import MotionSettings
 from wirerope_mj.studies.vary.variants import Maker, Work
 
-# How much slower than the nominal system's a variant's slowest mode may be without being looked for, if all mounts act.
+# Factor on the nominal system's slowest period that covers all variants', so that none is computed if all mounts act.
 _SLOWER = 2.0
-# Ends of the names of what takes mounts away, and may free a mode of its stiffness.
+# Ends of the names of quantities that take mounts away, and may free a mode of its stiffness.
 _TAKEN_AWAY = ("/failed", "/fitted")
 
 
 class Lengths:
-    """Whether the runs of a study are long enough, by the rule of runs: `wirerope_mj.assessment.criteria.ended`."""
+    """Whether a study's runs are long enough, by the rules for single runs: `wirerope_mj.assessment.criteria.ended`."""
 
     def __init__(self, work: Work) -> None:
         self._make = Maker(work.system, work.motions, work.columns)
@@ -68,7 +68,7 @@ def growth_text(note: str, kinds: Sequence[str]) -> str:
 def ended_early(table: pa.Table, measure: str = "") -> Booleans:
     """Return the mask of variants whose runs end before their peaks have passed, (n,); all False for a measure at rest.
 
-    With `measure`, so are the variants in which a measure of its kind still grows.
+    With `measure`, True also for variants in which a measure of its kind still grows.
     """
     kind = measure.partition("/")[0]
     if "message" not in table.column_names or kind in _AT_REST:
@@ -89,7 +89,7 @@ def still_growing(table: pa.Table) -> int:
 
 
 def _saying(table: pa.Table, is_meant: Callable[[str], bool]) -> Booleans:
-    """Return the mask of variants whose message `is_meant`, (n,)."""
+    """Return the mask of variants for whose message `is_meant` is True, (n,)."""
     messages = table["message"]
     texts = [text for text in pc.unique(messages).to_pylist() if is_meant(text)]
     return np.asarray(pc.is_in(messages, pa.array(texts, pa.string())))
@@ -101,5 +101,6 @@ def why_early(table: pa.Table) -> str:
 
 
 def _least(note: str) -> float:
+    """Read from a note the least duration of a run that would be long enough [s]."""
     number, unit = note.rpartition("run at least ")[2].split()
     return float(number) * (1e-3 if unit == "ms" else 1.0)

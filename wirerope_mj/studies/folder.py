@@ -162,7 +162,7 @@ def write_part(folder: Path, part: Part) -> None:
 
 
 def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
-    """Yield the rows of some chunks, several together."""
+    """Yield the rows of chunks by number, in tables of as many chunks as make `ROW_GROUP` numbers."""
     tables: list[pa.Table] = []
     for number in numbers:
         path = part_path(folder, number)

@@ -44,7 +44,7 @@ def measure_names(system: System) -> list[str]:
 def measures(system: System, peaks: Peaks, rest: State | None, response: Response | None = None) -> dict[str, float]:
     """Return the measures of one variant; `rest` is the equilibrium from which it starts, if it starts from one.
 
-    The `response` is wanted of a system of which `needs_samples` says so.
+    The `response` is needed where `needs_samples` is True of the system.
 
     acceleration: largest norm of any payload body [m/s^2]; acceleration/NAME: of one body or point. travel: largest
     utilisation of a rated travel [-] of any mount along one axis; travel/MOUNT: of one; combined_travel: of all axes at
@@ -92,7 +92,7 @@ class Extremes:
 
     @classmethod
     def of_lanes(cls, system: System, done: InLanes) -> "Extremes":
-        """Return the extremes of variants of a system that reached the end of a grid."""
+        """Collect the extremes of variants of a system that the kernel stepped side by side in lanes."""
         tables, n = system.assembly.tables, len(done.which)
         channels = np.zeros((n, tables.channels.size, at.CHANNEL_MEMORY))
         failed, struck = np.zeros(n, dtype=bool), np.zeros(n)
@@ -138,7 +138,7 @@ class Extremes:
 def measures_together(
     system: System, extremes: Extremes, forces: Array | None, isolators: Sequence[Mapping[str, Isolator]] = ()
 ) -> dict[str, Array]:
-    """Return the measures of variants by name, (n,) each, of a system with their limits.
+    """Return the measures of variants of one system by name, (n,) each, from their extremes and limits.
 
     `forces` are those of their mounts at rest [N], (n, n_mounts, 3); None if they do not start there. `isolators` are those
     of each variant's mounts that have others than the system's.
@@ -220,7 +220,7 @@ def _stops_beside(system: System) -> dict[str, list[str]]:
 
 
 def _channels(system: System) -> dict[str, dict[str, int]]:
-    """Return the numbers of the channels of the payload's bodies and points and of the mounts, by name."""
+    """Return the indices of the channels of `Extremes`, of the payload's bodies and points and of mounts, by kind and name."""
     subjects, mounts = system.assembly.subjects, list(system.mounts)
     bodies, points = payload_bodies(system), payload_points(system)
     n, first = len(subjects.bodies), len(subjects.bodies) + 2 * len(subjects.points)
@@ -268,8 +268,8 @@ def _latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
     """Return the latest instant [s] of channels' significant extremes, (...).
 
     Args:
-        norms: the largest, (..., n).
-        extremes: of the components, and their instants, (..., n, 3) each.
+        norms: largest norm of each channel, (..., n).
+        extremes: extremes of the channels' components, and their instants [s], (..., n, 3) each.
     """
     counts = GROWTH * norms[..., np.newaxis]
     instants = [np.where(np.abs(values) > counts, times, 0.0) for values, times in extremes]

@@ -74,7 +74,7 @@ class StudyResult(Exportable, Summarised):
 
     @cached_property
     def columns(self) -> pa.Table | StoredTable:
-        """The table for whoever needs few columns of it or few rows: unless it is in memory already, only these are read."""
+        """The table, of which only those columns and rows are read that are asked for, unless it is in memory already."""
         if not self.complete or "table" in vars(self):
             return self.table
         return StoredTable(self.folder, partial(todays_name, content=self.inputs))
@@ -90,7 +90,7 @@ class StudyResult(Exportable, Summarised):
 
     @cached_property
     def step_error(self) -> float:
-        """Largest change of the nominal system's peaks by half the step, over the largest of their kind; NaN if it fails."""
+        """Largest change of the nominal system's peaks with half the time step, over the largest of a kind; NaN if it fails."""
         work = self.study.work
         finer = nominal(replace(work, timestep=0.5 * work.timestep))
         if isinstance(finer, str) or not self.nominal:
@@ -147,7 +147,7 @@ class StudyResult(Exportable, Summarised):
 
     @cached_property
     def independent(self) -> pa.Table | StoredTable:
-        """Variants that are independent, as `columns`: all of a study, but of one for Sobol's indices only A and B."""
+        """Rows of independent variants: all of a study, but of one for Sobol's indices only those of the samples A and B."""
         if self.study.sampling != OF_INDICES:
             return self.columns
         of_row = len(factors(self.study.quantities)) + 2

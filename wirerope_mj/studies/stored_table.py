@@ -30,7 +30,7 @@ def read_table(folder: Path, columns: Sequence[str] | None = None) -> pa.Table:
 
 
 class StoredTable:
-    """The table of a complete study, of which it reads what it is asked for; asked as a pyarrow Table is.
+    """The table of a complete study with the interface of a pyarrow Table, read from its file only as far as it is used.
 
     Of a million variants a column takes 8 MB, and all of them gigabytes. RecordError if the file is damaged or changed.
     """
@@ -82,12 +82,12 @@ class StoredTable:
         return pa.concat_tables([self.schema.empty_table(), *parts]).take(pa.array(places))
 
     def blocks(self) -> Iterator[pa.Table]:
-        """Yield the rows, some after the others: those of one row group of the file."""
+        """Yield the rows in several tables, one for each row group of the file."""
         for first, end, block in self._blocks(self._rows):
             yield block.take(pa.array(self._rows[(first <= self._rows) & (self._rows < end)] - first))
 
     def _blocks(self, rows: Integers) -> Iterator[tuple[int, int, pa.Table]]:
-        """Yield the row groups of the file in which some of its rows lie: first row, end and table."""
+        """Yield the row groups of the file that hold any of `rows`: number of the first row, of the row behind, and table."""
         sizes = [self._metadata.row_group(number).num_rows for number in range(self._metadata.num_row_groups)]
         ends = np.cumsum(sizes)
         for group in np.unique(np.searchsorted(ends, rows, side="right")).tolist():
@@ -113,7 +113,7 @@ def _check(folder: Path, name: str, column: pa.ChunkedArray | None) -> None:
 
 @contextmanager
 def _table_file(folder: Path) -> Iterator[Path]:
-    """Lend the path of the table, and say what can be done if it is damaged."""
+    """Lend the path of the table; an error from reading it becomes a RecordError that says what can be done."""
     try:
         yield folder / TABLE
     except (OSError, pa.ArrowException):

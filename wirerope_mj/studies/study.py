@@ -166,7 +166,7 @@ def disk_of(study: StudyDefinition, keep: str = PEAKS) -> float:
 
 
 def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:
-    """Yield the chunks of these numbers."""
+    """Yield the chunks of variants with these numbers."""
     size = chunk_size(study, keep)
     for number in numbers:
         rows = study.table().slice(number * size, size).to_pylist()
@@ -174,6 +174,7 @@ def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) ->
 
 
 def checked_engine(name: str, *, workers: int | None, address: str | None) -> Engine:
+    """Return the function that computes chunks by the engine `name`; ValueError if an argument does not suit it."""
     if workers is not None:
         integer("workers", workers, least=1)
     one_of("engine", name, _ENGINES)

@@ -1,4 +1,4 @@
-"""A model under the mouse: what edits make of tables and job, and what becomes of statics, modes and verdict."""
+"""The model on the drawing board: edits of its tables and job, and the statics, modes and verdict that follow."""
 
 import re
 from collections.abc import Generator, Iterator, Mapping, Sequence
@@ -34,11 +34,11 @@ Waited = Future[Any]  # what another process computes
 class Board:
     """Tables and a job that are edited in windows of a browser, all of which show the same.
 
-    What is asked for is answered by messages as the page takes them: what is cheap first, the verdict last.
+    Requests of a window are answered by messages for the page: first what is quickly computed, the verdict last.
     """
 
     def __init__(self, opened: Opened) -> None:
-        """Show what was opened; WireRopeError if it is wrong."""
+        """Load what was opened; WireRopeError if it is wrong."""
         self._documents = opened.documents
         self._verdicts = Verdicts(opened.tests)
         self._found = {"found": "", "loops": ""}  # parts, as HTML
@@ -61,9 +61,10 @@ class Board:
         return {**self._placed(), **said}
 
     def act(self, action: Entries) -> Generator[tuple[bool, Message | Waited], None, None]:
-        """Do what a window asks for, and yield messages with whether they are for every window.
+        """Carry out a window's request, and yield messages, each with whether it is for every window.
 
-        What cannot be done is refused in words, and nothing is changed then. In place of a message may be what is waited for.
+        A request that cannot be carried out changes nothing, and the message says why. In place of a message may be a future
+        of another process, for which the window waits.
         """
         try:
             yield from self._answers(str(action.get("do")), action)
@@ -75,6 +76,7 @@ class Board:
                 yield from self._verdict()
 
     def _answers(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message | Waited]]:
+        """Carry out the request called `asked`, and yield messages as `act` does; WireRopeError or ValueError if it fails."""
         if asked == "drag":
             # dragged back to where it was, the verdict of before is due again
             verdict = {"stale": True} if shift_of(action).any() else {"ask": {"do": "judge"}}
@@ -99,7 +101,7 @@ class Board:
             yield from self._verdict(exact=action.get("passing") is not True)
 
     def _done(self, asked: str, action: Entries) -> tuple[str, Message]:
-        """Change what the board shows, and return what is said of it, and what is selected then."""
+        """Move a slider, undo, redo or edit; return a phrase that says what was done, and which rows are selected then."""
         loaded = self._loaded
         if asked == "slide":
             values = with_slider(loaded.sliders, loaded.values, action.get("key"), action.get("value"))
@@ -118,7 +120,7 @@ class Board:
         return said + put_back, selected
 
     def changed_outside(self) -> Message | None:
-        """Take over files that others have written; None if there are none."""
+        """Load files that other programs have changed, and return the message about it; None if there are none."""
         texts, both = self._documents.changed_outside()
         said = f"{', '.join(both)} was changed outside, and here, too: Save writes what stands here over it." if both else ""
         if texts == self._documents.texts:
@@ -143,7 +145,7 @@ class Board:
             raise ModelError("a scenario or a run is shown as it is; sliders alone change it.")
 
     def _take(self, texts: Texts, said: str) -> None:
-        """Go on to texts that can be loaded, and in which no two mounts stand in each other that did not before."""
+        """Load new texts of the files and show them; ModelError if two mounts stand in each other that did not before."""
         loaded = load(self._documents, texts, self._loaded.tables)
         before = overlapping(self._loaded.system)
         if new := [pair for pair in overlapping(loaded.system) if pair not in before]:
@@ -152,7 +154,7 @@ class Board:
         self._loaded = loaded
 
     def _edited(self, asked: str, action: Entries) -> tuple[Texts, str, Message]:
-        """Return the texts after an edit, what is said of it, and what is selected then."""
+        """Edit tables or job; return the new texts, a phrase that says what was done, and which rows are selected then."""
         loaded = self._loaded
         if asked in TABLE_EDITS:
             if loaded.layout is None:
@@ -171,9 +173,9 @@ class Board:
         return {**loaded.texts, "job": job}, said, {}
 
     def _placed(self, *, sliders: bool = False) -> Message:
-        """Return the message that shows what stands where; the right column is of earlier positions until it is known.
+        """Return the message with the scene and the left column; the verdict is marked as one of earlier positions.
 
-        Where sliders alone were moved the forms stay as they are.
+        With `sliders` the left column is not replaced but for its sliders.
         """
         column = "sliders" if sliders else "left"
         html = {
@@ -185,11 +187,11 @@ class Board:
         return {"scene": self._scene(self._loaded, {}), "dirty": self._documents.unsaved, "stale": True, "html": html}
 
     def _scene(self, loaded: Loaded, over: Mapping[str, float], **moved: Any) -> Message:
-        """Draw what stands there, or is on its way, with the utilisations `over` in place of the verdict's."""
+        """Draw a model, or what is dragged (`moved`), with utilisations of mounts, `over`, in place of the verdict's."""
         return board_scene(loaded.system, loaded.layout, {**self._verdicts.used, **over}, loaded.sag, **moved)
 
     def _preview(self, action: Entries) -> Message:
-        """Return scene, statics and modes of what is on its way, with use of the rated static loads where it is too much."""
+        """Return scene, statics and modes of the model while rows are dragged, and mounts beyond their rated static load."""
         names, by, loaded = names_of(action), shift_of(action), self._loaded
         if all(name.startswith(("mount/", "stop/")) for name in names):
             moved = replace(loaded, job=replace(loaded.job, system=_shifted(loaded, names, by)))
@@ -208,7 +210,7 @@ class Board:
             yield True, {"html": html, **changes, **scene}
 
     def _tried(self, asked: str, action: Entries) -> Iterator[tuple[bool, Message | Waited]]:
-        """Have other processes try the parts whose names match a pattern, and list them as they become known, or stop that."""
+        """Have other processes simulate the parts whose names match a pattern, and list them as they are done; or stop that."""
         answers = self._trial.begin(self._loaded, str(action.get("value", ""))) if asked == "try-parts" else self._trial.stop()
         for answer in answers:
             yield True, {"html": {"tried": self._trial.html(self._loaded.texts)}}
@@ -245,7 +247,7 @@ class Board:
 
 
 def _shifted(loaded: Loaded, names: Sequence[str], by: Array) -> System:
-    """Return a variant in which mounts and stops stand elsewhere by a shift [m], (3,); ModelError if there is no such one.
+    """Return the system with mounts and stops shifted by `by` [m], (3,); ModelError if the model has no room for that.
 
     What has no row of its own goes with its mount: the stop where that goes solid, and those of a row for several mounts.
     """

@@ -1,4 +1,4 @@
-"""The files that a board edits, as texts: undone and redone without end, saved whole, kept from crashes, watched."""
+"""The files that a board edits, as texts: with undo and redo, a journal against crashes, and a watch on other programs."""
 
 import json
 import os
@@ -49,7 +49,7 @@ class Documents:
         return (copies or self.copies) / self.files[kind].relative_to(self._root)
 
     def write_copies(self, texts: Texts, copies: Path | None = None) -> None:
-        """Make the copies, those in another folder if one is given, those of some texts."""
+        """Write texts to the copies of the files, in the temporary folder or in `copies`."""
         ours = {path for file in self.files.values() for path in (file, *file.parents)}
         for folder in sorted(path for path in ours - {*self.files.values()} if path.is_relative_to(self._root)):
             copy = (copies or self.copies) / folder.relative_to(self._root)
@@ -61,14 +61,14 @@ class Documents:
             self._write(kind, self.copy(kind, copies), texts)
 
     def edit(self, texts: Texts, said: str) -> None:
-        """Go on to other texts; what was undone is forgotten."""
+        """Make `texts` the current ones, a step that can be undone; steps that were undone are forgotten."""
         if texts != self.texts:
             self._states[self._now + 1 :] = [(dict(texts), said)]
             self.step(1)
             self._edited |= {kind: text for kind, text in self._saved.items() if texts.get(kind) == text}
 
     def step(self, by: int) -> str:
-        """Go back to before the last edit, -1, or on to after the next, 1, and return what that was; "" if there is none."""
+        """Undo the last edit, -1, or redo the next, 1, and return the phrase that says what it did; "" if there is none."""
         if not 0 <= self._now + by < len(self._states):
             return ""
         said = self._states[max(self._now, self._now + by)][1]
@@ -81,7 +81,7 @@ class Documents:
         return said
 
     def save(self) -> list[str]:
-        """Write the files that differ, each whole, and return their names and which of them are no more."""
+        """Write the texts that differ from the files, each atomically; return the files' names, marked where one is removed."""
         names = [kind for kind in self.files if self.texts.get(kind) != self._saved.get(kind)]
         for kind in names:
             self._write(kind, self.files[kind], self.texts)
@@ -90,7 +90,7 @@ class Documents:
         return [f"{self.files[kind].name}{'' if kind in self.texts else ' (taken away)'}" for kind in names]
 
     def changed_outside(self) -> tuple[Texts, list[str]]:
-        """Return the texts with those that others have written, and the names of files that were changed here, too."""
+        """Return the texts with those that other programs changed, and the names of files that were changed here as well."""
         disk = self._on_disk()
         changed = [kind for kind in self.files if disk.get(kind) != self._saved.get(kind)]
         both = [kind for kind in changed if self.texts.get(kind) not in (self._edited.get(kind), disk.get(kind))]
@@ -100,7 +100,7 @@ class Documents:
         return texts, [self.files[kind].name for kind in both]
 
     def left_unsaved(self) -> Texts | None:
-        """Return the texts that a process that ended without saving has left; None if there are none."""
+        """Return the texts that a process left in the journal when it ended without saving; None if there are none."""
         try:
             texts = json.loads(self._journal.read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -112,6 +112,7 @@ class Documents:
         self._temporary.cleanup()
 
     def _write(self, kind: str, path: Path, texts: Texts) -> None:
+        """Write the text of a kind of file to a path, or remove the file if there is none."""
         content = texts.get(kind, "").encode(self._encodings.get(kind, "utf-8"))
         if kind not in texts:
             path.unlink(missing_ok=True)
@@ -120,6 +121,7 @@ class Documents:
                 beside.write_bytes(content)
 
     def _on_disk(self) -> Texts:
+        """Read the files that exist; RecordError if one is unreadable."""
         texts = {}
         for kind, file in self.files.items():
             try:

@@ -1,4 +1,4 @@
-"""What tables and job of a board say, as its forms show it."""
+"""The contents of a board's forms, from its tables and its job."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -20,7 +20,7 @@ _OTHERS = ("levels", "record")  # that move the base besides phrases
 
 
 def form_of(loaded: Loaded, found: Mapping[str, str]) -> Entries:
-    """Compose what the template of the left column takes; `found` is HTML of parts that were looked for."""
+    """Compose the values that the template of the left column shows; `found` is HTML of parts that were looked for."""
     job, values = parsed(loaded.texts.get("job", "")).unwrap(), loaded.values
     document = job.get("document", {})
     texts = [field.name for field in fields(Document) if isinstance(field.default, str)]

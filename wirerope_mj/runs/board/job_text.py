@@ -49,7 +49,7 @@ def motions_of(case: Mapping[str, Any]) -> str:
 
 
 def edited_job(text: str, asked: str, action: Entries) -> tuple[str, str]:
-    """Return the text of a job after one of the `JOB_EDITS`, and what is said of it; ModelError if it cannot be done."""
+    """Edit the text of a job by one of `JOB_EDITS`; return it and a phrase that says what was done; ModelError if it fails."""
     job = parsed(f"{text.rstrip()}\n\n" if asked == "add-case" else text)
     key, value = str(action.get("key", "")).strip(), str(action.get("value", "")).strip()
     if asked == "add-case":

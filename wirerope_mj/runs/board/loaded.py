@@ -24,7 +24,7 @@ _LONGEST = 30.0  # time of computing after which no finer step is tried [s]: wha
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A model and its job as some texts say them."""
+    """A model and its job, loaded from the texts of their files, with the values of the sliders."""
 
     texts: Texts
     job: Job
@@ -42,13 +42,13 @@ class Loaded:
 
     @property
     def moved(self) -> list[tuple[Slider, float]]:
-        """Sliders that do not stand where they leave everything as it is, with their values."""
+        """Sliders that are not at their nominal value, with their values."""
         values = self.values
         return [(each, values[each.key]) for each in self.sliders if values.get(each.key, each.nominal) != each.nominal]
 
     @cached_property
     def system(self) -> System:
-        """The model with the sliders where they stand."""
+        """The model as the sliders change it."""
         return variant(self.job.system, self.job.cases[0].scenario.motion, self.values)[0]
 
     @cached_property
@@ -61,7 +61,7 @@ class Loaded:
 
 
 def load(documents: Documents, texts: Texts, known: Mapping[str, TableText]) -> Loaded:
-    """Read texts of documents as commands read files, but for tables that are `known`; WireRopeError names the files."""
+    """Load job and tables from texts, but for tables that are in `known` with the same text; WireRopeError names the files."""
     documents.write_copies(texts)
     tables = {kind: table for kind, table in known.items() if table.text == texts.get(kind)}
     try:
@@ -77,7 +77,7 @@ def load(documents: Documents, texts: Texts, known: Mapping[str, TableText]) -> 
 
 
 def judged_case(case: LoadCase, loaded: Loaded, timestep: float | None = None) -> JudgedRun:
-    """Simulate and judge a load case in memory as `wirerope cases` does, or with a step of one's own."""
+    """Simulate and judge a load case in memory as `wirerope cases` does, or with `timestep` [s], without an error estimate."""
     arguments = checked_arguments(case.scenario)
     if timestep is not None:
         arguments = {name: value for name, value in arguments.items() if name != "accuracy"}

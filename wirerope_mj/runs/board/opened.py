@@ -54,7 +54,7 @@ def opened(what: Path) -> Opened:
 
 
 def _documents(job: Path, folder: Path, model: str) -> Documents:
-    """Read a job and the tables of its model, if it is a folder of such."""
+    """Read a job, or a blank one, and the tables of its model if `folder` is one of tables."""
     tables = {kind: folder / f"{kind}.csv" for kind in TABLES} if is_folder_of_tables(folder) else {}
     others = [file.name for file in folder.iterdir() if file.stem in TABLES and file.suffix.lower() != ".csv"] if tables else []
     if others:

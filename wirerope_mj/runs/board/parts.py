@@ -54,7 +54,7 @@ def _loops(name: str) -> dict[str, str]:
 
 
 def _row(part: VendorPart, used: float | None = None) -> Entries:
-    """Compose what the template of parts takes of one, with the use of its most critical limit if it was simulated."""
+    """Compose the values of a part that the list of parts shows, with its largest utilisation if it was simulated."""
     along, used = part.modes["compression"], None if used is None or math.isnan(used) else used
     return {
         "name": part.name, "height": part.height, "load": along.static_load, "travel": along.travel, "used": used,
@@ -63,7 +63,7 @@ def _row(part: VendorPart, used: float | None = None) -> Entries:
 
 
 SEARCHES: dict[str, Callable[[str], dict[str, str]]] = {"find": _found, "loops": _loops}
-"""What gives HTML by the element that shows it, by what asks for it."""
+"""Functions that return HTML by the id of the element that shows it, by the request that calls each."""
 
 
 class Trial:
@@ -91,7 +91,7 @@ class Trial:
         return ()
 
     def html(self, texts: Texts) -> str:
-        """List the parts tried so far, with how many of how many, and whether they were tried with other than some texts."""
+        """List the parts simulated so far as HTML, with their number, and a note if `texts` differ from those simulated."""
         done = [each.result() for each in self._answers if each.done() and not each.cancelled() and not each.exception()]
         said, rows = list(dict.fromkeys(answer for answer in done if isinstance(answer, str))), list[Entries]()
         selections = [answer for answer in done if not isinstance(answer, str)]
@@ -113,7 +113,7 @@ class Trial:
 
 
 def _tried(system: System, cases: Mapping[str, BaseMotion], parts: Mapping[str, Isolator | str]) -> "CatalogueSelection | str":
-    """Simulate some parts; in place of their selection may be why that cannot be."""
+    """Simulate parts in all places under the load cases and rank them; return the reason instead if that fails."""
     from wirerope_mj.studies.catalogue import select_parts
 
     try:

@@ -33,7 +33,7 @@ _MOMENTS = {"ixx": (0, 0), "iyy": (1, 1), "izz": (2, 2), "ixy": (0, 1), "ixz": (
 
 
 class Placing:
-    """Tables under edits; what a row places is called by its kind and name, "mount/m1"."""
+    """Tables that are edited, with the positions of what their rows place, each called by kind and name: "mount/m1"."""
 
     def __init__(self, tables: Mapping[str, TableText], layout: Layout) -> None:
         self.tables = dict(tables)
@@ -64,6 +64,7 @@ class Placing:
         return f"{PLACED[asked]} {', '.join(called) if len(called) < 4 else f'{len(called)} things'}{where}", copies
 
     def _arrange(self, asked: str, names: Sequence[str], action: Entries) -> None:
+        """Move, turn, mirror, align or distribute what is called `names`, and write it to the tables."""
         if unknown := [name for name in names if name not in self._positions]:
             raise ModelError(f"there is no {unknown[0][:40]!r} here.")
         positions = np.array([self._positions[name] for name in names])
@@ -116,7 +117,7 @@ class Placing:
         return wall
 
     def _row(self, name: str) -> tuple[str, str, TableText]:
-        """Find kind, row and table of a thing."""
+        """Find kind, row and table of what is called `name`; ModelError if no row of its own places it."""
         kind, _, row = name.partition("/")
         table = self.tables.get(TABLE_OF.get(kind, ""))
         if table is None or row not in table.rows:
@@ -126,11 +127,12 @@ class Placing:
         return kind, row, table
 
     def write(self, name: str, cells: Mapping[str, str | float]) -> None:
+        """Write cells, by column, of the row that is called `name`; numbers are in SI units."""
         _, row, table = self._row(name)
         self.tables[table.kind] = table.with_cells(row, cells)
 
     def _put(self, name: str, position: Array) -> None:
-        """Write a position into the cells of its row, those of the coordinates that change."""
+        """Write a new position [m], (3,), to the row that is called `name`, of which only the coordinates that change."""
         kind, row, table = self._row(name)
         cells = dict[str, float]()
         for number in np.flatnonzero(np.abs(position - self._positions[name]) > 1e-9):
@@ -174,7 +176,7 @@ class Placing:
             self.write(name, {column: float(turned[place]) for column, place in _MOMENTS.items() if changed[place]})
 
     def copy(self, name: str, aside: float) -> str:
-        """Copy a row below its table's last, move what it places along x, and return the name of that."""
+        """Copy a row to the end of its table, shift the copy by `aside` [m] along x, and return its name."""
         kind, row, table = self._row(name)
         free = table.free_name(row)
         self.tables[table.kind] = table.with_row(free, like=row)
@@ -185,6 +187,7 @@ class Placing:
         return copy
 
     def _remove(self, name: str) -> None:
+        """Remove a row, with its table if it is the last; ModelError if it is the last mount or mass."""
         kind, row, table = self._row(name)
         if (rest := table.without_row(row)).rows:
             self.tables[table.kind] = rest
@@ -194,6 +197,7 @@ class Placing:
             del self.tables[table.kind]
 
     def _height(self, name: str) -> float:
+        """Return the height of the isolator of a mount [m]; 0 if none is stated."""
         isolator = self._placed[name].isolator if name in self._placed else ""
         geometry = load_isolator(self._layout.isolators[isolator]).geometry if isolator in self._layout.isolators else None
         return (geometry.height if geometry is not None else None) or 0.0
@@ -202,7 +206,7 @@ class Placing:
 def edited_tables(
     tables: Mapping[str, TableText], layout: Layout, asked: str, action: Entries
 ) -> tuple[dict[str, str], str, list[str]]:  # fmt: skip
-    """Return the texts of tables after one of the `TABLE_EDITS`, what is said of it, and the names of copies."""
+    """Edit tables by one of `TABLE_EDITS`; return their texts, a phrase that says what was done, and the names of copies."""
     placing, copies, blank = Placing(tables, layout), list[str](), dict[str, str]()
     kind, value = str(action.get("table")), str(action.get("value", "")).strip()
     if asked == "cell":

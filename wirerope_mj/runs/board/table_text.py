@@ -100,6 +100,7 @@ class TableText:
         return replace(self, lines=self.lines[:number] + self.lines[number + 1 :])
 
     def _quantity(self, column: str) -> str:
+        """Return the quantity in a column, a key of `UNITS`, `PURE` or `TEXT`; RecordError if the table cannot have it."""
         needed, further = {**COLUMNS, **FURTHER}[self.kind]
         known = {**needed, **further}
         if column not in known:

@@ -63,7 +63,7 @@ class Verdicts:
             yield html, {"stale": False}
 
     def _judgements(self, loaded: Loaded, *, exact: bool) -> Iterator[Told]:
-        """Judge the load cases, at first with the steps of the last positions, and yield what is known of them."""
+        """Judge the load cases, at first with the time steps of the last positions, and yield what is known of them."""
         keys = {case.name: _key(case, loaded) for case in loaded.job.cases}
         if any(key not in self._judged for key in keys.values()) and keys.keys() <= self._steps.keys():
             ratio = frequency_ratio(loaded.values)
@@ -98,7 +98,7 @@ class Verdicts:
         yield {"compared": column_html(_compared(shown, self._tests))}, {}
 
     def _told(self, loaded: Loaded, runs: Sequence[JudgedRun], *, quick: bool = False) -> Told:
-        """Return the verdict of the first load cases."""
+        """Return the verdict on the first load cases, as many as there are `runs`, and whether others are yet to come."""
         job = loaded.job
         cases = [
             JudgedCase(name=case.name, folder=case.folder, note=case.note, run=run)
@@ -136,7 +136,7 @@ class Verdicts:
 
 
 def _compared(runs: Mapping[str, JudgedRun], tests: Sequence[Measured]) -> Iterator[Block]:
-    """Yield tables and curves of a run, the last one, beside the run before it and tests."""
+    """Yield tables and curves that compare the last of `runs` with the run before it, if any, and with measured tests."""
     name, now = list(runs.items())[-1]
     correlations = [correlate(now.response, test) for test in tests]
     channels = [channel for test in correlations for channel in test.responses][:_CHANNELS]
@@ -165,7 +165,7 @@ def _compared(runs: Mapping[str, JudgedRun], tests: Sequence[Measured]) -> Itera
 
 
 def _key(case: LoadCase, loaded: Loaded) -> str:
-    """Write all that the result of a case depends on."""
+    """Write all that the result of a case depends on as a key."""
     scenario, texts = case.scenario, loaded.texts
     parts = {
         "tables": {kind: text for kind, text in texts.items() if kind != "job"}, "model": str(scenario.model),
@@ -183,6 +183,7 @@ def at_rest_html(shown: Loaded) -> str:
 
 
 def _at_rest(sag: Sag | Absent, known: NaturalFrequencies | Absent) -> Iterator[Block]:
+    """Yield the tables of the mounts' loads at rest and of the natural frequencies, or why there is no equilibrium."""
     if isinstance(sag, Absent):
         yield Statement("statics", f"At rest: {sag.reason}", tone="exceeded")
     else:

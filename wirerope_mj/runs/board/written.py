@@ -20,7 +20,7 @@ FILES = {
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be written, where, and of what: a file of a job, or a scenario."""
+    """What is to be written (a key of `FILES`), into which folder, and of what: a job's file, or a scenario."""
 
     asked: str
     of: Path | Scenario
@@ -35,7 +35,7 @@ class Order:
 
 
 def lost(_: object, why: str) -> str:
-    """Answer in place of a process."""
+    """Return the message in place of the answer of a process that died each time it was tried."""
     return f"Its process {why} each time."
 
 

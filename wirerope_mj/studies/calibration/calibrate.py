@@ -62,12 +62,12 @@ class Calibrated(Summarised):
     def normals(self) -> Array:
         """Draws of the unknowns in standard normals of the prior, (n, d), widened by the model's own error.
 
-        That error does not average out over a test as noise does. So the likelihood counts the less, as a power of itself
-        (Miller and Dunson 2019), that unknowns move the response by the model's error in each direction, as one observation of
-        it would tell them, on average over the directions; by how much they are told in proportion to each other, such as
-        stiffness to mass, stays. Of a channel's unknowns each could besides be the whole of the error, which is embedded in
-        them (Sargsyan, Najm and Ghanem 2015): what a law does not follow and what a gain or a delay takes up instead cannot be
-        told from each other, and a model that is off by a part x of the response looks x / (2 pi f) late.
+        That error does not average out over a test as noise does. So the likelihood is raised to a power, at most 1 (Miller
+        and Dunson 2019), with which the tests determine the unknowns, on average over their directions, as one observation with
+        the model's error would; how well in proportion to each other, such as stiffness to mass, stays. Each of a channel's
+        unknowns could besides be the cause of the whole error, which is embedded in it (Sargsyan, Najm and Ghanem 2015): what
+        a law does not follow and what a gain or a delay takes up instead cannot be told from each other, and a model whose
+        error is a fraction x of a response of frequency f looks x / (2 pi f) late.
         """
         size, error = len(self.names), 0.0
         identity, sensitivity = np.eye(size), np.zeros((size, size))
@@ -161,9 +161,9 @@ class Calibrated(Summarised):
     def peak_error(self) -> tuple[float, int]:
         """Relative rms error of the model's peaks, without the noise, and the number of errors that it is computed from.
 
-        A history has an extreme or two, one of them perhaps saturated. What it does to oscillators of all octaves about its
-        own frequency says more: errors are ratios of shock response spectra. Of loops they are those of the extremes, of
-        logarithms the difference at the largest value.
+        A history has an extreme or two, one of them perhaps saturated. So its errors are ratios of shock response spectra at
+        octaves about its own frequency; those of a loop are the errors of its two extremes, that of a spectrum in logarithms is
+        the difference of the largest values.
         """
         squares: list[float] = []
         for series, model, noise in zip(self.problem.series, self.problem.split(self.fit.model), self.fit.noises, strict=True):
@@ -213,7 +213,7 @@ class Calibration(Calibrated):
 
     @cached_property
     def opened(self) -> "Calibration":
-        """Calibration to the same tests with the laws' hardening and asymmetry free (`open_laws`); itself if no law opens."""
+        """Calibration to the same tests with hardening and asymmetry as further unknowns (`open_laws`); self if none apply."""
         forward = self.forward
         laws = open_laws(forward.system, forward.vary, self.tested_travel)
         if not laws.added:

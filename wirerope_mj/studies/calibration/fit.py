@@ -42,11 +42,11 @@ class Prior:
         return len(self.names)
 
     def values(self, normals: Array) -> Array:
-        """Return the values (n, d) at independent standard normals (n, d)."""
+        """Map independent standard normals u (n, d) to values of the unknowns (n, d)."""
         return self.quantiles(np.clip(scipy.special.ndtr(normals), SMALLEST, LARGEST))
 
 
-# Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); NaN in rows without any
+# Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); NaN in rows that fail
 Forward = Callable[[Array], Array]
 DESIGN, STARTS = 64, 2  # Points of the coarse design, and how many of the best begin a search
 STEP = 0.02  # Step of the differences that make the Jacobian, in standard deviations of the prior
@@ -61,7 +61,7 @@ REFUSED = 1e3  # Whitened residual where the model cannot be computed
 class Fit:
     """Most likely point of the unknowns, with the covariance, noise and derivatives there."""
 
-    normals: Array  # u at the point, (d,)
+    normals: Array  # standard normals u of the prior at the point, (d,)
     covariance: Array  # of u about it, prior included, (d, d)
     noises: tuple[Noise, ...]  # of each series
     model: Array  # the model's series there, (n_samples,)
@@ -72,11 +72,11 @@ class Fit:
 
 
 class Problem:
-    """A forward model, a prior and measured series, with a memory of runs.
+    """A forward model, a prior and measured series, with a count of the model's runs.
 
     Attributes:
         runs: of the model so far.
-        progress: takes how many times as long as a single run all have taken, after each batch of them.
+        progress: called after each batch of runs with the time that all took so far, in multiples of a single run's.
     """
 
     def __init__(self, forward: Forward, series: Sequence[Series], prior: Prior) -> None:
@@ -88,10 +88,11 @@ class Problem:
         self.measured = np.concatenate([item.values for item in series])
 
     def split(self, values: Array) -> list[Array]:
+        """Split values of all series, one behind the other along the last axis, into those of each series."""
         return np.split(values, self.ends[:-1], axis=-1)
 
     def model(self, normals: Array) -> Array:
-        """Return the model's series, (n, n_samples), at u (n, d)."""
+        """Return the model's series, (n, n_samples), at standard normals u of the prior, (n, d)."""
         values = self._forward(self.prior.values(normals))
         self.runs += len(normals)
         self._times += math.ceil(len(normals) / SIDE)
@@ -99,7 +100,7 @@ class Problem:
         return values
 
     def jacobian(self, normals: Array) -> Array:
-        """Return the derivative of the model's series by u, (n_samples, d), by central differences in one batch."""
+        """Return the derivative of the model's series by u at `normals` (d,), (n_samples, d), by central differences."""
         steps = STEP * np.eye(normals.size)
         values = self.model(np.concatenate([normals + steps, normals - steps]))
         ahead, behind = np.split(values, 2)
@@ -111,6 +112,7 @@ class Problem:
         return np.asarray(slopes)
 
     def roots(self, noises: Sequence[Noise]) -> list[Array]:
+        """Return the lower Cholesky factor of the noise's covariance of each series."""
         return [noise.root(item) for noise, item in zip(noises, self.series, strict=True)]
 
     def whitened(self, values: Array, roots: Sequence[Array]) -> Array:
@@ -127,8 +129,8 @@ class Problem:
 def fit(problem: Problem, *, seed: int = 1, begin: tuple[Array, Sequence[Noise]] | None = None) -> Fit:
     """Fit the unknowns, and estimate the noise of every series along with them.
 
-    Searches begin at the best points of a coarse design that a seed draws; short ones at a point to `begin` at, u (d,), with
-    the noise of every series.
+    Searches begin at the best points of a coarse design drawn with `seed`; or, shorter, at `begin`: standard normals u (d,) of
+    the prior and the noise of every series.
 
     Raises:
         ConvergenceError: the model cannot be computed anywhere in the prior, or not beside the best point.
@@ -204,7 +206,7 @@ WALKERS, STEPS, BURNED, THIN = 48, 1200, 300, 20  # of the sampler: walkers, ste
 class Posterior:
     """Draws of the unknowns after the tests."""
 
-    normals: Array  # draws of u, (n, d)
+    normals: Array  # draws in standard normals u of the prior, (n, d)
     values: Array  # the same as values, (n, d)
     # root mean square of the emulator's error in log likelihood at draws that it was not made from
     emulator_error: float
@@ -214,9 +216,9 @@ class Posterior:
 
 
 class Coordinates:
-    """Coordinates in which a model is closest to linear: logarithms of positive values, over the fit's covariance.
+    """Coordinates in which a model is closest to linear: logarithms of positive values, scaled by the fit's covariance.
 
-    A response depends on stiffness over mass; in logarithms that is straight, however long the ridge.
+    A response depends on stiffness over mass: the ridge of equally good values is straight in logarithms, however long.
     """
 
     def __init__(self, prior: Prior, found: Fit) -> None:
@@ -230,15 +232,15 @@ class Coordinates:
         self._inverse = np.linalg.pinv(slopes @ self.root)
 
     def normals(self, s: Array) -> Array:
-        """Return standard normals u, (n, d), at standard deviations s of the fit, (n, d)."""
+        """Return standard normals u (n, d) of the prior that lie s (n, d) standard deviations of the fit from its point."""
         return self._middle + s @ self.root.T
 
     def from_normals(self, normals: Array) -> Array:
-        """Return the coordinates of standard normals u, (n, d); they equal s where the priors are linear."""
+        """Return the coordinates of standard normals u, (n, d); they equal the s of `normals` where the priors are linear."""
         return np.asarray((self._logarithms(normals) - self._origin) @ self._inverse.T)
 
     def _logarithms(self, normals: Array) -> Array:
-        """Return the values at u (n, d), in logarithms where a prior is positive."""
+        """Return the values of the unknowns at u (n, d), as logarithms for unknowns whose prior is positive."""
         values = self._prior.values(normals)
         return np.where(self._positive, np.log(np.where(self._positive, values, 1.0)), values)
 
@@ -286,13 +288,13 @@ def _terms(s: Array) -> Array:
 
 
 def _log_likelihood(coordinates: Coordinates, gram: Array, normals: Array) -> Array:
-    """Return the emulator's log likelihood at u, (n,)."""
+    """Return the emulator's log likelihood, (n,), at standard normals u of the prior, (n, d)."""
     terms = _terms(coordinates.from_normals(normals))
     return np.asarray(-0.5 * np.einsum("ni,ij,nj->n", terms, gram, terms))
 
 
 def _sampled(coordinates: Coordinates, gram: Array, draws: int, seed: int) -> tuple[Array, float]:
-    """Return draws of u by the sampler, (draws, d), and its acceptance."""
+    """Draw standard normals u of the prior, (draws, d), by emcee on the emulator; return them and the accepted fraction."""
     size = coordinates.root.shape[0]
 
     def log_posterior(s: Array) -> Array:

@@ -32,7 +32,7 @@ _NAME = re.compile(r"channel/(.*)/(gain|delay|offset)")
 
 
 class SystemForward:
-    """Series of all tests of a system as a function of the unknowns: first those of the system, then of the channels."""
+    """Series of all tests of a system as a function of the unknowns: first the system's, then the channels'."""
 
     def __init__(
         self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"
@@ -69,7 +69,7 @@ class SystemForward:
         self._maker = Maker(system, (), self.columns)
 
     def __call__(self, values: Array) -> Array:
-        """Return the series of values (n, d), one behind the other, (n, n_samples)."""
+        """Return all series, one behind the other (n, n_samples), at values of the unknowns (n, d); NaN where a run fails."""
         cut = len(self.columns)
         rows, which = np.unique(values[:, :cut], axis=0, return_inverse=True)  # a channel's fault needs no run
         named = [self._row(row) for row in rows]
@@ -88,7 +88,7 @@ class SystemForward:
         return np.concatenate(parts, axis=1)
 
     def delayed(self, values: Array, number: int, delays: Array) -> Array:
-        """Return the series of one channel at values (d,), with `delays` (n,) [s] added to its own, (n, n_samples)."""
+        """Return the series of channel `number` at values (d,), with each of `delays` (n,) [s] added, (n, n_samples)."""
         chain, first = chains(self._nuisances, values[np.newaxis, len(self.columns) :], len(self.series)), 0
         for runs in self._runs:
             if number < first + len(runs.series):

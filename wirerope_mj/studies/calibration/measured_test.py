@@ -125,7 +125,7 @@ class Comparable:
         return f"{groups[kind]}/{name}/{part}/{axes[_XYZ.index(self.channel.axis)]}"
 
     def of_column(self, values: Array, base: Array) -> Array:
-        """Convert its column of a response (n_t,) to the channel's quantity; `base`: displacement of the base [m], (n_t, 3)."""
+        """Convert `column` of a response (n_t,) to the channel's quantity; `base` is the base's displacement [m], (n_t, 3)."""
         moved = values - values[0] if self.channel.counts_from_start or self.channel.quantity == "displacement" else values
         if self.channel.quantity != "displacement" or self.channel.absolute:
             return moved
@@ -135,7 +135,7 @@ class Comparable:
 def work_of(
     system: System, columns: tuple[InputColumn, ...], motion: BaseMotion, *, duration: float, sample_rate: float, initial: str
 ) -> Work:  # fmt: skip
-    """Return the work shared by all runs under one motion, with a time step for `ACCURACY`."""
+    """Return the inputs that all runs under one motion share, with a time step chosen for `ACCURACY`."""
     start = initial_state(system, motion, initial)
     chosen = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=ACCURACY)
     return Work(
@@ -162,7 +162,7 @@ class TransientRuns:
         self.works = (self._work,)
 
     def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
-        """Return the histories of every channel with the values of each row, (n_t,) each; None where one failed."""
+        """Return the histories of every channel, (n_t,) each, for the inputs of each row; None for a row whose run failed."""
         self._time, done = histories(self._work, rows, [channel.column for channel in self.channels])
         base = self.test.motion.displacement(self._time)
         return [
@@ -173,7 +173,7 @@ class TransientRuns:
         ]
 
     def recorded(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
-        """Return the series that measuring chains with gain [-], delay [s] and offset [SI] record of a history."""
+        """Return the series that channel `number` with gain [-], delay [s] and offset [SI] records of history `raw` (n_t,)."""
         samples = gain * self.channels[number].of_response(self._time, raw, delay) + offset
         return self._spectra[number].of_samples(samples) if self._spectra else samples
 

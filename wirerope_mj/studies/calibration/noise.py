@@ -1,7 +1,7 @@
 """Measured series, in time or as spectra, with their noise and the model's own error, estimated from a fit's residual.
 
 A residual is noise, white before its samples were smoothed, and, where the model does not follow, a smooth error of its own: a
-Gaussian process that grows with the response there, oscillates with it, and forgets itself over a correlation length (Kennedy
+Gaussian process that grows with the response there, oscillates with it, and is correlated over some length (Kennedy
 and O'Hagan 2001; Brynjarsdottir and O'Hagan 2014). So a wrong model gets wide bands, and a right one narrow ones.
 """
 
@@ -75,7 +75,7 @@ class Noise:
     white: float  # standard deviation of the samples' noise [unit of the series]
     # standard deviation of the model's own error where the response is largest, over its size there [-]
     discrepancy: float
-    length: float  # over which that error forgets itself [unit of `at`]
+    length: float  # correlation length of that error [unit of `at`]
     power: float = 1.0  # of the local size with which it grows: 1 in proportion, 0 the same everywhere
 
     def deviation(self, series: Series) -> Array:
@@ -98,10 +98,10 @@ def first_noise(series: Series) -> Noise:
 
 @dataclass(frozen=True, kw_only=True)
 class Information:
-    """Information of series on the unknowns u: precision J^T K^-1 J (d, d), and projection of the residual J^T K^-1 r (d,)."""
+    """Information on the unknowns u in series with Jacobian J by u, covariance K and residual r."""
 
-    precision: Array
-    projection: Array
+    precision: Array  # J^T K^-1 J, (d, d)
+    projection: Array  # of the residual: J^T K^-1 r, (d,)
 
 
 def information(series: Series, noise: Noise, jacobian: Array, linear: Array) -> tuple[Information, float, float]:
@@ -141,7 +141,7 @@ def estimate_noise(
 
 
 def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, from_others: Information) -> Noise:
-    """Return the most likely noise of one series, given the information of the others."""
+    """Find the most likely noise of one series, given the information on the unknowns in all other series."""
     low, high = series.lengths
     ends = np.log([(LEAST_SIZE * series.rms, 10.0 * series.rms), (LEAST_SIZE, LARGEST_SIZE), (low, high)])
     bounds = np.vstack([ends, POWERS])
@@ -211,7 +211,7 @@ class Spectral:
 
 
 def _spectrum(domain: Domain, at: Array, values: Array, frequencies: Array) -> Array:
-    """Return the logarithm of a spectrum at frequencies [Hz], (n_f,)."""
+    """Return the logarithm of samples' SRS, or of their smoothed Fourier amplitudes, at frequencies [Hz], (n_f,)."""
     step = float(np.diff(at).min())
     time = at[0] + step * np.arange(round(float(np.ptp(at)) / step) + 1)
     even = np.interp(time, at, values)

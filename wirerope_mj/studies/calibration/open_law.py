@@ -1,4 +1,4 @@
-"""Laws opened by terms that tests leave free: hardening and asymmetry, as unknowns beside the calibrated law."""
+"""Further terms of laws that tests may leave open, hardening and asymmetry, as unknowns beside the calibrated law."""
 
 import math
 import re
@@ -32,9 +32,9 @@ class OpenLaws:
 def open_laws(system: System, vary: Mapping[str, Distribution], travel: Mapping[tuple[str, str], float]) -> OpenLaws:
     """Add terms of unknown size, hardening and asymmetry, to the laws along the axes that tests moved.
 
-    F becomes F + K x (e^(q x) - 1) + k2 x |x| + k3 x^3: K is the law's secant stiffness at the tested travel d, and q d,
-    k2 d / K and k3 d^2 / K are normal before the tests, of a standard deviation of `HARDENING`, and 0. Mounts with one isolator
-    share them. Of axes that are coupled the laws' own k2 and k3 are free so, where they have such.
+    F becomes F + K x (e^(q x) - 1) + k2 x |x| + k3 x^3, where K is the law's secant stiffness at the tested travel d; before
+    the tests q d (axial only), k2 d / K and k3 d^2 / K are normal with mean 0 and standard deviation `HARDENING`. Mounts with
+    one isolator share them. On coupled axes the laws' own k2 and k3, where they have such, are unknowns instead.
 
     Args:
         system: as it was calibrated.
@@ -106,7 +106,7 @@ def _loaded(law: Law, reached: float) -> tuple[Array, Array]:
 
 
 def _with_terms(isolator: Isolator, added: Mapping[str, tuple[Law, Law]]) -> Isolator:
-    """Return an isolator with terms beside the laws of some axes; its spread names their parameters anew."""
+    """Return an isolator with terms in parallel to the laws of some axes, and with its spread's parameters renamed to match."""
     spread = isolator.spread
     if spread is not None:
         names = spread.parameters
@@ -121,7 +121,7 @@ def _with_terms(isolator: Isolator, added: Mapping[str, tuple[Law, Law]]) -> Iso
 
 
 def _renamed(name: str, alone: set[str]) -> str:
-    """Rename a quantity of laws that stood alone and have become the first of several."""
+    """Rename a quantity of laws that stood alone on the axes `alone` and have become laws[0] of a Parallel."""
 
     def first(match: re.Match[str]) -> str:
         pattern, axis, parameter = match.groups()

@@ -25,7 +25,7 @@ from wirerope_mj.studies.vary.variants import Work
 
 FARTHER = 1.05  # Predicted over tested deflection from which on the law there counts as untested: 5 % is a peak's error
 DRAWS = 64  # Draws of the posterior that are run: a band's ends are then known to a sixth of its half width
-FEWEST = 0.5  # Part of the draws whose laws rise with deflection from which on draws are of opened laws
+FEWEST = 0.5  # Fraction of the draws of opened laws whose forces must rise with deflection for these draws to be used
 ERRORS = 16  # Errors of the model with which each draw is multiplied: they cost nothing
 SAMPLE_RATE = 1000.0  # Samples at which steps end [Hz]
 # Levels at which draws are run where stops close, as multiples of the model's own error about the motion's own level
@@ -113,11 +113,11 @@ def predict(
     they are.
 
     Each is multiplied by 1 + e, where e is the model's own error of a peak: Student's t with as many degrees of freedom as
-    errors of peaks in the tests are known, and of their size; of what no test measured that of the laws as they are, since what
-    the opened ones follow besides may be something else, such as a mode. Where the mounts deflect farther than in the tests, it
-    grows in proportion. Where stops close, or would for an error of twice that size, peaks are not in proportion to each
-    other: e changes the level of the motion instead, and all peaks but forces are what follows from it. The model's own error
-    stands in these draws once: the values are as the tests alone tell them.
+    errors of peaks are known from the tests, and of their rms; for what no test measured, of that of the laws as they are if
+    it is larger, since what only opened laws follow may be something else, such as a mode. Where the mounts deflect farther
+    than in the tests, it grows in proportion. Where stops close, or would for an error of twice that size, peaks are not in
+    proportion to each other: e changes the level of the motion instead, and all peaks but forces are what follows from it. The
+    draws of the unknowns are not widened by the model's own error, so that it counts once.
 
     Raises:
         ConvergenceError: no draw could be simulated.

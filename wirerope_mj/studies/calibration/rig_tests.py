@@ -78,7 +78,7 @@ class FrequencyRuns:
         ]  # fmt: skip
 
     def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
-        """Return the transmissibilities with the values of each row, (n,); None where one failed."""
+        """Return the transmissibilities, (n,), for the inputs of each row; None for a row of which a run failed."""
         found = np.full((len(rows), len(self.works)), np.nan)
         column = f"bodies/{self.test.payload}/acceleration/{self.test.direction}"
         for k, (work, frequency) in enumerate(zip(self.works, self.test.frequency, strict=True)):

@@ -1,4 +1,4 @@
-"""The computation of every engine: the rows of some variants, from what all variants share and their own inputs."""
+"""Computation of some variants of a study, the same in a process of this machine and on a cluster."""
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -76,6 +76,7 @@ def compute(work: Work, chunk: Chunk) -> Part:
 
 
 def _side_by_side(go: Callable[[], Together]) -> Together:
+    """Return the result of `go`, or `NONE` if it raises, so that every variant is computed alone."""
     try:
         return go()
     except Exception:  # whatever one variant does must not cost the others their results: each says alone what it is

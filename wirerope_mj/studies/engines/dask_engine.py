@@ -92,7 +92,7 @@ def check_cluster(workers: int | None, address: str | None) -> None:
 
 @contextmanager
 def _noticing_loss(client: "Client") -> Iterator[None]:
-    """Raise OSError for whatever a client raises that has no scheduler any more: in its calls it is any error."""
+    """Raise OSError in place of any error in the block if the client has lost its scheduler."""
     try:
         yield
     except Exception as error:
@@ -102,7 +102,7 @@ def _noticing_loss(client: "Client") -> Iterator[None]:
 
 
 def _comes_back(address: str) -> bool:
-    """Wait for a scheduler that went for `AWAY`; tells whether one answers there again."""
+    """Wait for up to `AWAY` [s] until a scheduler answers at an address again; return whether one does."""
     began = time.monotonic()
     while time.monotonic() - began < AWAY:
         try:
@@ -115,7 +115,7 @@ def _comes_back(address: str) -> bool:
 
 
 class _Cluster:
-    """Computes chunks on the workers of a client."""
+    """Dask cluster, seen by its client, on whose workers chunks are computed."""
 
     def __init__(self, client: "Client", work: Work, *, where: str) -> None:
         self._client, self._work, self._where, self._versions = client, work, where, versions()
@@ -123,7 +123,7 @@ class _Cluster:
     def parts(self, chunks: Iterator[Chunk], running: dict[int, Chunk], suspect: Callable[[Chunk], None]) -> Iterator[Part]:
         """Yield the parts of chunks as they are ready; chunks computed where a worker died are reported as suspects.
 
-        In `running` stand by their numbers those that have no part yet, also when the scheduler goes.
+        `running` holds by number the chunks that were handed over and have no part yet, also once the scheduler is lost.
         """
         from distributed import as_completed
 
@@ -157,7 +157,7 @@ class _Cluster:
         return failed_part(self._work, chunk, _DEATH) if part is None else part
 
     def _shared(self) -> "Future":
-        """Task instead of scattered data: what only a dead worker held is then computed again."""
+        """Submit the shared inputs as a task, not as scattered data: Dask makes them again if the worker that has them dies."""
         return self._client.submit(_handed_over, self._work, pure=False)
 
     def _submit(self, shared: "Future", chunk: Chunk) -> "Future":
@@ -218,7 +218,7 @@ def _workers(scheduler_at: str, number: int) -> Iterator["subprocess.Popen[bytes
 
 
 def _has_worker(client: "Client", patience: float, processes: "subprocess.Popen[bytes] | None" = None) -> bool:
-    """Wait for the first worker of a cluster for some time [s] while its processes live; tells whether there is one."""
+    """Wait for the first worker of a cluster for some time [s] while its processes live; return whether there is one."""
     began = time.monotonic()
     while not client.nthreads():
         if time.monotonic() - began > patience or (processes is not None and processes.poll() is not None):

@@ -1,4 +1,4 @@
-"""Processes side by side on one machine, each on one thread; with a lock-step batch in each, the engine of studies."""
+"""The local engine of studies: processes side by side on one machine, each on one thread with a batch of variants."""
 
 import pickle
 import queue
@@ -62,10 +62,11 @@ def in_processes(
     function: Callable[[Question], Answer], questions: Iterable[Question], *, lost: Callable[[Question, str], Answer],
     workers: int | None = None, stop: threading.Event | None = None,
 ) -> Generator[Answer, None, None]:  # fmt: skip
-    """Yield the answers of a module's function to questions as they are ready, in any order; all are pickled.
+    """Call a module's function with each question in worker processes; yield the answers as they are ready, in any order.
 
-    Questions are read as processes become free; one worker calls the function here. `lost` answers a question during which a
-    process died `TRIES` times; its second argument says how. Processes end, in the middle of a question, once `stop` is set.
+    All three are pickled. Questions are read as processes become free; a single worker is this process. `lost` answers a
+    question during which a process died `TRIES` times; its second argument says how. Processes end, in the middle of a
+    question, once `stop` is set.
     """
     workers = processors() if workers is None else workers
     if workers == 1:
@@ -79,7 +80,7 @@ def futures_of_processes(
     function: Callable[[Question], Answer], questions: Sequence[Question], *, lost: Callable[[Question, str], Answer],
     stop: threading.Event | None = None,
 ) -> list[Future[Answer]]:  # fmt: skip
-    """Have other processes answer questions as `in_processes` does, and return at once: a future is done with each answer.
+    """Have worker processes answer questions (`in_processes`), and return at once futures that are done as answers come.
 
     One processor is left to this process if there are more. Once `stop` is set, the futures without an answer are cancelled.
     """
@@ -114,6 +115,7 @@ class _Pool(Generic[Question, Answer]):
         self._processes: list[_Process | None] = [None] * workers
 
     def results(self) -> Generator[Answer, None, None]:
+        """Yield the answers; threads and processes end when all are there, `stop` is set, or the generator is closed."""
         threads = [threading.Thread(target=self._serve, args=(n,), daemon=True) for n in range(self._workers)]
         for thread in threads:
             thread.start()
@@ -141,6 +143,7 @@ class _Pool(Generic[Question, Answer]):
                     thread.join(timeout=0.05)
 
     def _serve(self, number: int) -> None:
+        """Have worker process `number` answer questions until none is left; queue the answers, then None, or an error."""
         try:
             while not self._stop.is_set():
                 with self._lock:
@@ -159,6 +162,7 @@ class _Pool(Generic[Question, Answer]):
                 process.kill()
 
     def _answer(self, number: int, question: Question) -> Answer:
+        """Have worker process `number`, started again where it died, answer a question; after `TRIES` deaths `lost` does."""
         reason = ""
         for _ in range(TRIES):
             try:
@@ -198,6 +202,7 @@ class _Process:
         return self._asked(pickle.dumps(question, protocol=pickle.HIGHEST_PROTOCOL))
 
     def _asked(self, question: bytes) -> object:
+        """Send a pickled question and wait for its answer; WorkerDiedError if the process ends first."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:

@@ -46,7 +46,7 @@ NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={}, late=np.zeros(0
 
 
 def together(work: Work, rows: Sequence[Entries]) -> Together:
-    """Return the measures of the variants that can be computed side by side; `simulate_batch` computes the others.
+    """Compute the measures of the variants that can go side by side in the kernel's lanes; others need `simulate_batch`.
 
     Which they are, and what comes of each, does not depend on the variants that share a call. Their systems are the same to the
     last bit as those that `wirerope_mj.studies.vary.variants.Maker` makes, and are not made.
@@ -56,7 +56,7 @@ def together(work: Work, rows: Sequence[Entries]) -> Together:
 
 
 def together_again(work: Work, done: Together, rows: Sequence[int]) -> Together:
-    """Compute some rows again over another duration, and return their measures; indices are those among `rows`."""
+    """Compute the variants of some rows of `done` again over the duration of `work`; `indices` are then places in `rows`."""
     if done.ready is None:
         return NONE
     place = {row: number for number, row in enumerate(rows)}
@@ -80,7 +80,7 @@ def _measured(work: Work, ready: "_Ready") -> Together:
 def histories_together(
     work: Work, rows: Sequence[Entries], columns: Sequence[str], threads: int
 ) -> tuple[Array, dict[int, Array]]:
-    """Return instants (n_t,) and columns as `histories` does, of the variants that can be computed side by side."""
+    """Return sample instants [s], (n_t,), and by row the columns, (n_t, n_columns), of variants that can go side by side."""
     plan = column_plan(work.system)
     wanted = [plan.names.index(name) - plan.first_sensor for name in columns]
     found_blocks: dict[int, dict[int, Array]] = {}
@@ -98,7 +98,7 @@ def histories_together(
 
 @dataclass(frozen=True, kw_only=True)
 class _Ready:
-    """Variants that are about to begin."""
+    """Start of variants that are to be stepped side by side: motions, numbers of their equations, and states."""
 
     indices: Integers  # which of the rows they are, (n,)
     motions: list[BaseMotion]  # of their bases
@@ -109,6 +109,7 @@ class _Ready:
     slowest: Array  # period of the slowest mode of each [s], (n,); NaN where mounts stand elsewhere or resist turning
 
     def taken(self, some: Sequence[int]) -> "_Ready":
+        """Return the start of some of the variants, by their places in these arrays."""
         forces = None if self.forces is None else self.forces[some]
         return _Ready(
             indices=self.indices[some], motions=[self.motions[k] for k in some],
@@ -143,7 +144,7 @@ def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
 
 
 def _step(work: Work, ready: _Ready, sink: Sink | None = None, threads: int = 1) -> tuple[Array, Extremes, Booleans]:
-    """Step variants to the end: sample instants [s], extremes over every step, and which variants hold, (n,)."""
+    """Step variants to the end; return sample instants [s], extremes over all steps, and which variants are valid, (n,)."""
     system, motions = work.system, ready.motions
     grid = time_grid(
         start=0.0, duration=work.duration, sample_rate=work.sample_rate, timestep=work.timestep, motion=motions[0],
@@ -203,7 +204,7 @@ def _travel_ends(system: System) -> Array:
 
 
 def _lawful(system: System, lowest: Array, highest: Array) -> Booleans:
-    """Tell for which variants all laws hold at deflections (n, n_mounts, 3) [m], as `beyond_law` does."""
+    """Return the mask of variants all of whose laws hold over deflections [m] from lowest to highest, (n, n_mounts, 3)."""
     below, above = _travel_ends(system)[:, :, 0], _travel_ends(system)[:, :, 1]
     beyond = (-lowest > below + ROUNDING) | (highest > above + ROUNDING)
     return np.asarray(~beyond.any(axis=(1, 2)))

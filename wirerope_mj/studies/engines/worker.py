@@ -23,7 +23,7 @@ def main() -> None:
 
 
 def serve(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Answer every question with the function that precedes them."""
+    """Read a pickled function, then questions, and answer each with the function's result; never returns."""
     asked: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(questions, asked), daemon=True).start()
     function = asked.get()

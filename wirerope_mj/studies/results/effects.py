@@ -193,6 +193,7 @@ class SobolIndex:
 
     @property
     def reach(self) -> float:
+        """Half the width of the total index's interval."""
         return (self.total_interval[1] - self.total_interval[0]) / 2.0
 
 
@@ -268,7 +269,7 @@ def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndi
 
 
 def _estimates(values: Array) -> tuple[Array, Array]:
-    """Return first-order and total indices, (s, n_factors), of samples of rows (s, n, n_factors + 2)."""
+    """Estimate first-order and total indices, (s, n_factors), from f of A, B and each A_B in s samples of n rows."""
     centred = values - values[:, :, :2].mean(axis=(1, 2), keepdims=True)
     a, b, mixed = centred[:, :, :1], centred[:, :, 1:2], centred[:, :, 2:]
     variance = np.mean(centred[:, :, :2] ** 2, axis=(1, 2))[:, None]

@@ -98,7 +98,7 @@ def measures_of(table: pa.Table) -> list[str]:
 
 
 def checked_measure(table: pa.Table, name: str) -> str:
-    """Return `name`; ValueError lists the measures if it is none, or was not judged."""
+    """Return the name of a measure that has values in the table; else raise ValueError, which lists the measures."""
     names = measures_of(table)
     if name not in (*names, ALL):
         raise ValueError(unknown_measure(name, names))
@@ -112,6 +112,7 @@ def headlines(table: pa.Table) -> list[str]:
 
 
 def drawn_measures(table: pa.Table) -> list[str]:
+    """Return the measures that are drawn: of both travels only the one with the larger utilisation."""
     names = [name for name in headlines(table) if name in DRAWN]
     if "travel" not in names or COMBINED not in names:
         return names

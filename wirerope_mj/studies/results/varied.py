@@ -122,9 +122,9 @@ _QUANTILES = {"q05": 0.05, "median": 0.5, "q95": 0.95}
 def summary(result: StudyResult) -> Entries:
     """Return the statistics of a study's measures, SI.
 
-    What the nominal system does. Of variants that were sampled percentiles, as far as five variants lie beyond them, and the
-    probability beyond the limit with its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the
-    middle and the largest value.
+    Of each measure the nominal system's value. Of sampled variants, percentiles beyond which at least five variants lie, and
+    the probability beyond the limit with its bounds; in a study for Sobol's indices these, too; of listed variants the
+    smallest, the median and the largest value.
     """
     nominal, method, table = result.nominal, result.inputs["sampling"]["method"], result.independent
     measures: Entries = {}

@@ -105,6 +105,7 @@ class Evolution:
 
 
 def _variable(distribution: distributions.Uniform | distributions.Choice) -> object:
+    """Make the optimiser's variable for a distribution: a real number, a boolean or a choice."""
     from pymoo.core import variable
 
     if isinstance(distribution, distributions.Uniform):

@@ -1,4 +1,4 @@
-"""Masses, centres of mass, and natural frequencies of joints with springs that vary."""
+"""Quantities of bodies and joints that vary in a study: masses, centres of mass, natural frequencies of sprung joints."""
 
 from collections.abc import Sequence
 
@@ -28,7 +28,7 @@ def bodies_of(system: System) -> list[str]:
 
 
 class BodyColumn(InputColumn):
-    """Column of moving bodies."""
+    """Column of a study's inputs that acts on moving bodies."""
 
     noun = "moving body with a mass (the driven base does not count)"
 
@@ -136,7 +136,7 @@ def check_centres(quantities: Sequence[Quantity], system: System) -> None:
 
 
 def _as_other_kind(column: Centre | CentreShift, system: System, noun: str) -> str:
-    """Rename a centre of mass between body and world axes; without its axis if they are not parallel."""
+    """Return a column's name with `noun`, "centre" or "centre_shift"; AXIS for its axis unless body and world axes agree."""
     start, _, axis = column.name.rpartition("/")
     parallel = all(np.allclose(body_axes(system, body), np.eye(3), atol=1e-9) for body in column.targets)
     return f"{start.rpartition('/')[0]}/{noun}/{axis if parallel else 'AXIS'}"

@@ -58,6 +58,7 @@ class Normal:
 
     @property
     def _ends(self) -> tuple[float, float]:
+        """Bounds in standard deviations from the mean."""
         low = -math.inf if self.low is None else (self.low - self.mean) / self.deviation
         return low, math.inf if self.high is None else (self.high - self.mean) / self.deviation
 
@@ -201,6 +202,7 @@ def distribution_from_dict(content: Entries) -> Distribution:
 
 
 def _keep(distribution: object, **values: object) -> None:
+    """Set attributes of a frozen distribution."""
     for name, value in values.items():
         object.__setattr__(distribution, name, value)
 

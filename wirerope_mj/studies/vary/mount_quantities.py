@@ -1,4 +1,4 @@
-"""Parameters, positions, absence and failure of mounts that vary."""
+"""Quantities of mounts that vary in a study: parameters of laws, isolators, positions, absence and failure."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -20,7 +20,7 @@ from wirerope_mj.studies.vary.quantity import FAR, WHOLE, WORLD, Draft, Entry, I
 
 
 class MountColumn(InputColumn):
-    """Column of mounts."""
+    """Column of a study's inputs that acts on mounts."""
 
     noun = "mount"
 
@@ -123,7 +123,7 @@ class StiffeningParameter(LawParameter):
         return []  # any number of cycles may be meant
 
 
-# Factors on whole mounts: what each makes of an isolator, and on what it is.
+# Factors on whole mounts: the function that applies each to an isolator, and words for what it acts on.
 MOUNT_FACTORS: dict[str, tuple[Callable[[Isolator, float], Isolator], str]] = {
     "stiffness": (Isolator.scaled, "all its forces"),
     "damping": (Isolator.with_damping, "what dissipates"),

@@ -85,6 +85,7 @@ class MotionColumn(InputColumn):
 
     @classmethod
     def suits(cls, entry: Entry) -> bool:
+        """True if the entry's distribution is one of numbers as this quantity takes them."""
         return not isinstance(entry.distribution, Choice) or entry.chooses_among(int, float)
 
 
@@ -170,7 +171,7 @@ class Record(MotionColumn):
         return entry.chooses_among(int)
 
 
-# Kinds of quantities, in the order in which a name is held against them.
+# Kinds of quantities, in the order in which a name is compared with their patterns.
 KINDS: tuple[type[InputColumn], ...] = (
     Spread, Fitted, Failed, PositionShift, Turn, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Tuning,
     Centre, CentreShift, Level, Azimuth, Elevation, Record,
@@ -240,6 +241,7 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
 
 
 def _quantity(name: str, distribution: Distribution, system: System, motions: Sequence[BaseMotion]) -> Quantity:
+    """Resolve one entry of `vary`, whose name may be several that share a draw, to its columns."""
     if len(names := name.split(TOGETHER)) > 1:
         shared = [_quantity(part, distribution, system, motions).columns for part in names]
         every = [column for group in shared for column in group]

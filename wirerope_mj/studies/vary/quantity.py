@@ -45,6 +45,7 @@ class Draft:
 
     @property
     def gone(self) -> list[str]:
+        """Mounts that exert no force: failed or absent."""
         return sorted(self.failed | self.absent)
 
 
@@ -66,7 +67,7 @@ class Entry:
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """One entry of `vary`, resolved."""
+    """One entry of `vary`, resolved to columns of the inputs."""
 
     name: str
     distribution: Distribution
@@ -146,7 +147,7 @@ class InputColumn:
 
     @classmethod
     def split(cls, entry: Entry, targets: Sequence[str]) -> "tuple[Self, ...]":
-        """Return one column, or one for each target if each has its own."""
+        """Return one column for all targets, or one for each target if the distribution says `each`."""
         name, distribution = entry.name, entry.distribution
         choices = distribution.choices if isinstance(distribution, Choice) and cls.type == pa.float64() else ()
         if any(isinstance(value, bool | str) for value in choices):
@@ -177,13 +178,13 @@ class InputColumn:
         raise NotImplementedError
 
     def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
-        """Tell whether all values are valid; False means unknown. Law parameters go into `draft`, which checks them."""
+        """Tell whether all values are valid; False means unknown. Parameters of laws go into `draft`, to be checked jointly."""
         if not self.bounds:
             return False
         return bool(np.isfinite(values).all()) and (self.bounds == "finite" or bool(values.min() > 0.0))
 
     def moved(self, system: System, values: AnyArray) -> Booleans:
-        """Tell in which variants something has another position than in the model."""
+        """Return the mask of the values that give something another position than the model, (n,)."""
         return np.zeros(len(values), dtype=np.bool_)
 
     def warnings(self, system: System, values: Array) -> list[str]:
@@ -279,11 +280,12 @@ class Shift(InputColumn):
 
 
 def acts(isolator: Isolator) -> bool:
+    """True if an isolator exerts forces: the law of an axis is not its faint replacement (`without_force`)."""
     return any(law is not None and law != law.faint() for law in isolator.axes.values())
 
 
 def without_force(isolator: Isolator) -> Isolator:
-    """Return the isolator after its failure; its equations keep their structure where its laws keep their kinds."""
+    """Return an isolator with laws of the same kinds that exert next to no force, as after a failure: equations stay alike."""
     acting = isolator.conditioned
     laws = {axis: law.faint() for axis, law in acting.axes.items() if law is not None}
     loop = None if acting.loop is None else acting.loop.scaled(0.0)
@@ -308,7 +310,7 @@ def nominal_text(values: Sequence[Any], unit: str) -> str:
 
 
 def check_axis(entry: Entry, noun: str) -> None:
-    """Raise an error unless there is such an axis, and the distribution is of lengths."""
+    """Raise an error unless the axis of an entry is x, y or z, and its distribution is not relative."""
     (axis,) = entry.key
     if axis not in WORLD:
         raise ModelError(f"`vary`: {entry.name!r}: there is no axis {axis!r}; there are {', '.join(WORLD)}.")

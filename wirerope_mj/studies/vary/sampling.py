@@ -1,4 +1,4 @@
-"""The inputs of all variants: numbers between 0 and 1, made into values by the quantities' distributions.
+"""The inputs of all variants: sampled probabilities, made into values by the quantities' distributions.
 
 And how well the scatter of a few specimens is known.
 """
@@ -33,7 +33,7 @@ FEWEST = 8  # base rows of these matrices below which no variance is worth the n
 def drawing(
     quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int
 ) -> tuple[int, Callable[[], pa.Table]]:
-    """Return the number of variants, and what draws the table of inputs: `variant`, and a column for every sampled number.
+    """Return the number of variants, and a function that draws their inputs: `variant` and a column for each sampled number.
 
     The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger
     study are those of a smaller one. ValueError if the number of variants is not positive or does not suit the sampling,
@@ -63,6 +63,7 @@ def drawing(
 
 
 def _sampled(quantities: Sequence[Quantity], variants: int, sampling: str, seed: int) -> pa.Table:
+    """Draw the inputs: probabilities by the sampling, one for each column of a variant, and values at them."""
     columns = sum(len(quantity.columns) for quantity in quantities)
     if sampling == OF_INDICES:
         points = saltelli_points(list(factors(quantities).values()), variants, seed)
@@ -95,7 +96,7 @@ def _require_memory(variants: int, columns: int) -> None:
 
 
 def values_at(quantity: Quantity, points: Array) -> list[AnyArray]:
-    """Return the values of a quantity's columns at numbers between 0 and 1, (n, n_columns)."""
+    """Map probabilities between 0 and 1, (n, n_columns), to the values of a quantity's columns, (n,) each."""
     distribution = quantity.distribution
     if not isinstance(distribution, Specimens):
         return [distribution.values(column) for column in points.T]

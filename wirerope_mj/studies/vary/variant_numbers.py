@@ -40,7 +40,7 @@ def _writer(system: System) -> Numbers:
 
 
 def variants_of(work: Work, rows: Sequence[Entries]) -> Variants:
-    """Return the valid variants that have the structure of the study's system."""
+    """Return the numbers of the variants that are valid and whose equations have the structure of the study's system."""
     system, make = work.system, Maker(work.system, work.motions, work.columns)
     table = pa.table({column.name: [row[column.name] for row in rows] for column in work.columns})
     valid = systems_valid(system, work.columns, table)

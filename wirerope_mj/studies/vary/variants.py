@@ -1,4 +1,4 @@
-"""The variants of a study: each system and motion from its row of inputs, and whether they can be, column by column."""
+"""The variants of a study: system and motion of each from its row of inputs, and the check whether they are valid."""
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -67,6 +67,7 @@ class Maker:
         return self._made[settings]
 
     def changes(self, row: Row) -> Changes:
+        """Return the changes of the base system that make the system of a variant."""
         draft = self.draft(row)
         return self.moves(draft, self.isolators(draft, [*draft.isolators, *draft.parameters, *draft.gone]))
 
@@ -74,6 +75,7 @@ class Maker:
         return {mount: self._isolator(mount, draft) for mount in mounts}
 
     def draft(self, row: Row) -> Draft:
+        """Gather what a row of inputs changes; the stop at which a mount goes solid moves, changes and vanishes with it."""
         draft = Draft(system=self._system)
         for column in self._of_system:
             column.apply(draft, row[column.name])
@@ -88,9 +90,10 @@ class Maker:
         return draft
 
     def moves(self, draft: Draft, isolators: Mapping[str, Isolator]) -> Changes:
-        """Return the changes of masses, centres of mass, positions and inclinations, and isolators.
+        """Turn a draft into changes of the base system, with `isolators` by mount as those of the mounts that change.
 
-        Where another isolator is higher or lower, the foundation follows it.
+        Where the draft replaces an isolator by one of another height, the foundation of its mount moves, so that the equipment
+        stays where it was. New centres of mass become shifts along the world's axes.
         """
         positions = dict(draft.position_shifts)
         for mount, isolator in draft.isolators.items():
@@ -112,6 +115,7 @@ class Maker:
         self._isolators.clear()
 
     def _isolator(self, mount: str, draft: Draft) -> Isolator:
+        """Return a mount's isolator with the parameters of a draft, or without force if it is absent or has failed."""
         base = draft.isolators.get(mount) or self._system.mounts[mount].written
         absent, failed = mount in draft.absent, mount in draft.failed
         parameters = {} if absent or failed else draft.parameters.get(mount, {})
@@ -192,7 +196,7 @@ def check_variants(
 
 
 def systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Table) -> bool:
-    """Tell whether all systems are certainly valid; False means unknown."""
+    """Tell whether the systems of all rows of a block of inputs are certainly valid; False means unknown."""
     draft = Draft(system=system)
     if not all(column.certainly_valid(draft, block[column.name].to_numpy()) for column in columns if column.targets):
         return False

@@ -1,4 +1,4 @@
-"""What of a model can vary, and the option that says how it does."""
+"""Lines on what of a model can vary, and distributions read from options such as "NAME = Normal(1, 0.1)"."""
 
 import ast
 import inspect
@@ -117,6 +117,7 @@ def signatures() -> list[str]:
 
 
 def _distribution(name: str, text: str) -> Distribution:
+    """Parse the distribution of the quantity `name`, a call as in Python, of which nothing is evaluated."""
     shown_text, name = quoted(text), short(name)
     try:
         call = ast.parse(text, mode="eval").body
