@@ -46,7 +46,7 @@ def between(name: str, value: object, low: float, high: float) -> float:
 
 
 def nonzero(name: str, value: object) -> float:
-    """Return a finite number of either sign as a float."""
+    """Return a finite number other than zero as a float."""
     number = finite(name, value)
     if number == 0.0:
         raise ValueError(f"`{name}` must not be zero.")

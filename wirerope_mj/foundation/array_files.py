@@ -38,8 +38,8 @@ def columns_of_array_file(path: Path, wanted: Collection[str] = ()) -> Header | 
 
     A matrix is so many columns, the fields of a struct or of a group are called test.acc, and beside a vector without time a
     scalar fs, or dt, is its rate, or interval: its own, else that of the struct or group which holds it. A WAV file has
-    fractions of its full scale. Of columns of several lengths those that are as long as the `wanted` ones are read, else the
-    most; `Header.left_out` names the others.
+    fractions of its full scale. Of columns of several lengths those that are as long as the `wanted` ones are read, else those
+    of the most common length; `Header.left_out` names the others.
 
     Raises:
         RecordError: the file is damaged or holds no columns of numbers, the columns have different instants, or the library
@@ -96,7 +96,7 @@ def _select_columns(
 ) -> Header:
     """Select the wanted columns, or those of the most common length; where time is missing it is made from their rate.
 
-    `left` are columns of the file that hold no numbers.
+    `left_out` are columns of the file that hold no numbers.
     """
     lengths = {name: column.size for name, column in columns.items() if column.size > 1}
     if not lengths:
@@ -169,7 +169,7 @@ def _own_steps(column: str, scalars: Mapping[str, float]) -> set[float]:
 
 
 def _nearest(column: str, scalars: Mapping[str, float], called: Collection[str]) -> set[float]:
-    """Return the scalars of some names in the struct or group of a column, else in the next one around it that has any."""
+    """Return the scalars `called` so in the struct or group of a column, else in the next one around it that has any."""
     place = column
     while True:
         values = {value for name, value in scalars.items() if name.rpartition(".")[0] == place and _bare(name) in called}
@@ -179,6 +179,7 @@ def _nearest(column: str, scalars: Mapping[str, float], called: Collection[str])
 
 
 def _bare(name: str) -> str:
+    """Return the last part of a name in small letters, without digits and signs."""
     return re.sub(r"[^a-z]", "", name.rpartition(".")[2].lower())
 
 
@@ -250,6 +251,7 @@ def _intervals(path: Path, attributes: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _tdms(path: Path) -> Mapping[str, Any]:
+    """Read the channels of a TDMS file by group, with their units, intervals [s] and starts [s]."""
     from nptdms import TdmsFile
 
     content: dict[str, dict[str, Any]] = {}
@@ -273,6 +275,7 @@ def _tdms(path: Path) -> Mapping[str, Any]:
 
 
 def _wav(path: Path) -> Mapping[str, Any]:
+    """Read the channels of a WAV file as fractions of full scale, and their sampling rate [Hz]."""
     from scipy.io import wavfile
 
     rate, samples = wavfile.read(path)
@@ -283,6 +286,7 @@ def _wav(path: Path) -> Mapping[str, Any]:
 
 
 def _seismic(path: Path) -> Mapping[str, Any]:
+    """Read the channels of a record of seismology by obspy, with their starts [s] and their interval [s]."""
     from obspy import read
 
     traces = read(str(path))
@@ -305,7 +309,7 @@ def _seismic(path: Path) -> Mapping[str, Any]:
 
 
 def _columns_of_variables(path: Path, content: Mapping[str, Any], wanted: Collection[str]) -> Header:
-    """Make columns of variables: vectors, lines of matrices, scalars, lists of names."""
+    """Sort the variables of a file into columns (vectors, and lines of matrices), scalars and lists of names, and select."""
     columns: dict[str, Array] = {}
     scalars: dict[str, float] = {}
     texts: dict[str, list[str]] = {}

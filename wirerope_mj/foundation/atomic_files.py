@@ -30,8 +30,8 @@ _PATIENCE = 1.0
 def atomic_file(path: Path, *, clear: bool = True) -> Iterator[Path]:
     """Yield a temporary file that is renamed to `path` when the block ends well, and removed when it does not.
 
-    It lies in the same folder and has the same ending. With `clear`, what killed processes left there is removed first: for one
-    who writes there once. Looking through a folder of many thousand files for each of them would take hours.
+    It lies in the same folder and has the same ending. With `clear`, what killed processes left there is removed first; without
+    it for one of many thousand files, since looking through their folder for each of them would take hours.
 
     Raises:
         RecordError: nothing can be written in its folder.
@@ -125,7 +125,7 @@ def atomic_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str])
 
 @contextmanager
 def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
-    """Lock `folder` for the block, or raise RecordError if another process holds it; without effect where locks lack."""
+    """Lock `folder` for the block, or raise RecordError if another process holds it; no effect where there are no locks."""
     with locked(folder) as lock:
         if lock == TAKEN:
             raise RecordError(
@@ -137,7 +137,7 @@ def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
 
 @contextmanager
 def place_named(path: Path) -> Iterator[None]:
-    """Raise errors about hidden files that the block writes as errors about `path`, which people know.
+    """Raise errors about hidden files that the block writes as errors about `path`, which the user knows.
 
     DiskFullError if there is no space left, RecordError if nothing can be written there.
     """

@@ -31,7 +31,7 @@ _UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
 def require_memory(subject: str, size: float, remedy: str) -> None:
     """Raise BudgetError if numbers of at least `size` [B] need more memory than is available.
 
-    The message begins with `what` takes it, as "the samples of this run", and ends with the `remedy`, a sentence.
+    The message begins with the `subject` that takes it, as "the samples of this run", and ends with the `remedy`, a sentence.
     """
     if size < 1e6:
         return  # nobody need look
@@ -57,7 +57,7 @@ def require_disk(subject: str, size: float, folder: Path, remedy: str) -> None:
 def require_time(subject: str, steps: float, remedy: str, *, step: float = STEP) -> None:
     """Raise BudgetError if a number of steps, each `step` [s] of computing, takes longer than `LONGEST`.
 
-    `what` and `remedy` are those of `require_memory`.
+    `subject` and `remedy` are those of `require_memory`.
     """
     seconds = step * steps
     if seconds > LONGEST:

@@ -80,6 +80,6 @@ def why_unread(error: OSError) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Absent:
-    """A result that could not be had, and a sentence that says why."""
+    """An absent result, and a sentence that says why it could not be computed."""
 
     reason: str

@@ -32,7 +32,7 @@ _LONGEST = 63
 
 @dataclass(frozen=True, kw_only=True)
 class Exported:
-    """A table as other programs take it."""
+    """A table to be written for other programs: columns with names and units, as a whole or in blocks of rows."""
 
     names: Sequence[str]  # of the columns, parts of a name apart by "/"
     units: Sequence[str]  # of each column; "" for none
@@ -74,7 +74,7 @@ class Exportable:
 
     @property
     def exported(self) -> Exported:
-        """The table as other programs take it, SI units."""
+        """The table to be written for other programs, in SI units."""
         raise NotImplementedError
 
     def export(self, path: str | Path, *, force: bool = False) -> Path:
@@ -146,7 +146,7 @@ def _write_csv(table: Exported, path: Path) -> None:
 
 
 def _write_hdf5(table: Exported, path: Path) -> None:
-    """Write a dataset for every column, called as it is, its unit an attribute."""
+    """Write a dataset for every column, with the column's name, and its unit as an attribute."""
     h5py = _needed("h5py")
     # HDF5 ends the process if a write fails, as on a full disk, and loses an interrupt that meets it while it writes.
     with UnfailingFile(path, "w+b") as target, target.failures_raised(), ExitStack() as stack:
@@ -193,6 +193,7 @@ def _matlab_names(names: Sequence[str]) -> list[str]:
 
 
 def _needed(package: str) -> ModuleType:
+    """Import a package that may not be installed; RecordError says how to install it."""
     try:
         return import_module(package)
     except ModuleNotFoundError:

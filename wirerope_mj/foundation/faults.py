@@ -13,14 +13,14 @@ _MOST = 20  # faults of one file that are said: more have one cause, such as a w
 
 
 class Faults:
-    """Collects the errors of parts that are read apart; at the end the first is raised, the others are its notes."""
+    """Errors of parts of a file that are each read whatever is wrong with others: the first is raised, the rest its notes."""
 
     def __init__(self) -> None:
         self.errors: list[Exception] = []
 
     @contextmanager
     def apart(self) -> Iterator[None]:
-        """Go on behind an error in this block, which is raised at the end."""
+        """Collect an error of this block, so that what follows the block is read, too; it is raised at the end."""
         try:
             yield
         except (WireRopeError, ValueError) as error:
@@ -32,7 +32,7 @@ class Faults:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _trace: TracebackType | None) -> None:
-        """Raise the first error; of one that ends the whole block the others are told before it."""
+        """Raise the first error with the others as notes; an error that ends the whole block comes last."""
         if error is not None and not isinstance(error, WireRopeError | ValueError):
             return
         ended = [error] if isinstance(error, Exception) and error not in self.errors else []
@@ -44,7 +44,7 @@ class Faults:
 
 
 def each(read: Callable[[T], R], items: Iterable[T]) -> list[R]:
-    """Read items one by one, those behind a faulty one, too; its error is raised at the end, with the others as notes."""
+    """Read all items, also those after a faulty one; the first error is raised at the end, with the others as its notes."""
     results = []
     with Faults() as faults:
         for item in items:
@@ -54,7 +54,7 @@ def each(read: Callable[[T], R], items: Iterable[T]) -> list[R]:
 
 
 def reworded(error: Exception, word: Callable[[str], Exception]) -> Exception:
-    """Make another error of the text of one, and notes of those of its notes."""
+    """Make a new error of an error's message by `word`, and its notes of the error's notes in the same way."""
     first, *others = map(word, texts_of(error))
     first.__notes__ = [str(other) for other in others]
     return first

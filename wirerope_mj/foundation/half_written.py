@@ -45,7 +45,7 @@ HELD, TAKEN, GONE, UNKNOWN = "held", "taken", "gone", "unknown"
 
 @contextmanager
 def locked(path: Path) -> Iterator[str]:
-    """Lock a file or a folder for the block, and yield the outcome."""
+    """Lock a file or a folder for the block, and yield the outcome: `HELD`, `TAKEN`, `GONE` or `UNKNOWN`."""
     lock, handle = _lock(path)
     try:
         yield lock
@@ -59,6 +59,7 @@ _written: list[tuple[Path, int | None]] = []
 
 
 def _let_go(folder: Path, handle: int | None) -> None:
+    """Close the handle that holds a lock, and forget its folder."""
     with suppress(ValueError):
         _written.remove((folder, handle))
     if handle is not None:
@@ -282,6 +283,7 @@ def _lock_handle(handle: int, path: Path) -> str:
 
 
 def _names(path: Path, handle: int) -> bool:
+    """Tell whether a path still leads to the file or folder that a handle has open."""
     try:
         return os.path.samestat(os.fstat(handle), os.stat(path))
     except FileNotFoundError:

@@ -51,7 +51,8 @@ def interrupts_held() -> Iterator[None]:
 def end_soon_after_interrupts() -> None:
     """Raise KeyboardInterrupt on an interrupt, and end this process if it has not ended by itself in time.
 
-    It may be lost in a library, or meet a thread that waits for what never comes, or a computation of many seconds.
+    KeyboardInterrupt may be lost in a library, or meet a thread that waits for what never comes, or a computation of many
+    seconds.
     """
     for number in SIGNALS:
         if signal.getsignal(number) != signal.SIG_IGN:  # as in the background of a script
@@ -66,7 +67,7 @@ def end_soon_after_interrupts() -> None:
 
 
 def resumed_by(remedy: Callable[[], str]) -> None:
-    """Have `remedy` say how what is interrupted from now on goes on, "" for nothing, even if it does not end by itself."""
+    """Set the function that says, if this process is interrupted, how its work is resumed; "" if there is nothing to say."""
     _remedy[:] = [remedy]
 
 
@@ -93,6 +94,7 @@ def end(number: int) -> NoReturn:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt, and ignore any further interrupt."""
     for each in SIGNALS:  # one is enough: a second would disturb what the first has begun
         signal.signal(each, signal.SIG_IGN)
     _arrived.append(number)
@@ -100,6 +102,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _watch(reading: int) -> None:
+    """Wait in a thread for an interrupt, read from a pipe, and end this process if it still runs `_PATIENCE` [s] later."""
     while (number := os.read(reading, 1)[0]) not in SIGNALS:
         pass
     time.sleep(_PATIENCE)

@@ -189,7 +189,7 @@ def _value(path: Path, line: int, cell: str) -> float:
 def _equally_spaced(
     path: Path, columns: Mapping[str, tuple[str | None, list[float]]], count: int, step: float, line: int
 ) -> Header:
-    """Return columns behind their time; RecordError unless each has `count` values."""
+    """Return columns, with a time in steps of `step` [s] as the first; RecordError unless each has `count` values."""
     for name, (_, values) in columns.items():
         if len(values) != count:
             raise RecordError(

@@ -48,7 +48,7 @@ def as_named(cell: str) -> str:
 
 
 def plain_lines(text: str) -> str:
-    """Return text as `plain` does, its line breaks kept."""
+    """Return text with its invisible characters spelled out, but its line breaks kept."""
     return "\n".join(plain(line) for line in text.split("\n"))
 
 

@@ -97,6 +97,7 @@ def parse_phrase(text: str, *, words: Mapping[str, str], takes: Iterable[str] = 
 
 
 def _number(part: str) -> tuple[float, str]:
+    """Split a part of a phrase into its number and the unit that follows at once, if any; ValueError if it has no number."""
     match = NUMBER.fullmatch(part)
     if match is None:
         raise ValueError(f'"{short(part)}" is neither a number with a unit nor a direction such as z, -y or 1,1,0.')

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.plain_text import quoted
 def regular(path: str | Path) -> Path:
     """Return a path, links followed; OSError if it is neither a regular file nor a folder nor missing.
 
-    Every reader asks this before it opens a file, and treats it as what the system says when it cannot be read.
+    Every reader calls this before it opens a file, and treats the error as any other that a file cannot be read.
 
     Raises:
         OSError: a pipe, a socket or a device is there; ENODEV, which `why_unread` explains.

@@ -32,6 +32,7 @@ def schema(kind: Any, schemas: Mapping[type, Entries] | None = None) -> Entries:
 
 
 def _value_schema(hint: Any, schemas: Mapping[type, Entries]) -> Entries:
+    """Return the JSON Schema of the values that a field of a type may have, tables included."""
     options: list[Entries] = []
     how, inner = tables_in(hint)
     if inner is Path:

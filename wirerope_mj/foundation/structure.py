@@ -74,7 +74,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a table stands: in a file, under which keys; makes the errors that say so."""
+    """Location of a table, by its file and the keys that lead to it; builds the errors that name both."""
 
     file: Path | str  # lines are found in a path, and not in a text, which messages begin with all the same
     keys: tuple[str | int, ...] = ()
@@ -212,6 +212,7 @@ def said_of(hint: Any, *, plural: bool = False) -> str:
 
 
 def _said_of(option: Any, marks: tuple[Any, ...], plural: bool) -> str:
+    """Describe one type of a union, with the bounds and the unit in its marks."""
     origin, args = get_origin(option) or option, get_args(option)
     if origin is Literal:
         text = f"{'one of ' if len(args) > 1 else ''}{', '.join(map(repr, args))}"
@@ -273,6 +274,8 @@ def options_of(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[
 
 
 def _is_number_within(value: float, hint: Any) -> bool:
+    """Tell whether a type takes a float, and the value keeps its bounds."""
+
     def holds(meta: msgspec.Meta) -> bool:
         above = (meta.gt is None or value > meta.gt) and (meta.ge is None or value >= meta.ge)
         return above and (meta.lt is None or value < meta.lt) and (meta.le is None or value <= meta.le)
@@ -303,6 +306,8 @@ def bounds_of(kind: Any) -> dict[str, msgspec.Meta]:
 
 @dataclass(frozen=True)
 class _Filled:
+    """What a key of a file fills: the field, the type of its value, and the factor of the key's unit into SI."""
+
     field: str
     hint: Any
     factor: float | tuple[float, ...] | None = None
@@ -365,7 +370,7 @@ def _structured(hint: Any, value: Any, place: Place, key: Any, readers: Readers)
 
 @cache
 def _values_in(hint: Any) -> Any:
-    """Return the type for msgspec, without the classes in it, in its lists or in its mappings."""
+    """Return the part of a type that msgspec converts: without dataclasses, and lists and mappings of these."""
     if tables_in(hint)[0] is float:
         return hint
     options = [
@@ -389,6 +394,7 @@ def tables_in(hint: Any) -> tuple[Any, Any]:
 
 
 def _in_si(value: Any, factor: float | tuple[float, ...] | None) -> Any:
+    """Convert a number, a list of numbers, or rows of numbers by one factor for each column, into SI."""
     if factor is None or isinstance(value, str):
         return value
     if isinstance(factor, tuple):

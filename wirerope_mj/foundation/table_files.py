@@ -96,6 +96,7 @@ def read_header(
 
 
 def _text_header(path: Path, wanted: str) -> Header:
+    """Find header, encoding, separator and decimal sign of a text; RecordError says that a table as `wanted` was expected."""
     encoding = encoding_of(path)
     with path.open(encoding=encoding, errors="replace") as file:
         lines, comments = _first_lines(path, file)
@@ -167,6 +168,7 @@ def _header_in_comments(path: Path, comments: Sequence[tuple[int, str]], rows: R
 
 
 def _without_header(location: str, wanted: str) -> RecordError:
+    """Return the error for a file that begins with numbers, with the remedy."""
     remedy = "Write that line above the numbers"
     if wanted.startswith("A record"):  # that is played
         remedy += ', or say it by columns="time [s], z [g]" (--columns), or without a time interval=0.005 [s] (--interval)'
@@ -174,6 +176,7 @@ def _without_header(location: str, wanted: str) -> RecordError:
 
 
 def _checked(header: Header) -> Header:
+    """Name the columns that have no name by their number, or by their letter in a workbook."""
     unnamed = frozenset(i for i, name in enumerate(header.names) if not name)
     names = list(header.names)
     for column in unnamed:
@@ -236,6 +239,7 @@ def is_comment(text: str) -> bool:
 
 
 def open_rows(header: Header) -> TextIO:
+    """Open a text at the first row below its header."""
     file = header.path.open(encoding=header.encoding, errors="replace")
     for _ in range(header.last):
         file.readline()

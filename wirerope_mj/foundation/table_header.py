@@ -115,7 +115,7 @@ class Header:
 
 
 def holds(group: str, name: str) -> bool:
-    """Tell whether a struct or group, "" the file itself, holds a column of a name such as test.acc, or a nested one does."""
+    """Tell whether a struct or group ("" is the whole file) holds a column, such as test.acc, itself or in a nested one."""
     return not group or name.startswith(f"{group}.")
 
 
@@ -248,7 +248,8 @@ def is_clock_time(cell: str) -> bool:
 def clock_time(cell: str, *, day_first: bool = False) -> tuple[int, float]:
     """Return an instant as a clock shows it: the day, counted from year 1 or 0 without a date, and the second of that day.
 
-    Apart, since a double holds no microseconds of so many seconds. A date with slashes has its month first, or its day.
+    They are two numbers, since a double holds no microseconds of so many seconds. A date with slashes has its month first,
+    with `day_first` its day.
 
     Raises:
         ValueError: the cell holds no such instant.

@@ -61,9 +61,9 @@ LONGEST_BAR = 1.25  # of a limit that a bar shows
 
 
 def bar_text(used: float, cells: int, empty: str = "░", eighths: str = "") -> str:
-    """Draw a fraction of a limit in letters, with a tick behind the `cells` of the limit and a quarter more behind it.
+    """Draw a utilisation as a bar of letters: `cells` of them up to the limit, a tick, and a quarter as many beyond it.
 
-    `empty` fills cells without a bar; the last one is drawn by one of eight letters, `eighths`, or else is whole.
+    `empty` fills cells without a bar; the bar's last cell is drawn by one of eight letters, `eighths`, or else is whole.
     """
     parts = len(eighths) or 1
     whole, rest = divmod(round(parts * cells * min(max(used, 0.0), LONGEST_BAR)), parts)

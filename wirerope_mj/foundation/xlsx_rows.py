@@ -67,6 +67,7 @@ def sheet_names(path: Path) -> list[str]:
 
 @contextmanager
 def _workbook(path: Path, *, formulas: bool = False) -> Iterator[Any]:
+    """Open a workbook by openpyxl for the block; RecordError if it cannot be read, BudgetError if it is too large."""
     try:
         import openpyxl
     except ModuleNotFoundError:

@@ -104,7 +104,7 @@ class StudyResult(Exportable, Summarised):
 
     @property
     def exported(self) -> Exported:
-        """The table as other programs take it, SI units."""
+        """The table to be written for other programs, in SI units."""
         columns = self.columns
         names = columns.column_names
         return Exported(
