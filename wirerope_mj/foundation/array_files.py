@@ -199,6 +199,7 @@ def _hdf5(path: Path) -> Mapping[str, Any]:
     import h5py
 
     def content(group: Any) -> dict[str, Any]:
+        """Read a group's datasets by name, groups in it as nested dictionaries, with units, rates and intervals."""
         members: dict[str, Any] = {}
         for name, member in group.items():
             if name.startswith("#"):  # what MATLAB's cells refer to

@@ -25,7 +25,7 @@ class Summarised:
     """Base of results that summarise themselves in a few lines; dataclasses need `repr=False`."""
 
     def _summary(self) -> tuple[str, dict[str, str]]:
-        """Return a heading, and values with their units by what they are."""
+        """Return a heading, and values with their units as texts by name."""
         raise NotImplementedError
 
     def _lines(self) -> tuple[str, list[tuple[str, str]]]:

@@ -189,7 +189,7 @@ def _checked(header: Header) -> Header:
 
 
 def find_column(header: Header, name: str, *, without: int | None = None) -> int:
-    """Return the index of a column by its name, `without` one of them; RecordError lists the columns if there is none.
+    """Return the index of a column by its name, the column `without` left out; RecordError lists the columns if none matches.
 
     A name may be that of the column, that with its unit as the file has it, "column 3", the field of a struct by its own name,
     or of several columns of one name the second as `name#2`.

@@ -211,7 +211,7 @@ def _of_motion(motion: BaseMotion, duration: float | None, system: System) -> Te
 
 
 def _study(path: Path) -> Texts:
-    """Read a study or search, every variant of it, or the first generation; what its values look like is warned of."""
+    """Yield what is implausible in a study or search; all variants, or those of the first generation, are checked, too."""
     study = load_study_file(path).make()
     every = study.study if isinstance(study, Search) else study
     for motion in every.motions:

@@ -282,7 +282,7 @@ def _case_of(row: Row) -> Case:
 
 
 def _scenario(place: Place, case: Case, folder: Path, system: System | None) -> Entries:
-    """Return motion, simulation and options of a case's scenario; without a system that is checked alone which needs none."""
+    """Return motion, simulation and options of a case's scenario; without a system only what needs none is checked."""
     phrases = [
         (kind, phrase)
         for kind in SPOKEN_MOTIONS for text in _texts(case.phrases.get(kind, ())) for phrase in listed_phrases(text)
@@ -367,7 +367,7 @@ def files_of(document: Document) -> dict[str, str]:
 
 
 def document_table(document: Document) -> Entries:
-    """Return the table of a document as `read_document` reads it beside the copies of its files."""
+    """Return the table of a document for `read_document`, with its files named as their copies beside the table's file."""
     files = files_of(document)
     lines = [item.name for item in fields(Document) if item.name not in ("logo", "template", "history", "texts")]
     table: Entries = {name: getattr(document, name) for name in lines if getattr(document, name)} | files

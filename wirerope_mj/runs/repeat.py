@@ -252,7 +252,7 @@ def _rest_differences(stored: Response, again: Response, parts: Sequence[Integer
 def _plain_differences(
     expected: object, repeated: object, where: str, *, texts: bool = True, without: tuple[str, ...] = ()
 ) -> Iterator[Difference]:
-    """Yield the differences between plain values: numbers relative to themselves, anything else infinite."""
+    """Yield the differences between values of TOML or JSON: numbers relative to themselves, anything else infinite."""
     expected_entries, repeated_entries = (flat_entries(value, label=_label) for value in (expected, repeated))
     for key in dict.fromkeys((*expected_entries, *repeated_entries)):
         if key.startswith(without) if without else False:

@@ -1,4 +1,4 @@
-"""Room for mounts: which stand in each other, and which so far from the equipment that something unsaid must reach them."""
+"""Room for mounts: which stand in each other, and which so far from the equipment that a part must join them to it."""
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def box_of(layout: Layout) -> tuple[Array, Array]:
 
 
 def in_thin_air(system: System, layout: Layout | None) -> list[str]:
-    """Say which mounts of tables stand so far from the equipment that something unsaid must reach them."""
+    """Return notes on mounts that stand so far from the equipment, over twice their size, that a part must join them to it."""
     said = []
     low, high = (np.zeros(3), np.zeros(3)) if layout is None else box_of(layout)
     for mount in () if layout is None else (system.mounts[row.name] for row in layout.mounts):

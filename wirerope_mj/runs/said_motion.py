@@ -112,7 +112,7 @@ _MOST_CYCLES = 300  # at a line: what static load still leaks away after that mo
 def with_dwells_found(
     phrases: Sequence[tuple[str, str]], system: System, *, folder: Path | None = None
 ) -> list[tuple[str, str]]:
-    """Complete amplitude tables that `dwell` without a frequency by the frequencies of the system's response prominences.
+    """Add to phrases of amplitude tables with "dwell" and no frequency those at which the system's response has a maximum.
 
     Raises:
         ValueError: such a phrase lacks something, or the base moves along several directions at once.

@@ -195,7 +195,7 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
 
 
 def run_facts(folder: Path) -> dict[str, str]:
-    """Describe the model of a run in facts, by what each is on; RecordError or ModelError if its files are damaged."""
+    """Describe the model of a run in texts by subject: isolators, laws, masses; RecordError or ModelError if it is damaged."""
     return model_facts(system_and_motion(folder, scenario_content(folder))[0])
 
 

@@ -132,7 +132,7 @@ def write_run(
     scenario: Scenario, folder: str | Path, *, force: bool = False, progress: bool = False, state: bool = False,
     decks: bool = False, when_judged: Callable[[JudgedRun], None] = lambda judged: None,
 ) -> None:  # fmt: skip
-    """Simulate a scenario and write the run as `run_scenario` does, without reading the response back.
+    """Simulate a scenario and write the run as `folder`, whole or not at all, without reading the response back.
 
     `when_judged` is called with the judged run before anything is made of it; what it raises ends the run, whose folder is
     not written then. With `state` the recording keeps every sample, too; with `decks` the report has the peaks on decks that

@@ -282,7 +282,7 @@ def _systems(
 
 
 def replacements(system: System, isolator: Isolator) -> dict[str, Isolator]:
-    """Return the isolators of mounts, and of the stops where a part goes solid, when the part replaces them, by mount."""
+    """Return the isolators, by mount, with which a part replaces a model's: the part itself, and stops where it goes solid."""
     stops = system.bottoms.values()
     placed = {name: bottom_in_place(system.mounts[name].written, isolator) for name in stops}
     return dict.fromkeys(replaceable_mounts(system), isolator) | placed

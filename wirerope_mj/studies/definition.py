@@ -98,7 +98,7 @@ class StudyDefinition:
         self._maker = Maker(self.base, self.motions, self._columns)
 
     def require_time(self, subject: str, runs: float, fewer: str) -> None:
-        """Raise BudgetError if so many runs take too long; the message calls them `subject`, and the remedy `fewer`."""
+        """Raise BudgetError if so many runs take too long; the message begins with `subject`, the remedy is fewer `fewer`."""
         require_time(
             f"{subject} of {self.duration:.4g} s",
             runs * self.duration * max(self.sample_rate, 1.0 / self.timestep if self.timestep else 0.0),

@@ -20,7 +20,7 @@ _TAKEN_AWAY = ("/failed", "/fitted")
 
 
 class Lengths:
-    """Whether a study's runs are long enough, by the rules for single runs: `wirerope_mj.assessment.criteria.ended`."""
+    """Check of a study's runs: whether they last until their peaks are over, by `wirerope_mj.assessment.criteria.ended`."""
 
     def __init__(self, work: Work) -> None:
         self._make = Maker(work.system, work.motions, work.columns)

@@ -36,7 +36,7 @@ def study_folder(
     study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, when_done: Callable[[Path], object],
     search: Entries | None = None,
 ) -> Iterator[Path]:  # fmt: skip
-    """Lend the folder in which `study` is computed during the block: `folder`, in which finished parts are always kept.
+    """Lend the folder to compute `study` in: `folder`, where finished parts are kept, or a hidden one if it replaces a study.
 
     A study that `force` replaces stays as it is until the block ends well and the new one is whole, which stands in a hidden
     folder until then. `when_done` is called with the folder of the study that is computed, which stays whatever that raises,
@@ -78,7 +78,7 @@ def check_whole(new: Path, folder: Path) -> None:
 
 
 def prepare(study: StudyDefinition, folder: Path, *, keep: str, resume: bool, search: Entries | None = None) -> str:
-    """Make `folder` that of `study`, a new one or the one of this very study that `resume` continues; return its id.
+    """Prepare `folder` for a study, which is new or continues with `resume`, and return the study's id.
 
     Without a part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
     process died is taken away again, but none of its parts. RecordError if something else stands there, or a study that is

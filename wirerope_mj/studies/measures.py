@@ -210,7 +210,7 @@ def measures_together(
 
 
 def _stops_beside(system: System) -> dict[str, list[str]]:
-    """List the stops at the sites of each mount that has some."""
+    """List the stops that stand at the same sites as a mount, by the mount's name."""
     found: dict[tuple[str, str], list[str]] = {}
     for name, one in system.mounts.items():
         if one.isolator.is_stop:

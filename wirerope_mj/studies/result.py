@@ -170,7 +170,7 @@ class StudyResult(Exportable, Summarised):
         return rows_of(table, worst(table, checked_measure(table, measure), count))
 
     def quantiles(self, measure: str, probabilities: Sequence[float] = (0.5, 0.9, 0.95, 0.99)) -> list[float]:
-        """Return quantiles of a measure, SI; NaN with fewer than five variants beyond, too few to tell.
+        """Return quantiles of a measure, SI; NaN where fewer than five variants lie beyond, too few to tell.
 
         Of a study for Sobol's indices, those of the variants that do not depend on each other. Of values that are listed they
         are no probabilities.

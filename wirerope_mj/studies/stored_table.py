@@ -36,7 +36,7 @@ class StoredTable:
     """
 
     def __init__(self, folder: Path, todays_name: Callable[[str], str]) -> None:
-        """Open the table in `folder`, whose columns an older version called otherwise."""
+        """Open the table in `folder`; `todays_name` renames columns that an older version called otherwise."""
         with _table_file(folder) as path:
             self._metadata = pq.read_metadata(path)
         self._folder, self._rows = folder, np.arange(self._metadata.num_rows)

@@ -37,14 +37,14 @@ def part_names() -> tuple[str, ...]:
 
 
 def _found(text: str) -> dict[str, str]:
-    """List the parts of the vendors' tables whose names hold a text."""
+    """List the parts of the vendors' tables whose names contain a text, as HTML."""
     rows = [_row(part) for part in vendor_parts() if text.lower() in part.name.lower()][:_SHOWN]
     said = "" if rows else f"No part of the vendors' tables is called {text[:40]!r}."
     return {"found": fragment("parts.html.jinja", rows=rows, said=said, running=False)}
 
 
 def _loops(name: str) -> dict[str, str]:
-    """Draw the loops of a part; ModelError if it is none, or has no isolator."""
+    """Draw the force-deflection loops of a part as HTML; ModelError if there is no such part, or it has no isolator."""
     if name not in part_names():
         raise ModelError(f"there is no part {name[:40]!r}.")
     try:

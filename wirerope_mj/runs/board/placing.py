@@ -47,7 +47,7 @@ class Placing:
         self._positions |= {f"envelope/{box.name}": box.centre for box in layout.envelope}
 
     def edit(self, asked: str, action: Entries) -> tuple[str, list[str]]:
-        """Do one of the edits in `PLACED`, and return what is said of it, and the names of copies."""
+        """Carry out one of the edits `PLACED`; return a phrase that says what was done, and the names of copies."""
         names, copies, sides = names_of(action), list[str](), dict[str, None]()
         if asked == "remove":
             for name in names:

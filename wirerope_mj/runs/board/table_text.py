@@ -52,7 +52,7 @@ class TableText:
         return {cells["name"]: (number, cells) for number, cells in named}
 
     def unit(self, column: str) -> str:
-        """Return the unit in which a column is written, or would be; "" of one without."""
+        """Return the unit in which a column is written, or would be if it were added; "" of one without."""
         kind = self._quantity(column)
         if kind in (PURE, TEXT):
             return ""
@@ -91,7 +91,7 @@ class TableText:
         return replace(self, lines=(*self.lines[:last], self.lines[last] + end, copied, *self.lines[last + 1 :]))
 
     def free_name(self, row: str) -> str:
-        """Return the first name with the letters of a row's that no row has."""
+        """Return a name that no row has: the letters of another row's name and the first free number."""
         stem = row.rstrip("0123456789")
         return next(name for n in range(1, len(self.rows) + 2) if (name := f"{stem}{n}") not in self.rows)
 

@@ -177,7 +177,7 @@ def _key(case: LoadCase, loaded: Loaded) -> str:
 
 
 def at_rest_html(shown: Loaded) -> str:
-    """Write loads at rest of every mount, the natural frequencies, and which mounts stand in thin air."""
+    """Write as HTML the mounts' loads at rest, the natural frequencies, and which mounts stand far from the equipment."""
     blocks = [Statement("doubts", items=tuple(in_thin_air(shown.system, shown.layout)), tone="near")]
     return column_html([*blocks, *_at_rest(shown.sag, shown.frequencies)])
 

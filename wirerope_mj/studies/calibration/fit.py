@@ -21,7 +21,7 @@ from wirerope_mj.studies.vary.distributions import LARGEST, SMALLEST, Normal, Un
 
 @dataclass(frozen=True, kw_only=True)
 class Prior:
-    """Distributions of unknowns."""
+    """Joint distribution of the unknowns of a calibration before the tests."""
 
     names: tuple[str, ...]  # of the unknowns
     units: tuple[str, ...]  # of their values; "" for factors
@@ -240,7 +240,7 @@ class Coordinates:
         return np.asarray((self._logarithms(normals) - self._origin) @ self._inverse.T)
 
     def _logarithms(self, normals: Array) -> Array:
-        """Return the values of the unknowns at u (n, d), as logarithms for unknowns whose prior is positive."""
+        """Return the values of the unknowns at standard normals u (n, d), as logarithms where an unknown is always positive."""
         values = self._prior.values(normals)
         return np.where(self._positive, np.log(np.where(self._positive, values, 1.0)), values)
 
@@ -282,7 +282,7 @@ def sample(problem: Problem, fitted: Fit, *, draws: int = 1000, seed: int = 1) -
 
 
 def _terms(s: Array) -> Array:
-    """Return the terms of a quadratic: 1, s and all products of two of them, (n, 1 + d + d (d + 1) / 2)."""
+    """Return the terms of a quadratic in s (n, d): 1, s and all products of two of them, (n, 1 + d + d (d + 1) / 2)."""
     rows, columns = np.triu_indices(s.shape[1])
     return np.concatenate([np.ones((len(s), 1)), s, s[:, rows] * s[:, columns]], axis=1)
 

@@ -32,7 +32,7 @@ _NAME = re.compile(r"channel/(.*)/(gain|delay|offset)")
 
 
 class SystemForward:
-    """Series of all tests of a system as a function of the unknowns: first the system's, then the channels'."""
+    """Series of all tests of a system as a function of the unknowns: quantities of the system, then faults of channels."""
 
     def __init__(
         self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"
@@ -198,7 +198,7 @@ def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list
 
 
 def chains(nuisance_list: Sequence[Nuisance], values: Array, channels: int) -> dict[str, Array]:
-    """Return gain [-], delay [s] and offset [SI] of every channel, (n, n_channels) each, from values (n, n_nuisances)."""
+    """Return gain [-], delay [s], offset [SI] of all channels, (n, n_channels) each, at nuisances' values (n, n_nuisances)."""
     chain = {kind: np.full((len(values), channels), neutral) for kind, neutral in NEUTRAL.items()}
     for nuisance, column in zip(nuisance_list, values.T, strict=True):
         for k in nuisance.channels:

@@ -45,7 +45,7 @@ class Series:
 
     @cached_property
     def lags(self) -> tuple[Array, Array]:
-        """Distances between samples, and the cosine with which the discrepancy oscillates over them, (n, n) each."""
+        """Distances between samples, and the cosine with which the model's own error oscillates over them, (n, n) each."""
         lag = np.abs(self.at[:, np.newaxis] - self.at)
         return lag, np.cos(2.0 * np.pi * self.frequency * lag)
 
@@ -83,7 +83,7 @@ class Noise:
         return self.discrepancy * series.largest * (series.size / series.largest) ** self.power
 
     def root(self, series: Series) -> Array:
-        """Return the lower Cholesky factor of the covariance, (n, n)."""
+        """Return the lower Cholesky factor of the covariance of noise and model's own error together, (n, n)."""
         lag, swing = series.lags
         deviation = self.deviation(series)
         covariance = np.exp(-lag / self.length) * swing * deviation * deviation[:, np.newaxis]
@@ -105,7 +105,7 @@ class Information:
 
 
 def information(series: Series, noise: Noise, jacobian: Array, linear: Array) -> tuple[Information, float, float]:
-    """Return the information of a series, half the log determinant of its covariance K, and r^T K^-1 r.
+    """Return the information of a series, half the log determinant of its covariance K, and r^T K^-1 r of its residual r.
 
     The jacobian is that of the model's series by u, (n, d), `linear` measured minus model at u = 0 on the tangent, (n,).
     """

@@ -201,7 +201,7 @@ def _forces_rise(system: System, isolators: Mapping[str, Isolator], travel: Mapp
 
 
 def _at_level(forward: SystemForward, work: Work, values: Array, factor: float) -> Array:
-    """Return the measures at values (n, d) under the motion times a factor, (n, n_measures); NaN if none can be simulated."""
+    """Return the measures at values of unknowns (n, d) under the motion times a factor, (n, n_measures); NaN if all fail."""
     try:
         return forward.measures(replace(work, motions=(Scaled(work.motions[0], factor),)), values)
     except ConvergenceError:

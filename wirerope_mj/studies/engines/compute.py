@@ -36,7 +36,7 @@ class Chunk:
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """The result of a chunk."""
+    """Result of a chunk: its rows of the study's table, and whole responses if they are kept."""
 
     number: int
     table: pa.Table  # its rows of the table
@@ -57,7 +57,7 @@ _RESULTS = (ValueError, ArithmeticError, WireRopeError)
 
 
 def schema(work: Work) -> pa.Schema:
-    """Return names and types of the table's columns."""
+    """Return names and types of the columns of a study's table."""
     fields = [("variant", pa.int64()), *((column.name, column.type) for column in work.columns)]
     fields += [(name, pa.float64()) for name in measure_names(work.system)]
     return pa.schema([*fields, ("status", pa.string()), ("message", pa.string())])
@@ -104,7 +104,7 @@ Outcome = Measured | str  # What came of a variant, or why it failed
 
 
 def _outcomes(work: Work, rows: Sequence[Entries], responses: dict[int, bytes] | None) -> list[Outcome]:
-    """Return measures or error message of every row; `responses`, if given, collects the responses."""
+    """Simulate each row as a system of its own; return measures or error message of each; `responses` collects responses."""
     make = Maker(work.system, work.motions, work.columns)
     outcomes: dict[int, Outcome] = {}
     systems, motions, indices = [], [], []

@@ -209,7 +209,7 @@ class SobolIndices:
 
     @property
     def too_few(self) -> bool:
-        """True if the rows are too few for the indices: intervals of total indices are wide, or values no indices."""
+        """True if the rows are too few for the indices: intervals of total indices are wide, or indices far outside 0 to 1."""
         return any(factor.reach > _WIDE for factor in self.factors) or any(
             not -_BEYOND <= index <= 1.0 + _BEYOND for factor in self.factors for index in (factor.first, factor.total)
         )
@@ -230,7 +230,7 @@ def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
 
 
 def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndices:
-    """Return the indices of a measure from a table of variants in the order of `sobol.points`; rows may be missing.
+    """Return the indices of a measure from a table of variants in the order of `saltelli_points`; rows may be missing.
 
     With f of A, B and A_B (A with one factor from B) and V the variance over A and B, centred about its mean: first order
     E(f_B (f_AB - f_A)) / V, total E((f_A - f_AB)^2) / 2V (Saltelli et al. 2010, table 2 b and f), as SciPy's

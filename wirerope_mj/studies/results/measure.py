@@ -133,7 +133,7 @@ def most_critical(table: pa.Table, limits: Mapping[str, float] = MappingProxyTyp
 
 
 def known_measures(table: pa.Table, names: Sequence[str]) -> list[str]:
-    """Select the measures that have values in a table, an older one has fewer; `ALL` only if a point exceeds all bodies."""
+    """Select the measures that have values in a table; `ALL` only if the largest acceleration of a variant is a point's."""
     points_matter = ALL in names and any(name.startswith(ALL[:-1]) for name in table.column_names)
     points_matter = points_matter and bool((values_of(table, ALL) > values_of(table, ALL[:-2])).any())
     present = [name for name in names if name in table.column_names or (name == ALL and points_matter)]
@@ -213,7 +213,7 @@ def finite(values: Array) -> Array:
 
 
 def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
-    """Return quantiles; NaN with fewer than five variants beyond, away from the median: too few to tell."""
+    """Return quantiles of values; NaN where fewer than five values lie beyond, too few to tell."""
     known = finite(values)
     beyond = [known.size * min(q, 1.0 - q) for q in probabilities]
     # 50 (1 - 0.9) is a little less than 5 in floating point.
@@ -223,7 +223,7 @@ def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
 
 
 def exceedance(values: Array, limit: float, *, failed: int = 0, early: int = 0) -> Exceedance:
-    """Return the exceedance of a limit by values, besides `failed` variants and `early` ones, which are not judged."""
+    """Count the values beyond a limit and bound the probability; `failed` variants and `early` ones are not judged."""
     known = finite(values)
     k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
     low = float(scipy.stats.beta.ppf(tail, k, n - k + 1)) if k else 0.0

@@ -85,13 +85,13 @@ class StudySummary:
 
     @cached_property
     def measures(self) -> tuple[Measure, ...]:
-        """Measures to be displayed: `by` first, then the headlines of the table, then those limited here."""
+        """Measures to be displayed: `by` first, then the headlines of the table, then those with a limit in `limits`."""
         names = dict.fromkeys([self.by, *headlines(self.result.columns), *self.limits])
         return tuple(measure_of(name, self.limits) for name in names)
 
     @cached_property
     def limits(self) -> dict[str, float]:
-        """Limits that were stated on one measure alone, and that of the most displayed one, SI by name."""
+        """Limits that were stated on a single measure each, and the smallest on `by`, SI by the measure's name."""
         alone = {limit.measures[0]: limit.limit for limit in reversed(self.stated) if len(limit.measures) == 1}
         return {name: limit for name, limit in limits_of(self.stated).items() if name == self.by} | alone
 
@@ -119,6 +119,7 @@ class StudySummary:
 
     @cached_property
     def statistics(self) -> tuple[Statistics, ...]:
+        """Statistics of every displayed measure over the independent variants."""
         table, statistics = self.result.independent, []
         for measure in self.measures:
             values, limit = values_of(table, measure.name), measure.limit
@@ -136,7 +137,7 @@ class StudySummary:
 
     @property
     def of_directions(self) -> str:
-        """Text behind a ratio of directions: " of all directions"; "" of variants."""
+        """Text that follows a ratio: " of all directions" where it is one of directions; "" where it is one of variants."""
         return "" if self.result.is_sampled else f" of {directions_text(self.result.columns)}"
 
     @cached_property

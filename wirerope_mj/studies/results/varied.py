@@ -91,6 +91,7 @@ def varied_of(study: StudyDefinition) -> list[Varied]:
 
 
 def distribution_text(distribution: Distribution) -> str:
+    """Describe a distribution: "normal, mean 1, standard deviation 0.1"."""
     if isinstance(distribution, Normal):
         ends = [f"{bound} {end:g}" for bound, end in (("from", distribution.low), ("to", distribution.high)) if end is not None]
         bounds = f", {' '.join(ends)}" if ends else ""
@@ -182,7 +183,7 @@ _EXAMPLE = '"deflection/*/roll = 35 mm"'
 
 @dataclass(frozen=True, kw_only=True)
 class StatedLimit:
-    """A limit on the largest of some measures."""
+    """A limit that a user states on a computed study: on the largest of some measures."""
 
     text: str  # as it was written
     measures: tuple[str, ...]  # columns of the table, at least one

@@ -143,7 +143,7 @@ def feasible(table: pa.Table, names: Sequence[str], limits: Mapping[str, float])
 
 
 def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> list[int]:
-    """Return the rows of the Pareto-optimal feasible designs, those with the least of the first name first.
+    """Return the rows of the Pareto-optimal feasible designs, in rising order of the first minimised measure.
 
     A design is one of them unless another feasible one is not worse in any respect and better in one; of several that are
     equal in all respects it is the first.

@@ -51,7 +51,7 @@ class LawParameter(MountColumn, ValueOrFactor):
 
     @classmethod
     def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> object:
-        """Return the parameter in the model; ModelError lists those that exist."""
+        """Return the value of a law's parameter in the model; ModelError lists the parameters if there is no such one."""
         law = isolator.axes[axis]
         if law is None:
             present = [axis for axis, law in isolator.axes.items() if law is not None]
@@ -172,6 +172,7 @@ class Spread(LawParameter):
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return a column for each parameter in an isolator's [spread], of each mount or of all that share a specimen."""
         name, each = entry.name, entry.distribution.each
         if not isinstance(entry.distribution, Specimens):
             raise ValueError(f"`vary`: {name!r} must be Specimens, got {entry.distribution!r}.")
@@ -291,6 +292,7 @@ class Failed(Fitted):
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return columns of True and False, or one of the name of the mount that has failed."""
         mounts, distribution = cls.matching(entry, entry.pattern), entry.distribution
         if isinstance(distribution, Choice) and entry.chooses_among(str) and not distribution.each:
             if unknown := [value for value in distribution.choices if value not in ("", *mounts)]:

@@ -196,6 +196,7 @@ class ValueOrFactor(InputColumn):
     """Column of values in place of the model's, or of factors on them."""
 
     def warnings(self, system: System, values: Array) -> list[str]:
+        """Return a warning if factors look like values, or values like factors on the model's."""
         low, high = np.abs(values).min(), np.abs(values).max()
         if self.relative:
             if high >= 1.0 / FAR and low <= FAR:
@@ -263,6 +264,7 @@ class Shift(InputColumn):
         return np.asarray(values != 0.0)
 
     def warnings(self, system: System, values: Array) -> list[str]:
+        """Return a warning if shifts look like millimetres, or like positions."""
         low, high = float(values.min()), float(values.max())
         middle = (low + high) / 2.0
         positions = [position for position in self.nominal(system) if abs(position) > NEAR]

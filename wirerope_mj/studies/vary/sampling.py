@@ -164,7 +164,7 @@ def _listed(quantities: Sequence[Quantity], lists: Sequence[list[Any]], sampling
 
 
 def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
-    """Return the factors for which indices are computed, with the indices of their columns among all columns.
+    """Return the factors for which Sobol's indices are computed, with the numbers of their columns among all columns.
 
     A factor is one quantity with all its columns, or what bears the same `group`.
     """
@@ -196,7 +196,7 @@ def base_rows(variants: int, n_factors: int) -> int:
 
 
 def saltelli_points(groups: Sequence[Sequence[int]], variants: int, seed: int) -> Array:
-    """Return numbers from 0 to 1, (variants, n_columns), of Saltelli's matrices (Saltelli et al. 2010).
+    """Draw probabilities between 0 and 1, (variants, n_columns), as rows of Saltelli's matrices (Saltelli et al. 2010).
 
     Row by row: A, B, then for each factor A with the columns of this factor, `groups`, from B. So a larger study begins
     with a smaller one, and what a failed variant spoils is one row. ValueError if the number of variants does not suit.

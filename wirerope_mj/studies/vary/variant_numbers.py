@@ -90,7 +90,7 @@ _Laws = dict[object, tuple[Array, tuple[float, ...], _Forms]]
 
 
 def _plain(draft: Draft) -> bool:
-    """Tell whether only parameters of laws vary, of isolators that act as written."""
+    """Tell whether a draft changes only parameters of laws, in isolators that act as their files state them."""
     mounts = draft.system.mounts
     return not draft.isolators and all(
         mounts[mount].written.conditioned is mounts[mount].written and all(part in AXES for part, _ in parameters)
@@ -99,7 +99,7 @@ def _plain(draft: Draft) -> bool:
 
 
 def _write_isolator(system: System, mount: str, isolator: Isolator, numbers: Array, rates: Array, written: _Written) -> bool:
-    """Write an isolator to the numbers of the equations and to the laws' rates; tells whether it has their structure."""
+    """Write an isolator to the numbers of the equations and to the laws' rates; return False if it has another structure."""
     key = (mount, id(isolator))
     if key not in written:
         acting, first = isolator.conditioned, 3 * list(system.mounts).index(mount)
@@ -143,7 +143,7 @@ def _numbers_of(law: Law, *, coupled: bool) -> tuple[Array, tuple[float, ...], _
 
 
 def _forms(law: Law | None, laws: _Laws) -> _Forms:
-    """Return the forms of a law that does not vary."""
+    """Return sigma, n, bound and yield deflection (`form_of`) of the components of a coupled law that does not vary."""
     assert law is not None  # it is coupled
     key = (id(law), ())
     if key not in laws:
