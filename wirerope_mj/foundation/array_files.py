@@ -94,10 +94,7 @@ def columns_of_array_file(path: Path, wanted: Collection[str] = ()) -> Header | 
 def _select_columns(
     path: Path, columns: Mapping[str, Array], scalars: Mapping[str, float], wanted: Collection[str], left_out: Sequence[str]
 ) -> Header:
-    """Select the wanted columns, or those of the most common length; where time is missing it is made from their rate.
-
-    `left_out` are columns of the file that hold no numbers.
-    """
+    """Select the wanted columns, or those of the most common length; where time is missing it is made from their rate."""
     lengths = {name: column.size for name, column in columns.items() if column.size > 1}
     if not lengths:
         content = short(plain(", ".join([*columns, *scalars]))) or "nothing that is a number"
@@ -179,7 +176,6 @@ def _nearest(column: str, scalars: Mapping[str, float], called: Collection[str])
 
 
 def _bare(name: str) -> str:
-    """Return the last part of a name in small letters, without digits and signs."""
     return re.sub(r"[^a-z]", "", name.rpartition(".")[2].lower())
 
 
@@ -199,7 +195,6 @@ def _hdf5(path: Path) -> Mapping[str, Any]:
     import h5py
 
     def content(group: Any) -> dict[str, Any]:
-        """Read a group's datasets by name, groups in it as nested dictionaries, with units, rates and intervals."""
         members: dict[str, Any] = {}
         for name, member in group.items():
             if name.startswith("#"):  # what MATLAB's cells refer to
@@ -276,7 +271,6 @@ def _tdms(path: Path) -> Mapping[str, Any]:
 
 
 def _wav(path: Path) -> Mapping[str, Any]:
-    """Read the channels of a WAV file as fractions of full scale, and their sampling rate [Hz]."""
     from scipy.io import wavfile
 
     rate, samples = wavfile.read(path)

@@ -274,8 +274,6 @@ def options_of(hint: Any, marks: tuple[Any, ...] = ()) -> list[tuple[Any, tuple[
 
 
 def _is_number_within(value: float, hint: Any) -> bool:
-    """Tell whether a type takes a float, and the value keeps its bounds."""
-
     def holds(meta: msgspec.Meta) -> bool:
         above = (meta.gt is None or value > meta.gt) and (meta.ge is None or value >= meta.ge)
         return above and (meta.lt is None or value < meta.lt) and (meta.le is None or value <= meta.le)
@@ -306,8 +304,6 @@ def bounds_of(kind: Any) -> dict[str, msgspec.Meta]:
 
 @dataclass(frozen=True)
 class _Filled:
-    """What a key of a file fills: the field, the type of its value, and the factor of the key's unit into SI."""
-
     field: str
     hint: Any
     factor: float | tuple[float, ...] | None = None
@@ -394,7 +390,6 @@ def tables_in(hint: Any) -> tuple[Any, Any]:
 
 
 def _in_si(value: Any, factor: float | tuple[float, ...] | None) -> Any:
-    """Convert a number, a list of numbers, or rows of numbers by one factor for each column, into SI."""
     if factor is None or isinstance(value, str):
         return value
     if isinstance(factor, tuple):
