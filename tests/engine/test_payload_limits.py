@@ -89,3 +89,11 @@ def test_a_kind_that_joins_the_list_is_read_and_known_of_every_body_and_point(mo
 def test_a_limit_of_an_unknown_kind_is_refused():
     with pytest.raises(ValueError, match="`kind` must be one of 'acceleration', 'clearance'"):
         PayloadLimit(kind="speed", name="block", values=(1.0,))
+
+
+@pytest.mark.quick
+def test_one_number_of_a_clearance_holds_all_around():
+    assert limit_from_text("clearance/rack = 50 mm") == limit_from_text("clearance/rack = 50 50 50 mm")
+    assert set(limit_from_text("clearance/rack = 50 mm").ways.values()) == {0.05}
+    with pytest.raises(ValueError, match="must be 1, 3 or 6 numbers, got 2"):
+        limit_from_text("clearance/rack = 50 20 mm")

@@ -125,6 +125,15 @@ def test_a_mount_stands_as_it_was_turned_mirrored_and_lifted(board):
     assert mount(mirrored, "m1")["position"][0] == pytest.approx(low + high + 800.0, abs=0.01)
 
 
+@pytest.mark.parametrize(("name", "y"), [("m1", -372.0), ("m5", 372.0)])
+def test_on_the_floor_after_the_wall_a_mount_stands_below_the_equipment(board, name, y):
+    floor = mount(act(board, do="stand", names=[f"mount/{name}"], on="floor"), name)["position"]
+    assert abs(mount(act(board, do="stand", names=[f"mount/{name}"], on="wall"), name)["position"][1]) > 402.0
+    back = mount(act(board, do="stand", names=[f"mount/{name}"], on="floor"), name)
+    assert back["axial"] == [0.0, 0.0, 1.0]
+    assert back["position"] == [floor[0], y, floor[2]]
+
+
 def test_a_row_is_found_by_the_name_that_it_had(board):
     act(board, do="cell", table="masses", row="frame", column="name", value="skid")
     assert "skid, mass 90" in act(board, do="cell", table="masses", row="frame", column="mass", value="90")["said"].lower()

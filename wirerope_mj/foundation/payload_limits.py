@@ -67,16 +67,18 @@ class PayloadLimit:
     # the second
     name: str
     # acceleration [m/s^2]: one value for the norm, or three along x, y, z; clearance [m]: three values along x, y, z, both
-    # ways, or six along -x, +x, -y, +y, -z, +z; load and force [N], closing speed [m/s], fraction of the gap. Zero: not judged
-    # there.
+    # ways, six along -x, +x, -y, +y, -z, +z, or one, which is taken for all three; load and force [N], closing speed [m/s],
+    # fraction of the gap. Zero: not judged there.
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, KINDS)
         (few, many), unit, _, low, high, _ = KINDS[self.kind]
         values = tuple(finite("values", value) for value in self.values)
+        if self.kind == "clearance" and len(values) == 1:  # the same all around
+            values *= few
         if len(values) not in (few, many):
-            expected = "one number" if few == many else f"{few} or {many} numbers"
+            expected = "one number" if few == many else f"{'1, ' * (self.kind == 'clearance')}{few} or {many} numbers"
             raise ValueError(f"`values` of {self.kind} must be {expected}, got {len(values)}.")
         if not all(math.isfinite(value) and value >= 0.0 for value in values) or not any(values):
             raise ValueError(f"`values` must be finite and >= 0, one of them > 0, got {values}.")

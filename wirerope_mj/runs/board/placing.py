@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -53,7 +54,7 @@ class Placing:
             for name in names:
                 self._remove(name)
         elif asked == "duplicate":
-            copies = [self.copy(name, 2.0 * self._height(name) or _ASIDE) for name in names]
+            copies = [self.copy(name, 2.0 * self._size(name, "height") or _ASIDE) for name in names]
         elif asked == "stand":
             on = _choice(action, "on", "floor", "wall", "ceiling")
             sides = dict.fromkeys(side for name in names if (side := self._stand(name, on)))
@@ -100,7 +101,7 @@ class Placing:
         if name not in self._placed:
             raise ModelError(f"{name} is no mount or stop, and stands at no wall.")
         low, high = box_of(self._layout)
-        half, position, direction, wall = 0.5 * self._height(name), self._positions[name].copy(), _UP, ""
+        half, position, direction, wall = 0.5 * self._size(name, "height"), self._positions[name].copy(), _UP, ""
         if on == "wall":
             across = [position[:2] - low[:2], high[:2] - position[:2]]
             side, axis = np.unravel_index(int(np.argmin(across)), (2, 2))
@@ -111,6 +112,8 @@ class Placing:
             position[2] = 0.5 * (low[2] + high[2])
         else:
             direction = _UP if on == "floor" else -_UP
+            inside = np.minimum(0.5 * self._size(name, "width"), 0.5 * (high - low)[:2])  # whole below or above it
+            position[:2] = np.clip(position[:2], low[:2] + inside, high[:2] - inside)
             position[2] = low[2] - half if on == "floor" else high[2] + half
         self._put(name, position.round(3))
         self._direct(name, direction, None)
@@ -196,11 +199,11 @@ class Placing:
         else:
             del self.tables[table.kind]
 
-    def _height(self, name: str) -> float:
-        """Return the height of the isolator of a mount [m]; 0 if none is stated."""
+    def _size(self, name: str, side: Literal["height", "width"]) -> float:
+        """Return the height or the width of the isolator of a mount [m]; 0 if none is stated."""
         isolator = self._placed[name].isolator if name in self._placed else ""
         geometry = load_isolator(self._layout.isolators[isolator]).geometry if isolator in self._layout.isolators else None
-        return (geometry.height if geometry is not None else None) or 0.0
+        return (getattr(geometry, side) if geometry is not None else None) or 0.0
 
 
 def edited_tables(
