@@ -1,6 +1,7 @@
 """A board without its page: what edits, undoing, saving and other people's changes make of files, statics and verdict."""
 
 import json
+import re
 import shutil
 from concurrent.futures import CancelledError, Future
 from contextlib import suppress
@@ -327,6 +328,40 @@ def test_a_wrong_word_is_named_and_changes_nothing(board, folder):
     assert '"gg" is no unit' in told["said"]
     assert str(board._documents.copies) not in told["said"]
     assert act(board, do="save")["said"] == "Saved: nothing has changed."
+
+
+@pytest.mark.parametrize(
+    ("said", "action"),
+    [
+        (
+            'For example "half-sine 15 g 11 ms z". "gg" is no unit known here; known are m/s^2',
+            {"do": "case", "case": "0", "key": "motions", "value": "half-sine 15 gg 11 ms z"},
+        ),
+        (
+            'For example "random 1 g rms 5 to 200 Hz 30 s z seed 1". A time must stand there',
+            {"do": "case", "case": "0", "key": "motions", "value": "random 1 g 5 to 20 Hz z"},
+        ),
+        (
+            'For example "half-sine 15 g 11 ms z". "15" is no motion; a case begins with one of half-sine, ',
+            {"do": "case", "case": "0", "key": "motions", "value": "15 g 11 ms z"},
+        ),
+        ("For example \"load/m3 = 5 kN\". 'g' is no unit of load", {"do": "add-limit", "value": "load/m1 = 5 g"}),
+        ('For example "10 Hz 800 kg 4 %". A deck has one frequency', {"do": "job", "key": "deck", "value": "10 Hz"}),
+        ("'cold' is no unit of temperature", {"do": "job", "key": "temperature", "value": "cold"}),
+        (
+            'The table of mounts: "wide" in column "x" is not a number.',
+            {"do": "cell", "table": "mounts", "row": "m1", "column": "x", "value": "wide"},
+        ),
+        (
+            "The table of mounts: column \"isolator\": there is no isolator 'WR99'. The catalogue holds",
+            {"do": "cell", "table": "mounts", "row": "m1", "column": "isolator", "value": "WR99"},
+        ),
+    ],
+)  # fmt: skip
+def test_a_refusal_begins_with_an_example_and_names_no_line_of_a_file(board, said, action):
+    told = act(board, **action, id="1")["said"]
+    assert told.startswith(said)
+    assert not re.search(r"line \d|\.csv|\.toml|It is written like", told)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import Absent, ModelError, WireRopeError
+from wirerope_mj.motions.registry import SPOKEN_MOTIONS
 from wirerope_mj.runs.board.documents import Texts
 from wirerope_mj.runs.board.forms import form_of
 from wirerope_mj.runs.board.job_text import JOB_EDITS, edited_job
@@ -71,7 +72,7 @@ class Board:
         except (WireRopeError, ValueError) as error:
             typed = str(action.get("value", "")).split()
             word = next((quoted for quoted in re.findall(r'"([^"]+)"', str(error)) if quoted in typed), "")
-            yield False, {"refused": action.get("id"), "said": _sentence(str(error)), "tone": "bad", "word": word}
+            yield False, {"refused": action.get("id"), "said": _sentence(_reason(str(error))), "tone": "bad", "word": word}
             if action.get("do") in PLACED:  # what was shown while it was dragged is not so
                 yield from self._verdict()
 
@@ -256,6 +257,25 @@ def _shifted(loaded: Loaded, names: Sequence[str], by: Array) -> System:
     at_mounts = tuple(f"_{name.partition('/')[2]}" for name in names if name.startswith("mount/"))
     joined = [name for name in system.mounts if name not in rows and name.endswith(at_mounts)]
     return varied(system, positions=dict.fromkeys([*(name.partition("/")[2] for name in names), *joined], by))
+
+
+_PLACE = re.compile(r"job\.toml(, line \d+)?: (`\w+`: |\[\[?\w+\]\]? (\d+ '.*?': )?)?")
+_ECHO = re.compile(r"""([\w-]+) ("[^"]*"|'[^']*'): """)
+_EXAMPLES = re.compile(r" (It is written like|Expected is a phrase such as) (.+?)\.( Here it is .*)?$")
+
+
+def _reason(text: str) -> str:
+    """Write why a field is refused for whoever sees the field: an example first, and no line of a file."""
+    text, kind = _PLACE.sub("", text, count=1), ""
+    text = re.sub(r"\b(\w+)\.csv, line \d+", r"the table of \1", text)
+    text = re.sub(r": looked for \S+ and .+?\.toml\. ", ". ", text)
+    if echo := _ECHO.match(text):
+        kind, text = echo[1], text[echo.end() :]
+    if examples := _EXAMPLES.search(text):
+        said = re.findall(r'"([^"]+)"', examples[2])
+        example = next((each for each in said if echo and each.partition("/")[0] == echo[2][1:].partition("/")[0]), said[0])
+        text = f'for example "{f"{kind} " * (kind in SPOKEN_MOTIONS)}{example}". {_sentence(text[: examples.start()])}'
+    return text
 
 
 def _sentence(text: str) -> str:

@@ -108,7 +108,8 @@ def _write_motions(case: Any, line: str) -> None:
     for part in listed_phrases(line):
         kind, _, phrase = part.strip().partition(" ")
         if kind not in SPOKEN_MOTIONS:
-            raise ModelError(f'"{short(kind)}" is no motion; a case begins with one of {", ".join(SPOKEN_MOTIONS)}.')
+            known = f'"{short(kind)}" is no motion; a case begins with one of {", ".join(SPOKEN_MOTIONS)}.'
+            raise ModelError(f'{known} It is written like "half-sine 15 g 11 ms z".')
         said.setdefault(kind, []).append(phrase.strip())
     for kind in SPOKEN_MOTIONS:
         if kind in said:
