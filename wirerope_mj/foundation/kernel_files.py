@@ -55,6 +55,7 @@ def file_doubt(state: os.stat_result, name: str) -> str:
 
 
 def _mode_doubt(state: os.stat_result, name: str) -> str:
+    """Return a clause if the mode of a file or folder lets others write it, else ""."""
     group = state.st_mode & stat.S_IWGRP and not _is_own_group(state.st_gid)
     return f"others may write {name} (chmod go-w)" if state.st_mode & stat.S_IWOTH or group else ""
 

@@ -128,11 +128,13 @@ class Table:
 
 
 def _plain(cell: Cell) -> Content:
+    """Return the content of a cell; None in place of NaN and infinite numbers."""
     content = cell.content if isinstance(cell, Mark) else cell
     return None if isinstance(content, float) and not math.isfinite(content) else content
 
 
 def _mark(column: Column, cell: Cell, absent: str, minus: str) -> tuple[str, str]:
+    """Write text and tone of a cell, with these signs for an absent value and for minus."""
     content, tone = (cell.content, cell.tone) if isinstance(cell, Mark) else (cell, "")
     if isinstance(content, str):
         return content, tone

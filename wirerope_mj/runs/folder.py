@@ -82,6 +82,7 @@ def warn_of_alterations(folder: Path) -> None:
 
 
 def _names(folder: Path) -> list[str]:
+    """List the files below a folder, relative to it, but for the file of checksums."""
     files = (path for path in folder.rglob("*") if path.is_file())
     return sorted(name for path in files if (name := path.relative_to(folder).as_posix()) != CHECKSUMS)
 

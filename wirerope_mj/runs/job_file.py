@@ -340,6 +340,7 @@ def read_document(table: Entries, path: Path) -> Document:
 
 
 def _with_files(document: Document, place: Place) -> Document:
+    """Return a document after checking its files; the error names `place`."""
     try:
         files_of(document)
     except ValueError as error:

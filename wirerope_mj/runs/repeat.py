@@ -273,6 +273,7 @@ def _plain_differences(
 
 
 def _label(item: object, number: int) -> str:
+    """Name an entry of a list by its criterion, subject or name, if it has any, or else by its number."""
     known = [str(item[key]) for key in _LABELS if key in item] if isinstance(item, Mapping) else []
     return " of ".join(known) or str(number)
 

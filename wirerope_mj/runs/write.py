@@ -223,6 +223,7 @@ def _now() -> datetime:
 
 
 def is_streamed(arguments: Entries) -> bool:
+    """Tell whether a run has so many samples that they are written to their file during the simulation."""
     return bool(arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE) > STREAM_SAMPLES)
 
 

@@ -50,9 +50,11 @@ class Lengths:
         return quiet_from(*self._asked[self._number(row)])
 
     def _number(self, row: Entries) -> int:
+        """Return the index of a variant's motion among those of the study."""
         return MotionSettings.of(self._of_motion, row).record
 
     def _early(self, number: int, slowest: float) -> str:
+        """Return a note if a run under motion `number` ends too early for a mode of period `slowest` [s], else ""."""
         return ends_early(*self._asked[number], slowest)
 
 

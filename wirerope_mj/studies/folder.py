@@ -135,6 +135,7 @@ def computed_alone(folder: Path, identity: str) -> Iterator[None]:
 
 
 def _begun(folder: Path) -> bool:
+    """Tell whether any chunk of a study is finished."""
     return bool(finished_chunks(folder) or (folder / TABLE).is_file())
 
 

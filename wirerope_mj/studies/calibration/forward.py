@@ -140,6 +140,7 @@ class SystemForward:
         return self._maker.moves(self._maker.draft(self._row(values)), {})
 
     def _row(self, values: Array) -> Entries:
+        """Return values of the system's quantities, the first of (d,), by the names of their columns."""
         return {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
 
 

@@ -41,6 +41,7 @@ class Series:
 
     @cached_property
     def rms(self) -> float:
+        """Root mean square of the local size of the response [unit of the series]."""
         return float(np.sqrt(np.mean(self.size**2)))
 
     @cached_property
@@ -58,6 +59,7 @@ class Series:
 
     @cached_property
     def largest(self) -> float:
+        """Largest local size of the response [unit of the series]."""
         return float(self.size.max())
 
     @cached_property
@@ -92,6 +94,7 @@ class Noise:
 
 
 def first_noise(series: Series) -> Noise:
+    """Return the noise of a series with which the first fit starts."""
     low, high = series.lengths
     return Noise(white=WHITE * series.rms, discrepancy=DISCREPANT, length=float(np.sqrt(low * high)))
 

@@ -92,6 +92,7 @@ class FrequencyRuns:
         return [[row] if np.isfinite(row).all() else None for row in found]
 
     def recorded(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+        """Return the logarithm of transmissibilities that are measured with a gain [-]; delay and offset do not matter."""
         return np.log(gain * raw)
 
 
@@ -187,4 +188,5 @@ class LoopRuns:
         return found
 
     def recorded(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+        """Return the forces of a loop that are measured with a gain [-]; delay and offset do not matter."""
         return gain * raw

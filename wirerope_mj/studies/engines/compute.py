@@ -159,6 +159,7 @@ def failure_message(error: Exception) -> str:
 
 
 def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> Outcome:
+    """Return the measures of a variant that was simulated, or the message of its failure."""
     if isinstance(result, BatchFailure):
         return result.message
     rest = None if work.initial == UNLOADED else result.initial_state

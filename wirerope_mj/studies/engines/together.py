@@ -192,6 +192,7 @@ def _start_states(work: Work, variants: Variants) -> tuple[Array, Array | None, 
 
 @once_per_system
 def _unloaded(system: System) -> State:
+    """Return the state of the modelled geometry at rest, without loads in the mounts."""
     with system.assembly.scratch.data(system.model) as data:
         return state_of(system.model, data)
 

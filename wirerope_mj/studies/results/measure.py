@@ -108,6 +108,7 @@ def checked_measure(table: pa.Table, name: str) -> str:
 
 
 def headlines(table: pa.Table) -> list[str]:
+    """Return the measures that are looked at first, of those that have values in the table."""
     return known_measures(table, HEADLINES)
 
 
@@ -204,6 +205,7 @@ class Exceedance:
 
     @property
     def judged(self) -> int:
+        """Number of variants that are judged by the limit."""
         return self.n - self.early
 
 

@@ -199,6 +199,7 @@ def any_exceeded(summaries: Sequence[StudySummary]) -> Exceedance:
 
 
 def _of_one_mount(name: str) -> bool:
+    """Tell whether an input belongs to a single mount, and not to all that a pattern matches."""
     return name.startswith("mount/") and not set(name) & set("*?,")
 
 

@@ -303,6 +303,7 @@ class Evolving:
             self._results.close()
 
     def _report(self, generations: float) -> None:
+        """Show how many generations are done, and the designs computed a second."""
         rate = self._computed / (perf_counter() - self._began)
         self._update(generations / self._search.generations, rate)
 

@@ -44,10 +44,12 @@ class MotionSettings:
 
     @classmethod
     def of(cls, columns: Sequence[InputColumn], row: Entries) -> "MotionSettings":
+        """Take the settings from inputs by column: numbers of one variant, or arrays of many."""
         return cls(**{column.into: row[column.name] for column in columns if isinstance(column, MotionColumn)})
 
     @property
     def turns(self) -> bool:
+        """True if the settings state a direction."""
         return self.azimuth is not None or self.elevation is not None
 
     def motion(self, motions: Sequence[BaseMotion]) -> BaseMotion:

@@ -80,6 +80,7 @@ def _sampled(quantities: Sequence[Quantity], variants: int, sampling: str, seed:
 
 
 def _table(quantities: Sequence[Quantity], values: Sequence[list[Any] | AnyArray]) -> pa.Table:
+    """Join the values of all columns, (n,) each, to a table of inputs with numbered variants."""
     columns = [column for quantity in quantities for column in quantity.columns]
     numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
     arrays = [pa.array(value, type=column.type) for value, column in zip(values, columns, strict=True)]

@@ -72,6 +72,7 @@ class Maker:
         return self.moves(draft, self.isolators(draft, [*draft.isolators, *draft.parameters, *draft.gone]))
 
     def isolators(self, draft: Draft, mounts: Iterable[str]) -> dict[str, Isolator]:
+        """Return the isolators of some mounts, by mount, with all that a draft changes of them."""
         return {mount: self._isolator(mount, draft) for mount in mounts}
 
     def draft(self, row: Row) -> Draft:
@@ -111,6 +112,7 @@ class Maker:
         )  # fmt: skip
 
     def forget(self) -> None:
+        """Discard the objects that were made so far, for their memory."""
         self._made.clear()
         self._isolators.clear()
 

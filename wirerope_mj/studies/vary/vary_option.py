@@ -159,6 +159,7 @@ def _distribution(name: str, text: str) -> Distribution:
 
 
 def _flags(kind: str) -> list[str]:
+    """Return the names of the arguments of a distribution that are True or False."""
     parameters = inspect.signature(_KINDS[kind]).parameters
     return [name for name, parameter in parameters.items() if isinstance(parameter.default, bool)]
 
