@@ -36,6 +36,7 @@ def doubt() -> str:
 
 
 def _doubt() -> str:
+    """Read the result of an earlier proof from its note, or else prove it now and write the note; "" if nothing is in doubt."""
     try:
         from wirerope_mj.foundation import linked_code
     except Exception as error:  # whatever a class that is not there any more leads to

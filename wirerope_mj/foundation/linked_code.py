@@ -43,10 +43,10 @@ class LinkedCode(JITCodeLibrary):
     _translated = False
 
     def _optimize_final_module(self) -> None:
-        """Leave that to what links this code."""
+        """Do nothing: code is optimised with all that it calls when an address in it is asked for (`_translate`)."""
 
     def _finalize_final_module(self) -> None:
-        """Take machine code that was read from a file; leave the rest until it is asked for."""
+        """Take machine code that was read from a file; other code is translated when an address in it is asked for."""
         self._finalized = True
         if self._object_caching_enabled and self._compiled_object:
             self._translated = True
@@ -62,10 +62,11 @@ class LinkedCode(JITCodeLibrary):
         return int(super().get_pointer_to_function(name))
 
     def serialize_using_object_code(self) -> tuple[Any, ...]:
-        """Return what a file holds: machine code if there is any."""
+        """Return the content of a file of this code: machine code if it was translated, else LLVM's bitcode."""
         return tuple(super().serialize_using_object_code() if self._translated else self.serialize_using_bitcode())
 
     def _translate(self) -> None:
+        """Optimise this code with all that it calls, translate it to machine code, and tell it where its environments are."""
         names = [variable.name for variable in self._final_module.global_variables]
         if any(name.startswith(RuntimeLinker.PREFIX) for name in names):  # functions that call each other, one not there yet
             rtsys.library.get_pointer_to_function("nrt_unresolved_abort")  # stands for it, and may not be translated meanwhile
@@ -117,7 +118,7 @@ class KernelCallback(CFunc):
 
 
 class KernelFiles(_Cache):
-    """Compiled code of one kernel, as Numba's dispatchers ask for it."""
+    """Files of the compiled code of one kernel, with the methods that Numba's dispatchers call."""
 
     def __init__(self, function: Callable[..., Any], **options: Any):
         self._function, self._options = function, options
@@ -165,7 +166,7 @@ class KernelFiles(_Cache):
 
 
 def content_of(code: CompileResult) -> bytes:
-    """Return what a file holds of compiled code, which is translated for that."""
+    """Translate compiled code to machine code, and return the content of its file."""
     code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name)  # machine code of what C calls
     return bytes(dumps(code._replace(type_annotation="")._reduce()))  # which nothing reads: as a text it takes a tenth of all
 
