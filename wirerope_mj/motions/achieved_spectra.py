@@ -19,8 +19,8 @@ from wirerope_mj.motions.spectrum_match import FINE_PER_OCTAVE, interpolated
 SAMPLES_PER_PERIOD = 20.0  # samples in a period of the highest frequency: twice what ISO 18431-4 asks for
 STRONG = 0.25  # of the peak: strong motion lasts from the first to the last instant above, as IEEE 344 has it
 ENERGY = 0.05, 0.95  # of the integral of the squared acceleration (Arias), between which the motion is significant
-# lengths of a segment in the strong motion: the largest coherence of noise that is independent is then about 0.3. Fewer
-# averages read a chance coherence: of one segment it is 1, whatever the motions.
+# segments (Welch's method) in the time while two motions are significant: the largest coherence of independent noise is then
+# about 0.3. Fewer averages read a chance coherence: of one segment it is 1, whatever the motions.
 SEGMENTS = 12
 
 
@@ -32,19 +32,19 @@ class AchievedSpectrum(Brief):
     damping: float  #: damping ratio of the oscillators
     frequencies: Array  #: of the comparison [Hz], (n,), 192 to an octave over the required spectrum
     required: Array  #: absolute acceleration that is required [m/s^2], (n,)
-    achieved: Array  #: and that of the motion [m/s^2], (n,)
+    achieved: Array  #: absolute acceleration that the motion gives the oscillators [m/s^2], (n,)
     peak: float  #: largest acceleration of the motion, its zero-period acceleration [m/s^2]
     strong: tuple[float, float]  #: instants between which the acceleration exceeds a quarter of its peak [s]
     significant: tuple[float, float]  #: instants between which the Arias intensity rises from 5 to 95 % [s]
 
     @property
     def ratio(self) -> Array:
-        """Achieved over required, (n,)."""
+        """Achieved over required acceleration [-], (n,)."""
         return self.achieved / self.required
 
     @property
     def lowest(self) -> tuple[float, float]:
-        """Lowest ratio and the frequency where it is [Hz]."""
+        """Lowest ratio of achieved to required acceleration [-], and its frequency [Hz]."""
         row = int(np.argmin(self.ratio))
         return float(self.ratio[row]), float(self.frequencies[row])
 
@@ -85,7 +85,9 @@ def achieved_spectra(motion: BaseMotion, *, until: float = math.inf) -> tuple[Ac
 
 
 def axis_pairs(motion: BaseMotion, spectra: Sequence[AchievedSpectrum], *, until: float = math.inf) -> tuple[AxisPair, ...]:
-    """Compute how far the directions of required spectra are independent; `spectra`: the result of `achieved_spectra`.
+    """Compute how far the accelerations along the directions of required spectra depend on each other, for each pair.
+
+    `spectra` is the result of `achieved_spectra`.
 
     Coherence by Welch's method: Hann windows over a twelfth of the time while both are significant, half overlapping.
     A motion that is too short for twelve periods of its lowest frequency tells nothing, and has no pair.
@@ -116,7 +118,7 @@ def axis_pairs(motion: BaseMotion, spectra: Sequence[AchievedSpectrum], *, until
 
 
 def _histories(motion: BaseMotion, until: float) -> list[tuple[TargetSpectrum, Array, Array]]:
-    """Sample the accelerations [m/s^2] along the directions of the targets, at instants [s] of all."""
+    """Return each required spectrum with instants [s], equal for all, and the accelerations along its direction [m/s^2]."""
     if not motion.targets:
         return []
     highest = max(target.points[-1][0] for target in motion.targets)

@@ -28,9 +28,9 @@ STEP = 0.5  # of the levels that are tried [dB]; the curve is then lowered until
 HEADROOM, DEEPEST = 6.0, 60.0  # levels that are tried above and below the largest line [dB]
 GAIN = 0.25  # mean level by which more points must lower the envelope to be worth it [dB]
 LINES_PER_OCTAVE = 24  # of a shock response spectrum
-PASSED = 0.4  # of the rate, up to which a density holds: a usual anti-alias filter passes what lies below
-FIRST_LINE = 2.0  # of a density that holds, in distances of lines: the first ones lack the mean that was removed
-QUIET = 1e-4  # of the largest density, below which the ends of a band hold nothing of the vibration
+PASSED = 0.4  # fraction of the sampling rate up to which a density is used: usual anti-alias filters pass what lies below
+FIRST_LINE = 2.0  # lowest frequency of a density that is used, in distances of lines: below it the mean was removed
+QUIET = 1e-4  # fraction of the largest density below which the ends of a band hold nothing of the vibration
 BESIDE = 1.12  # factor on the frequencies of the last lines that count: a step of R20
 
 
@@ -60,7 +60,7 @@ class SpectrumEnvelope(Brief):
 
     @property
     def rms(self) -> tuple[float, float]:
-        """Root mean square within the band of the curve and of the measured lines, of a density [m/s^2]."""
+        """Rms accelerations within the band, of the curve and of the measured lines [m/s^2]; only for a density."""
         return psd_rms(self.points), math.sqrt(float(np.trapezoid(self.levels, self.frequencies)))
 
     @property
@@ -202,9 +202,10 @@ def break_points(
 
 
 def _segments(lines: Array, begin: float, end: float, heights: Array) -> Array:
-    """Return the costs [dB octave] of straight lines from and to all heights [dB], (k, k), infinite where one is forbidden.
+    """Return the areas [dB octave] under straight lines between all pairs of levels `heights` [dB], (k, k).
 
-    They go from `begin` to `end` [octave], above all `lines` [octave, dB], (n, 2).
+    They go from `begin` to `end` [octave], on or above all `lines` of the spectrum [octave, dB], (n, 2), with
+    slopes of whole dB/octave; what is not allowed has an infinite area.
     """
     octaves, rise = end - begin, heights - heights[:, np.newaxis]
     off_whole = np.abs(rise - octaves * np.round(rise / octaves))

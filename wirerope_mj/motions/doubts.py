@@ -1,4 +1,4 @@
-"""Questions about the units of a shock that lasts, or changes the velocity of its base, as no test does."""
+"""Questions about the units of a shock whose length or velocity change is beyond those of tests."""
 
 _LONGEST_SHOCK = 1.0  # [s] beyond which the unit of a pulse is questioned
 # change of velocity [m/s] beyond which the unit of a shock is questioned, that of a fall from 5 m: half-sines of standards end
@@ -14,7 +14,7 @@ def doubt_of_length(duration: float, question: str) -> str:
 
 
 def doubt_of_velocity(change: float, duration: float, question: str = _UNITS) -> str:
-    """Return a question about the units of a shock by its change of velocity [m/s], which no test has; else ""."""
+    """Return a question about the units of a shock whose velocity change [m/s] is larger or smaller than of any test; or ""."""
     if abs(change) > _FASTEST and duration < _OF_SLEDS:
         return f"it changes the base's velocity by {abs(change):.3g} m/s, more than shock tests do: {question}"
     if abs(change) < _STILL or (abs(change) < _SLOWEST and duration < _SHORTEST):

@@ -34,7 +34,7 @@ _HOW = 'say what lands: "onto bottom", "onto -x", "onto bottom -x" (an edge), "o
 
 
 def _onto_first(text: str, _: Path) -> tuple[None, str]:
-    """Replace the faces that land by the direction in which the floor strikes; nothing comes before the phrase."""
+    """Replace the faces that land by the direction of the floor's blow; return None (no name stands first) and the text."""
     match = _LANDING.search(text)
     if match is None:
         signed = [part for part in text.split() if part[:1] in ("+", "-") and part[1:] in ("x", "y", "z")]
@@ -74,7 +74,7 @@ class Drop(ShockTableImpact):
 
     @property
     def doubt(self) -> str:
-        """Question whether the height is in another unit, if nothing is dropped from there; else ""."""
+        """Question whether the height is in another unit, if it is above those of drop tests; else ""."""
         high = self.drop_height > _HIGHEST
         return f"it falls from {self.drop_height:.4g} m, higher than tests drop: is the height in mm?" if high else ""
 
@@ -104,7 +104,7 @@ _RAISED = {"-x": (1, 1.0, 0, 1.0), "+x": (1, -1.0, 0, -1.0), "-y": (0, -1.0, 1, 
 
 
 def _side_first(text: str, _: Path) -> tuple[str, str]:
-    """Split the side that is raised off a phrase."""
+    """Split the side that is raised, such as -x, off a phrase; return it and the remaining text."""
     words = text.split()
     sides = [word for word in words if word in _RAISED]
     if len(sides) != 1:
@@ -177,7 +177,7 @@ class RotationalDrop(BaseMotion):
 
     @cached_property
     def _pendulum(self) -> tuple[float, float, float]:
-        """Modulus k, K(k) and W."""
+        """Modulus k, complete elliptic integral K(k) and rate W [rad/s] of the fall, as in the class's equations."""
         modulus = math.sin(0.5 * (self.tilt + self._diagonal + 0.5 * math.pi))
         rate = math.sqrt(1.5 * self.gravity / math.hypot(self.length, self.height))
         return modulus, float(ellipk(modulus**2)), rate
@@ -194,7 +194,7 @@ class RotationalDrop(BaseMotion):
 
     @property
     def centre(self) -> tuple[float, float, float]:
-        """The edge that stays, from the base's own origin [m]."""
+        """Middle of the edge that stays on the floor, from the base's own origin [m]."""
         _, _, axis, sign = _RAISED[self.raised]
         place = [0.0, 0.0, 0.0 - self.below]
         place[axis] = 0.5 * sign * self.length

@@ -73,7 +73,7 @@ def check_room(duration: float, rise: float, fall: float) -> None:
 
 
 def _step(s: Array) -> tuple[Array, Array, Array]:
-    """Return the step from 0 to 1 and its derivatives with respect to s; it is held outside 0..1."""
+    """Return the smooth step from 0 to 1 over s and its first two derivatives by s; s is clipped to 0..1."""
     s = np.clip(s, 0.0, 1.0)
     return s**3 * (10 - s * (15 - 6 * s)), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
 
@@ -96,6 +96,6 @@ def random_amplitudes(seed: int, count: int) -> Array:
 
 
 def uniform_numbers(seed: int, count: int) -> Array:
-    """Draw numbers from 0 to 1, (count,)."""
+    """Draw uniformly distributed numbers from 0 to 1, (count,)."""
     bits = np.random.PCG64(seed).random_raw(count)
     return 2.0**-53 * (bits >> np.uint64(11)).astype(float)

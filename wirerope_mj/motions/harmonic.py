@@ -90,7 +90,7 @@ _PHRASE: Entries = {
 
 
 def _shaft(kind: str, shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
-    """Make an unbalance from a phrase, whose direction is its `kind`, "axis" or "line"."""
+    """Make an unbalance from a phrase; its direction is that of `kind`: the "axis" of rotation or "line" of reciprocation."""
     named, frequencies = phrase.named, phrase.quantities.get("frequency", ())
     if len(frequencies) != (2 if "time" in phrase.quantities else 1):
         raise ValueError("one frequency must stand there, or two and the time of the run-up between them.")

@@ -52,7 +52,8 @@ class BaseMotion(ABC):
 
     kind: ClassVar[str]  # name of the motion in stored files
     phrases: ClassVar[tuple[SpokenMotion, ...]] = ()  # its phrases in commands, jobs and files of levels
-    renamed: ClassVar[Mapping[str, str]] = {}  # arguments that other attributes hold; of several in one, `quantity` names it
+    # constructor arguments and the attributes that hold them under other names; `quantity` says which of several such is held
+    renamed: ClassVar[Mapping[str, str]] = {}
 
     # length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop, of a sum from time
     # zero; infinite for an endless sine. `end` is the instant after which it is over.
@@ -209,6 +210,7 @@ class BaseMotion(ABC):
         return {name: _plain(value, files) for name, value in stated.items() if value is not None and value != math.inf}
 
     def _argument(self, name: str) -> object:
+        """Return the value of a constructor's argument; None if the attribute holds another argument's value."""
         other = name in self.renamed and name != getattr(self, "quantity", name)
         return None if other else getattr(self, self.renamed.get(name, name))
 

@@ -83,7 +83,7 @@ class PayloadForce(BaseMotion):
 def _harmonic(
     quantity: str, shape: Callable[..., BaseMotion], phrase: Phrase, direction: Direction, _: int, site: str
 ) -> BaseMotion:
-    """Make a harmonic "force" or "moment", the quantity, from a phrase."""
+    """Make a harmonic force or moment on the payload from a phrase; `quantity`: "force" or "moment"."""
     values: Entries = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist(), "duration": phrase.one("time")}
     return shape(site=site, start=phrase.start, frequency=phrase.one("frequency"), **values)
 

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.quantities import NUMBER, Phrase
 
-START = {"at": "time"}
+START = {"at": "time"}  # quantity of the value behind a word of a phrase
 LASTING = START | {"seed": "", "rise": "time", "fall": "time"}  # of a random vibration
 LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larger ones neighbours would be one
 
@@ -40,7 +40,7 @@ class SpokenMotion:
 
 
 def made_of(*, started: bool = True, **arguments: str) -> Callable[..., Any]:
-    """Return the function that makes a motion from its phrase: each argument is a quantity or a word of it, or its site."""
+    """Return the function that makes a motion from its phrase; `arguments`: the quantity or word for each parameter."""
 
     def make(shape: Callable[..., Any], phrase: Phrase, direction: Direction, _: int, site: str | None) -> Any:
         begins = ({"start": phrase.start} if started else {}) | ({} if site is None else {"site": site})
@@ -51,7 +51,7 @@ def made_of(*, started: bool = True, **arguments: str) -> Callable[..., Any]:
 
 
 def vibration_arguments(phrase: Phrase, direction: Direction, number: int) -> Entries:
-    """Return the arguments of a vibration from its phrase: length, seed, ramps; the seed differs between directions."""
+    """Return the arguments of a random vibration from its phrase; the direction's `number` among several adds to the seed."""
     seed = phrase.named.get("seed", 1.0)
     if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:
         raise ValueError(f"a seed is an integer from 0 to {LARGEST_SEED}, got {seed:.17g}.")
@@ -60,7 +60,7 @@ def vibration_arguments(phrase: Phrase, direction: Direction, number: int) -> En
 
 
 def file_first(read: Callable[[Path], Read]) -> Callable[[str, Path], tuple[Read, str]]:
-    """Return a function that reads the file at the beginning of a phrase, spaces in its name, and returns the rest, too."""
+    """Return a function that reads the file named first in a phrase, spaces allowed, and returns content and remaining text."""
 
     def begins(text: str, folder: Path) -> tuple[Read, str]:
         words = text.split(" ")

@@ -67,7 +67,7 @@ class PiecewiseLinear:
         return value, slope, (t - self._knots[left]).reshape(shape)
 
     def _integrals(self, block: int) -> tuple[Array, Array]:
-        """Return velocity and displacement at the knots of a block and at the first knot of the next."""
+        """Return velocity and displacement at the knots of a block of 4096 and at the first knot of the next block."""
         rows = slice(block * _BLOCK, (block + 1) * _BLOCK + 1)
         knots, values = self._knots[rows], self._values[rows]
         step = np.diff(knots).reshape((-1,) + (1,) * (values.ndim - 1))

@@ -173,7 +173,10 @@ _MEETS = 0.5  # Largest step at the end of a slope [dB]: slopes are printed in w
 
 
 def _density(path: Path) -> Points:
-    """Read the points of `psd_points`."""
+    """Read the points (frequency [Hz], level [(m/s^2)^2/Hz]) of a file that lists points, or bands with levels or slopes.
+
+    A band that has a slope goes on from the level of the band before it, or else from that of the band behind.
+    """
     example = '"frequency [Hz], psd [g^2/Hz]"'
     header = read_header(path, kind="power spectral density", example=example)
     if [name.lower() for name in header.names[:2]] != ["from", "to"]:
@@ -306,7 +309,7 @@ def force_rows(path: Path) -> ForceRows:
 
 
 def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str, steps: bool = False) -> Points:
-    """Read the points of a file of two columns; RecordError, which names the line, if it is not such a table."""
+    """Read points (frequency [Hz], level in SI) of a file of two columns; RecordError, with the line, if it is not such."""
     header = read_header(path, kind=kind, example=example)
     candidates = [
         [column for column, unit in enumerate(header.units) if unit is not None and find_unit(unit, known)]

@@ -46,7 +46,7 @@ class Pulse(StartedMotion):
 
     @property
     def doubt(self) -> str:
-        """Question whether a unit is another, if it lasts above a second, or changes the velocity as no test does; else ""."""
+        """Question whether a unit is wrong, if the pulse's length or velocity change is beyond those of tests; else ""."""
         too_long = doubt_of_length(self.duration, f"was {self.duration:.4g} ms meant?")
         return too_long or doubt_of_velocity(self.velocity_change, self.duration)
 
@@ -190,7 +190,7 @@ class VelocityStep(StartedMotion):
 
     @property
     def doubt(self) -> str:
-        """Question whether the velocity is in another unit, if no test has it; else ""."""
+        """Question whether the velocity is in another unit, if it is larger or smaller than any test's; else ""."""
         return doubt_of_velocity(self.velocity_change, 0.0, "is it in mm/s, or in another unit?")
 
     @property
@@ -276,7 +276,7 @@ class StruckPlate(StartedMotion):
         return abs(self.psi - 1.0) < ALIKE
 
     def _kick(self, since: Array, order: int) -> Array:
-        """Return displacement, velocity or acceleration at times within the kick [s], (n,)."""
+        """Return displacement (order 0), velocity (1) or acceleration (2) at times [s] since the wave's arrival, (n,)."""
         t, psi = since / self.decay, 1.0 if self._psi_is_one else self.psi
         falling, following = np.exp(-t), np.exp(-psi * t)
         if self._psi_is_one:

@@ -48,7 +48,7 @@ class _Transformed(BaseMotion):
         return tuple((time, self._transformed(jump[np.newaxis])[0]) for time, jump in self.motion.velocity_jumps)
 
     def load(self, site: str, time: ArrayLike) -> Array:
-        return self.motion.load(site, time)  # the body turns it
+        return self.motion.load(site, time)  # along the site's axes, which turn with the body
 
     end, corners, loaded_sites, files = map(_forwarded, ("end", "corners", "loaded_sites", "files"))
     parts, targets = map(_forwarded, ("parts", "targets"))  # as they are before the change
@@ -168,7 +168,7 @@ class Turned(_Transformed):
         """Describe the motion: `half-sine 15 g 11 ms along z, turned to (0, 1, 1)`, or `.. by 30 deg about (0, 0, 1)`."""
         if self.direction is not None:
             return f"{quoted}, turned to {direction_text(self.direction)}"
-        from scipy.spatial.transform import Rotation  # takes longer to import than the rest of this room
+        from scipy.spatial.transform import Rotation  # slow to import
 
         vector = Rotation.from_matrix(np.array(self.rotation)).as_rotvec(degrees=True)
         angle = float(np.linalg.norm(vector))

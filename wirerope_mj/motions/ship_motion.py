@@ -24,6 +24,7 @@ Swing = tuple[float, float]  # amplitude [m or rad] and period [s]
 
 
 def _make(shape: Callable[..., Any], phrase: Phrase, *_: object) -> Any:
+    """Make a ship motion from a phrase, in which an amplitude and a period stand behind each of roll, heave and the like."""
     named, periods = phrase.named, phrase.quantities.get("time", ())
     swings = [word for word in named if word in SHIFTS + TURNS]
     if len(periods) != len(swings):
@@ -141,7 +142,7 @@ class ShipMotion(BaseMotion):
         return np.eye(3)[[getattr(self, name) is not None for name in SHIFTS]]
 
     def _parts(self, t: Array, order: int, names: tuple[str, ...]) -> Array:
-        """Return derivatives of an order of three of the parts, (n_t, 3)."""
+        """Return three of the six parts, by `names`, as values (order 0), rates (1) or accelerations (2), (n_t, 3)."""
         values = np.zeros((t.size, 3))
         envelope = self._envelope.derivatives(t)
         for column, name in enumerate(names):

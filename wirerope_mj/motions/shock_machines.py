@@ -108,7 +108,7 @@ class DecayingSine(StartedMotion):
 
     @property
     def doubt(self) -> str:
-        """Question whether a unit is another, if no deck is so fast or so high, or no blow so long; else ""."""
+        """Question whether a unit is wrong, if the blow's length, acceleration or velocity is beyond any deck's; else ""."""
         if self.impact_duration * self.frequency > _LONGEST_BLOW:
             return (
                 f"its blow of {self.impact_duration:.4g} s lasts longer than two periods of the deck, "

@@ -233,7 +233,7 @@ def interpolated(points: Points, per_octave: float) -> tuple[Array, Array]:
 
 
 class _Matching:
-    """Search for the amplitudes of lines whose spectrum is the target: all accelerations and impulse responses.
+    """Search for the amplitudes of lines, sines of fixed frequencies, whose response spectrum is the target.
 
     Sums go through einsum: on a machine that is busy, threads of a linear algebra library wait for each other for longer
     than these sums take.
@@ -271,7 +271,7 @@ class _Matching:
         self.impulses = [scipy.signal.lfilter(*coefficients, impulse[:length]) for coefficients, length in pairs]
 
     def run(self, seed: int, tolerance: float) -> tuple[Array, Array, int]:
-        """Return the amplitudes of sine and cosine (2, n), the spectrum (n,) and the number of corrections."""
+        """Correct amplitudes to match the target; return those of sines and cosines (2, n_lines), spectrum (n,) and count."""
         phases = random_phases(seed, self.lines.size)
         amplitudes = self.at_lines(self.target[: self.frequencies.size]) * np.sqrt(np.gradient(np.log(self.lines)))
         q = np.concatenate([amplitudes * np.cos(phases), amplitudes * np.sin(phases)])
@@ -312,7 +312,7 @@ class _Matching:
         return excess
 
     def acceleration(self, q: Array) -> Array:
-        """Return the base's acceleration for the amplitudes (2 n,), (n_t,)."""
+        """Return the base's acceleration, (n_t,), for amplitudes `q` of all sines and then all cosines, (2 n_lines,)."""
         return np.einsum("j,jt->t", q, self.units)
 
     def spectrum(self, q: Array) -> Array:

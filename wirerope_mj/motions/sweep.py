@@ -137,7 +137,7 @@ class Course:
 
 
 def _tail(course: Course, within: Array, order: int) -> ComplexArray:
-    """Return e^(i (u - u0)) h1(u) for order 1 and e^(i (u - u0)) h2(u) for order 2."""
+    """Return e^(i (u - u0)) h1(u) for order 1 and e^(i (u - u0)) h2(u) for order 2, u and h1, h2 as in `Sweep`, (n_t,)."""
     return np.exp(1j * course.angle(within)) * oscillating_tail(course.u(within), order)
 
 
@@ -202,7 +202,7 @@ class Sweep(StraightMotion):
         velocity V:      a = V w sin(phase),   v = -V cos(phase),   x = s (V/K) Re[e^(i (u - u0)) h1(u)]
         displacement X:  a = X (w^2 sin(phase) - s K w cos(phase)),   v = -X w cos(phase),   x = -X sin(phase)
 
-    where h1 and h2 are the integrals of `oscillating_tails`. They vanish for large u, so that the base starts on the steady
+    where h1 and h2 are the integrals of `oscillating_tail`. They vanish for large u, so that the base starts on the steady
     oscillation, but for a fraction of the order of 1/u, and drifts nowhere.
 
     After `duration` the oscillation goes on at the stop frequency with neither velocity nor displacement jumping. A fraction of

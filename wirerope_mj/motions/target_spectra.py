@@ -155,9 +155,10 @@ class DesignSpectrum:
         self, *, direction: str | Sequence[float], factors: Sequence[float] = FACTORS, start: float = 0.0,
         r1: float = 0.4, r2: float = 0.4,
     ) -> DoubleTriangle:  # fmt: skip
-        """Make the double triangle that stands for the spectrum: as `double_half_sine`, and where its peaks lie.
+        """Make the double triangle that stands for the spectrum; its first pulse begins at `start` [s].
 
-        `r1` and `r2` say where in their triangles, from 0 to 1; for r2 sources give 0.4 and 0.6.
+        `factors` are those of `double_half_sine`; `r1` and `r2` say where in their triangles the peaks lie, from 0 to 1; for
+        r2 sources give 0.4 and 0.6.
         """
         return DoubleTriangle(**self._levels(factors), direction=direction, start=start, r1=r1, r2=r2)
 

@@ -215,7 +215,7 @@ class VibrationLines(AsCall, StartedMotion):
         return tuple(zip(omega.tolist(), size.tolist(), phases.tolist(), strict=True))
 
     def _oscillation(self, t: Array, order: int) -> Array:
-        """Return the derivative of that order of -sum X sin(w t + phi)."""
+        """Return the sum of all lines without the envelope, -sum X sin(w t + phi), or its derivative of that order, (n_t,)."""
         total = np.zeros_like(t)
         for omega, size, phase in self._terms:
             total -= size * omega**order * np.sin(omega * t + (phase + order * math.pi / 2))

@@ -38,10 +38,10 @@ LARGEST_SPEED, LARGEST_TRAVEL = 30.0, 10.0
 # the drift rules; the velocity that does not matter [m/s]; the fraction of the peak above which a mean is that of a pulse
 # that fills its record
 _DRIFT, _SLOW, _OFFSET = 3.0, 0.1, 0.2
-# velocity that a level at rest adds up to, over the range of that of the motion itself, from which it is warned of
+# velocity that an offset adds up to, over the range of the motion's own velocity, from which a warning is given
 _GAIN = 0.1
-_ENDS = 0.05  # of what an offset adds up to: final velocity and travel of a record that has none
-# level at which a velocity begins, over that at which it stays behind a shock, and that over the largest
+_ENDS = 0.05  # fraction of what an offset would add up to: smaller final velocity and travel show that there is none
+# of a record that may be a velocity: level at its beginning over that behind the shock, and the latter over the largest value
 _BEGINS, _STAYS = 0.05, 0.8
 _MEDIAN_STEP = 0.954  # median of the steps from sample to sample of white noise, over its rms
 # peak [m/s^2] below which a single pulse given in mm/s^2 is questioned: 0.05 g is no shock, but 50 g in m/s^2 is one
@@ -86,7 +86,7 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
 
 
 def motion_warnings(reading: Reading, time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:
-    """Yield warnings about velocity and displacement of a reading's acceleration [m/s^2], (n, 3), after its correction."""
+    """Yield warnings about the velocity and displacement that corrected accelerations [m/s^2], (n, 3), add up to."""
     if time.size < _FEWEST:
         return
     step, length = float(time[1] - time[0]), float(time[-1] - time[0])
@@ -180,7 +180,7 @@ def _implausible(reading: Reading, rate: float) -> Iterator[str]:
 
 
 def _wrong_unit(axis: str, rest: float | None, reading: Reading, corrected: bool) -> Iterator[str]:
-    """Yield a warning about a record that rests at gravity, in its own unit or in another one."""
+    """Yield a warning if the level at rest along an axis is gravity, in the record's unit or if read in another one."""
     if rest is None or len(reading.units) != 1:
         return
     (unit,) = reading.units

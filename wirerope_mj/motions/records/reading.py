@@ -47,7 +47,7 @@ class Reading:
 
 
 def axes_of(directions: Iterable[Direction]) -> Array:
-    """Return the unit vectors of the channels' directions, (n_channels, 3), with rotations (n_channels, 6)."""
+    """Return unit vectors of the channels' directions, (n_channels, 3); with rotations (n_channels, 6), translations first."""
     vectors = np.zeros((0, 6))
     for direction in directions:
         name = str(direction).lstrip("+-")
@@ -69,7 +69,7 @@ def quiet_level(a: Array) -> float | None:
     deviation = np.abs(a - middle)
     spread = float(np.median(deviation[:: max(1, deviation.size // _ENOUGH)]))
     few = max(_END_SAMPLES, a.size // 50)
-    for part in (a[:few], a[-few:]):  # is its median the level, but for what its own noise does to it or for what is near?
+    for part in (a[:few], a[-few:]):  # does this end stand at the level, within its noise or the band?
         level = float(np.median(part))
         noise = _ERRORS * float(np.median(np.abs(part - level))) / np.sqrt(part.size)
         if abs(level - middle) <= max(_BAND * float(np.ptp(a)), noise):
@@ -77,7 +77,7 @@ def quiet_level(a: Array) -> float | None:
     else:
         return None
     quiet = _NOISE * spread
-    if spread == 0.0:  # most samples are equal to the level, and others a step of the converter off it if that is dithered
+    if spread == 0.0:  # most samples equal the level; those a digit beside it are quiet, too, if they are many
         step = 1.5 * float(deviation[deviation > 0.0].min(initial=np.inf))
         quiet = step if np.count_nonzero((deviation > 0.0) & (deviation <= step)) > _DITHERED * deviation.size else 0.0
     return float(a[deviation <= quiet].mean())
@@ -110,7 +110,7 @@ def level_at_rest(a: Array) -> float | None:
 
 
 def is_pulse(a: Array, rest: float) -> bool:
-    """Return whether a signal (n,) is of a pulse and not of a vibration: it has few half waves about its rest."""
+    """True if a signal (n,) is a pulse and not a vibration: it has few half waves about its level at rest."""
     peak = peak_from(a, rest)
     signs = np.sign(a[np.abs(a - rest) > 0.1 * peak] - rest)
     return bool(np.count_nonzero(np.diff(signs)) < _PULSE_WAVES)

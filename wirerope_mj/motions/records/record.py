@@ -27,7 +27,7 @@ from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
 _SAMPLES_PER_PERIOD = 4
-_EVEN = 1e-3  # of an interval, by which the last digit of an instant may shift it: as much as counts as even in a file
+_EVEN = 1e-3  # fraction of an interval by which an instant's last digit may shift it: as much as in a file that counts as even
 _MEASURED = frozenset(
     [".csv", ".txt", ".tsv", ".dat", ".asc", ".mat", ".xlsx", ".xlsm", ".uff", ".unv", ".lvm", ".tdms", ".at2", ".v2"]
 )
@@ -71,7 +71,7 @@ class Record(BaseMotion):
 
     @property
     def directions(self) -> Array:
-        """Axes of the world in which a sample is not zero, all of a base that turns about another point, (n, 3)."""
+        """Axes of the world along which a sample is not zero; all three if the base turns about another point, (n, 3)."""
         if self.rotates and any(self.sensors_at):
             return np.eye(3)
         return np.eye(3)[[bool(column.any()) for column in self.samples.T]]
@@ -234,7 +234,7 @@ def load_record(
     else:
         reading = read_record_table(file, directions, unit, fill=fill, turns=rotation is not None, stated=stated)
     reading = evenly_sampled(file, reading, gaps=gaps)
-    if rotation is None:  # others are judged along the world's axes, below
+    if rotation is None:  # records that turn the base are judged along the world's axes, below
         reading = reading.warned(*reading_warnings(reading, corrected=baseline != "none"))
     if rate is not None:
         reading = resample_record(reading, rate)
@@ -286,7 +286,7 @@ def record_warnings(motion: BaseMotion) -> tuple[str, ...]:
 
 
 def is_measurement(path: Path) -> bool:
-    """Return whether a file is of a kind that measured channels are read from, and no result of this package."""
+    """True if a file is of a kind that measured channels are read from, and not a result of this package."""
     if path.suffix.lower() == ".parquet":
         try:
             read_content(path, kind="", remedy="")
@@ -301,7 +301,7 @@ def record_channels(
 ) -> tuple[str, ...]:
     """Return the names of a record's channels, as `load_record` takes them; only those of `accelerations` if asked.
 
-    `columns` and `interval` are those of a text without a header, as there.
+    `columns` and `interval` are those of a text without a header, as for `load_record`.
 
     RecordError: the file is no record.
     """
@@ -327,7 +327,7 @@ def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
 
 
 def _checked_rotation(rotation: str | None, directions: Mapping[str, Direction] | None) -> str | None:
-    """Return the axes of the channels that turn the base: those given, "base" where a channel turns it, else None."""
+    """Return "base" or "world", the axes of the channels that turn the base: as given, else "base"; None if none turns it."""
     if rotation is None:
         turns = any(str(direction).lstrip("+-") in ROTATIONS for direction in (directions or {}).values())
         return AXES_OF_SENSORS[0] if turns else None

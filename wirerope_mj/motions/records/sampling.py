@@ -76,7 +76,8 @@ def _predict(a: Array, count: int) -> Array:
 def evenly_sampled(path: Path, reading: Reading, *, gaps: str) -> Reading:
     """Return the record of a file at equal intervals, with a warning if its samples had to be changed for it.
 
-    RecordError says where there is a gap, unless `gaps` is "fill": with straight lines, or a time stamp far from all others.
+    RecordError says where there is a gap, unless `gaps` is "fill" (with straight lines), or which time stamp is far
+    from all others.
     """
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
@@ -150,7 +151,7 @@ def resample_record(reading: Reading, rate: float) -> Reading:
 
 
 def filtered(samples: Array, up: int, down: int) -> Array:
-    """Return samples (n, k) at up / down of their rate by the filter of `resample_record`; the first keeps its instant."""
+    """Resample samples (n, k) to up / down of their rate by the filter of `resample_record`; the first keeps its instant."""
     from scipy.signal import firwin, kaiserord, resample_poly
 
     factor = max(up, down)
@@ -167,7 +168,7 @@ def filtered(samples: Array, up: int, down: int) -> Array:
 
 
 def _rounding(time: Array, step: float) -> float:
-    """Return the last decimal place of printed instants [s], from the first thousand; 0 if it is too small or too large."""
+    """Return one unit of the last decimal place of printed instants [s], by the first thousand; 0 if too small or too large."""
     first = time[:1000] - time[0]
     for digits in range(10):
         scaled = first * 10.0**digits
@@ -182,7 +183,7 @@ def _interpolated(reading: Reading, time: Array) -> Reading:
 
 
 def _curved(reading: Reading, time: Array, usual: float) -> Reading:
-    """Return the record on Akima's curves, which swing less beside a step than splines; lines where it is sparse."""
+    """Interpolate a record at instants [s] on Akima's curves, which overshoot less than splines; straight where sparse."""
     from scipy.interpolate import Akima1DInterpolator
 
     straight = _interpolated(reading, time)

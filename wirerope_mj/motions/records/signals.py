@@ -53,7 +53,7 @@ def level_shift(a: Array) -> tuple[float, float, int] | None:
 
 
 def moved_level(a: Array, rate: float) -> tuple[float, float, int] | None:
-    """Find a change of level as `level_shift` does, if it changes the velocity of a base notably, at a rate [Hz]."""
+    """Find a change of a signal's level (`level_shift`) that changes a base's velocity notably; None without; `rate` in Hz."""
     found = level_shift(a)
     if found is None:
         return None
@@ -64,7 +64,7 @@ def moved_level(a: Array, rate: float) -> tuple[float, float, int] | None:
 
 
 def level_warnings(where: str, time: Array, a: Array, unit: tuple[str, float], *, played: bool = True) -> Iterator[str]:
-    """Yield warnings about the zero of an acceleration (n,) at instants [s], of a response, or of a base if `played`.
+    """Yield warnings about a shifted zero or AC coupling in an acceleration (n,) at instants [s]; `played`: it drives a base.
 
     `where` is how a sentence about it begins, "along x"; levels are said in a unit, its name and what one of it is in SI.
     """
@@ -150,7 +150,7 @@ _FAST, _SCATTER = 2.4, 4.0
 
 
 def resolution_warnings(where: str, a: Array, rest: float, rate: float, *, unit: str, played: bool = True) -> Iterator[str]:
-    """Yield warnings about a signal (n,) at a rate [Hz] that rests at a value and, if `played`, drives a base.
+    """Yield warnings about spikes and coarse sampling of a signal (n,) with a level at rest; `played`: it drives a base.
 
     `where` is how a sentence about it begins, "along x"; a base is driven in straight lines between the samples.
     """
@@ -171,7 +171,7 @@ def resolution_warnings(where: str, a: Array, rest: float, rate: float, *, unit:
 
 
 def _lone_samples(a: Array) -> list[int]:
-    """Return the samples that stand out alone of their neighbours, the highest first."""
+    """Return the indices of the samples that stand out alone of their neighbours, as spikes do, the highest first."""
     before, after = a[1:-1] - a[:-2], a[1:-1] - a[2:]
     out = np.where(before * after > 0.0, np.minimum(np.abs(before), np.abs(after)), 0.0)
     several = min(_SEVERAL + 1, out.size)
@@ -215,7 +215,7 @@ def _coarse(where: str, a: Array, rest: float, rate: float, unit: str) -> Iterat
 
 
 def _fast(where: str, a: Array, rate: float, played: bool) -> Iterator[str]:
-    """Yield a warning about a vibration faster than what straight lines between samples play."""
+    """Yield a warning about a vibration (n,) that is too fast for its samples, joined by straight lines, at a rate [Hz]."""
     squares = a**2
     ratio = float(np.mean(np.diff(a) ** 2) / squares.mean())
     count = float(squares.sum() ** 2 / (squares**2).sum())  # samples that count: a burst has fewer than its record

@@ -41,7 +41,7 @@ _AXIS_COLUMN = re.compile(
     r"(?:.*\.)?(?:(?:a|acc|accel|acceleration)[ _]?)?([xyz])(?:[ _-]?(?:axis|dir|direction))?", re.IGNORECASE
 )
 _FILL = 'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies before or behind'
-Clock = Callable[[str], float]  # instant of a cell [s]
+Clock = Callable[[str], float]  # parser of a cell's clock time: instant [s]
 
 
 def read_blocks(
@@ -97,7 +97,7 @@ def _plain_rows(header: Header) -> Iterator[str]:
 
 
 def _parsed_rows(header: Header) -> Iterator[str]:
-    """Yield the rows as lines of numbers with decimal points between tabs; ValueError as of `_plain_rows`."""
+    """Yield the rows as lines of numbers with decimal points between tabs; ValueError if a row has too few or many."""
     for number, cells in numbered_rows(header):
         if len(cells) != len(header.names):
             raise ValueError("a row has another number of cells than the header")
@@ -279,9 +279,9 @@ def _read_scaled(
 def _open_table(
     path: Path, names: Iterable[str] = (), stated: Stated | None = None, kind: str = "record"
 ) -> tuple[Header, int, Clock | None]:
-    """Open a table: return its header, the index of the time column of some channels, and the parser of clock times, if any.
+    """Open a table: return its header, the index of the time column for channels `names`, and a parser of clock times or None.
 
-    RecordError: no column, or none alone, is the time.
+    RecordError: no column is the time, or several may be.
     """
     asked = [name.rpartition("#")[0] or name for name in names]
     header = read_header(path, kind=kind, example='"time [s], z [g]"', columns=asked, stated=stated)
@@ -310,7 +310,7 @@ def _open_table(
 
 
 def _seconds_since(header: Header, first: str) -> Clock:
-    """Return the parser of clock times [s] since midnight before the first, whose order of day and month fits all dates."""
+    """Return a parser of clock times [s] since midnight before the first, with the order of day and month that fits all."""
     began: dict[bool, int] = {}  # the first day, by whether days stand before months
     for day_first in (False, True):
         with suppress(ValueError):
@@ -337,7 +337,7 @@ def _seconds_since(header: Header, first: str) -> Clock:
 
 
 def _fill_gaps(header: Header, columns: Sequence[int], blocks: list[Array]) -> tuple[list[Array], list[str]]:
-    """Return the blocks of numbers with straight lines where samples are missing, joined if there are any, and warnings."""
+    """Fill samples missing in blocks of rows with straight lines; return the blocks, joined if any is missing, and warnings."""
     if all(np.all(np.isfinite(block)) for block in blocks):
         return blocks, []
     numbers, messages = np.concatenate(blocks), []
@@ -366,7 +366,7 @@ def moves_a_base(header: Header) -> bool:
 
 
 def _axis_columns(header: Header, time: int, *, required: bool = True) -> dict[int, Direction]:
-    """Return the indices of the columns that are named after an axis, with their directions; {} if none is `required`."""
+    """Return the directions of the columns named after an axis, by index; RecordError if none is and one is `required`."""
     columns: dict[int, Direction] = {}
     if lost := [name for name in header.left_out if _AXIS_COLUMN.fullmatch(underscored_unit(name, ACCELERATION_UNITS)[0])]:
         raise RecordError(

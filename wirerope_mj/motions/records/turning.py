@@ -64,8 +64,8 @@ def turned(
 ) -> tuple[Array, Turning]:
     """Compute how a base turns by measured angular channels, and turn its measured accelerations into the world's axes.
 
-    Rates and angular accelerations are straight between the samples. A step turns by exp(int w dt +- h^2/12 w0 x w1), of fourth
-    order (Magnus), + of rates about the base's own axes, - about the world's.
+    Rates and angular accelerations are straight between the samples. A step h with the rates w0 and w1 at its ends turns by
+    exp(int w dt +- h^2/12 w0 x w1), of fourth order (Magnus), + of rates about the base's own axes, - about the world's.
 
     Args:
         path: of the record, for messages.
@@ -126,12 +126,12 @@ def turned(
 
 
 def kind_of(unit: str | None) -> str:
-    """Return whether a unit is one of an angular "rate" or an angular "acceleration"; "" of neither."""
+    """Return "rate" or "acceleration" for a unit of an angular rate or acceleration; "" for any other."""
     return next((kind for kind, units in TURN_UNITS.items() if find_unit(unit or "", units)), "")
 
 
 def turned_by(header: Header, columns: Sequence[int]) -> str:
-    """Return whether columns are angular rates or accelerations, "" of none; RecordError if neither, or some of each."""
+    """Return "rate" or "acceleration", the kind of angular columns, "" without any; RecordError if of neither or both kinds."""
     kinds = dict.fromkeys(kind_of(header.units[column]) for column in columns)
     if not columns or (len(kinds) == 1 and "" not in kinds):
         return next(iter(kinds), "")
@@ -144,9 +144,9 @@ def turned_by(header: Header, columns: Sequence[int]) -> str:
 
 
 def turn_columns(header: Header, time: int) -> dict[int, Direction]:
-    """Return the indices of the columns in a unit of an angular rate or acceleration that are named after an axis.
+    """Find columns in a unit of angular rate or acceleration that are named after an axis: "roll", "pitch" or "yaw" by index.
 
-    Of a file with both the rates count. RecordError if two are about one axis.
+    Of a file with both the rates are taken. RecordError if two are about one axis.
     """
     for units in TURN_UNITS.values():
         columns: dict[int, Direction] = {}

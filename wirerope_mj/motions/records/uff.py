@@ -34,7 +34,7 @@ _DAMAGED = " whose header or values are damaged or do not fit each other. Export
 
 
 def is_uff(path: Path) -> bool:
-    """Return whether the file begins as universal files do, with a line that holds -1 alone."""
+    """True if the file begins as universal files do, with a line that holds -1 alone."""
     try:
         with regular(path).open("rb") as file:
             lines = file.read(400).split(b"\n")
@@ -44,7 +44,7 @@ def is_uff(path: Path) -> bool:
 
 
 def _is_complete(path: Path) -> bool:
-    """Return whether the file ends as universal files do, with a line that holds -1 alone."""
+    """True if the file ends as universal files do, with a line that holds -1 alone."""
     with path.open("rb") as file:
         file.seek(max(0, path.stat().st_size - 400))
         return file.read().split()[-1:] == [b"-1"]
@@ -80,8 +80,8 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
 def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[str | None, ...]]:
     """Read time histories of a universal file as they are, (n, n_columns), and the unit of each, None where none is stated.
 
-    Histories of acceleration, and those of unknown kind, are called as `uff_channels` does; others have their quantity behind
-    that, as in `12:z displacement`.
+    Histories of acceleration, and those of unknown kind, are called by node and direction, `12:z`; others have their
+    quantity behind that, as in `12:z displacement`.
     """
     _, heads, systems = _datasets(path)
     histories = [(n, head) for n, head in heads if _is_in_time(head)]
@@ -144,7 +144,7 @@ def _datasets(path: Path) -> tuple[list[int], Histories, list[Entries]]:
 
 
 def _is_in_time(head: Entries) -> bool:
-    """Return whether a header is of a real translation over time."""
+    """True if a header is of a history of real numbers over time, along an axis and not about one."""
     kind, over = (int(head.get(k, 0)) for k in ("func_type", "abscissa_spec_data_type"))
     in_time = kind == _TIME_RESPONSE or (kind == _GENERAL and over == _TIME)
     turns = abs(int(head.get("rsp_dir", 0))) > 3
@@ -193,7 +193,7 @@ def _names(heads: Sequence[Entries], quantities: Sequence[str] | None = None) ->
 
 
 def _index_of(path: Path, heads: Sequence[Entries], names: Sequence[str], name: str) -> int:
-    """Return the index of the history of a name; of several of one node, `1:z#2` or, by its ID line, `1:z#run 2`."""
+    """Return the index of the history with a name; of several at one node, `1:z#2` or, by its ID line, `1:z#run 2`."""
     if name in names:
         return names.index(name)
     bare, _, line = name.partition("#")
@@ -250,7 +250,7 @@ def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:
 
 
 def _on_one_clock(path: Path, chosen: Mapping[int, str], remedy: str = "") -> tuple[Array, Array]:
-    """Return the instants [s] of histories, by number, and their values side by side; RecordError where clocks differ."""
+    """Read histories, given by number: instants [s], (n,), and values (n, n_histories); RecordError where instants differ."""
     time, columns = np.zeros(0), list[Array]()
     for number, name in chosen.items():
         clock, values = _values(path, number, name)

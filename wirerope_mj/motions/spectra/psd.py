@@ -19,7 +19,7 @@ SEGMENTS = 15
 # statistical bandwidth of a line seen through a Hann window, in resolutions: 1 / (2 int rho^2) with rho the window's
 # autocorrelation over lags of 0 to 1 segment
 WINDOW_BANDWIDTH = 2.079
-# exponent with which the bandwidths of a resonance and of the window add up: within 7 % from a resolution on
+# exponent p by which bandwidths add up, seen^p = resonance^p + window^p: within 7 % for resonances of a resolution and wider
 BLUR = 1.25
 # samples a segment must have: fewer leave a window with hardly a frequency between its main lobe and half the rate
 LEAST_SAMPLES = 8
@@ -193,10 +193,10 @@ class VibrationSpectrum(Brief):
         return np.asarray(np.sqrt(self.moments[:, 2] / self.moments[:, 0]))
 
     def fatigue_damage(self, exponent: float, duration: float, *, method: Method = "dirlik") -> Array:
-        """Return the damage of a duration [s] at every frequency, (n,), of pseudo-velocity amplitudes with C = 1.
+        """Return the fatigue damage of a duration [s] at every frequency, (n,), by pseudo-velocity amplitudes A, with C = 1.
 
         Args:
-            exponent: b of N = C / A^b.
+            exponent: b of N = C / A^b, the cycles N to failure.
             duration: T [s].
             method: "dirlik" (1985): rainflow amplitudes of a Gaussian process of any bandwidth; "narrow-band": as many cycles
                 as upward crossings, with Rayleigh's amplitudes, D = v0 T (sqrt(2) s)^b Gamma(1 + b/2).
@@ -208,6 +208,7 @@ class VibrationSpectrum(Brief):
         rayleigh = 2.0 ** (0.5 * b) * math.gamma(1.0 + 0.5 * b)
         if method == "narrow-band":
             return np.asarray(self.upcrossings * time * self.pseudo_velocity**b * rayleigh)
+        # Dirlik's rainflow amplitudes: an exponential and two Rayleigh distributions, weighted by d1, d2 and d3.
         m0, m1, m2, m4 = self.moments.T
         mean, regular = m1 / m0 * np.sqrt(m2 / m4), m2 / np.sqrt(m0 * m4)
         d1 = 2.0 * (mean - regular**2) / (1.0 + regular**2)
@@ -298,7 +299,7 @@ def equivalent_psd(
 
 
 def _integrals(points: Points, natural: float, q: float) -> Array:
-    """Return the moments of the deflection's density and the mean square of the absolute acceleration, (5,)."""
+    """Return the moments of order 0, 1, 2, 4 of an oscillator's deflection and the mean square of its acceleration, (5,)."""
     total = np.zeros(len(_POWERS) + 1)
     splits = natural * (1.0 + _PEAK_WIDTHS * np.array([-1.0, 0.0, 1.0]) / q)
     for (f1, s1), (f2, s2) in zip(points[:-1], points[1:], strict=True):

@@ -189,12 +189,13 @@ def _frequencies(frequencies: ArrayLike | None, step: float, samples: int) -> Ar
 
 
 def ramp_steps(angles: Array, damping: float) -> Array:
-    """Return the matrices from u, v and the accelerations at both ends of a step to u, v at its end, (n_f, 2, 4).
+    """Return the matrices (n_f, 2, 4) that give displacement and rate of oscillators at the end of a step of the record.
 
-    From the exponential of the oscillator with the ramp as two more states: no coefficient is a difference of large numbers.
-    Its norm is at most about 10, and it is the series of a sixteenth, squared four times: as exact as SciPy's `expm` to a few
-    roundings, without the threads of a linear algebra library, which wait for each other for far longer than this takes where
-    all cores are busy.
+    They multiply displacement and rate at its start, and the base's accelerations at both ends; `angles` are omega times the
+    step [rad], (n_f,); time is counted in steps. From the exponential of the oscillator with the ramp as two more states: no
+    coefficient is a difference of large numbers. Its norm is at most about 10, and it is the series of a sixteenth, squared
+    four times: as exact as SciPy's `expm` to a few roundings, without the threads of a linear algebra library, which wait for
+    each other for far longer than this takes where all cores are busy.
     """
     rates = np.zeros((angles.size, 4, 4))
     rates[:, 0, 1] = 1.0
