@@ -25,7 +25,7 @@ def stated_values(part: VendorPart) -> Values:
 
 @dataclass(frozen=True, kw_only=True)
 class VendorLoop:
-    """One isolator of the table, SI units."""
+    """One isolator of Enidine's table, in SI units."""
 
     name: str
     rope: float  # diameter [m]
@@ -53,7 +53,7 @@ def _secant(shape: LoopShape, compression: float) -> float:
 
 @cache
 def vendor_loops() -> tuple[VendorLoop, ...]:
-    """Choose the 50 parts that state geometry and all three modes, in their order.
+    """Choose Enidine's 50 parts that state geometry and values in all three modes, in the table's order.
 
     ModelError: the table cannot be read.
     """
@@ -116,13 +116,14 @@ _IN_RATIO = ("45 travel", "shear travel", "45 shock", "shear shock", "45 vibrati
 
 
 def _of_compression(name: str, values: Values) -> float:
-    """Value of compression to which another one has a constant ratio; that of the static load is travel x shock."""
+    """Return the value in compression to which a value has a constant ratio; for the static load travel x shock stiffness."""
     if name == "static load":
         return values["compression travel"] * values["compression shock"]
     return values[f"compression {name.partition(' ')[2]}"]
 
 
 def find_trends(rows: Sequence[VendorLoop]) -> Trends:
+    """Find the trends over parts of the table: geometric means for each rope size and of ratios, a power of the height."""
     sizes = sorted({row.rope for row in rows})
     of_size = [[row for row in rows if row.rope == size] for size in sizes]
     stiffer = [row.values["compression vibration"] / row.values["compression shock"] for row in rows]
@@ -138,6 +139,7 @@ def find_trends(rows: Sequence[VendorLoop]) -> Trends:
 
 
 def _mean(values: Sequence[float]) -> float:
+    """Return the geometric mean."""
     return float(np.exp(np.mean(np.log(values))))
 
 
@@ -148,7 +150,7 @@ def all_trends() -> Trends:
 
 @cache
 def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
-    """Compute log(estimate / catalogue) of every value, (50,), each row estimated without itself.
+    """Compute log(estimate / catalogue) of every value, by name, (50,): each part by the trends without it.
 
     "part": without the row alone, as for a rope size that the table has; "rope size": without all rows with its rope, as for
     one that it has not (the smallest and the largest size are then extrapolated, which no estimate does).

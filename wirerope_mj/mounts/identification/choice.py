@@ -20,7 +20,8 @@ from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFrict
 
 DECIDED = 10.0  # Difference of the criterion from which on it is very strong evidence (Kass and Raftery 1995)
 FAR = 2.0  # Ratio of two laws' largest errors from which on one follows loops that the other does not
-# Time of a fit over the number of parameters, and that of a fit without an amplitude, which begins at the fit to all, over it
+# Exponent of a fit's time over its number of parameters; time of a fit without an amplitude over that of the fit to all, at
+# which it begins
 GROWTH, REFIT = 2.5, 0.15
 # The laws that are compared if none are named: from three parameters up.
 USUAL: tuple[type[Law], ...] = (EnhancedDryFriction, BoucWen, SymmetricBoucWen, AsymmetricBoucWen, Masing)

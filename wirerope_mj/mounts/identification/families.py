@@ -64,7 +64,7 @@ class Coordinate:
         return self.lower > 0.0
 
     def inside(self, value: float) -> float:
-        """Return the search number of a value within the bounds: its logarithm, or the value over its scale."""
+        """Clip a value to its bounds; return the number that the search varies, its logarithm or the value over its scale."""
         value = min(max(value, self.lower), self.upper)
         return math.log(value) if self.logarithmic else value / self.scale
 
@@ -72,7 +72,7 @@ class Coordinate:
         return math.exp(number) if self.logarithmic else number * self.scale
 
     def slope(self, number: float) -> float:
-        """Derivative of the value by the number."""
+        """Return the derivative of the value by the number that the search varies."""
         return math.exp(number) if self.logarithmic else self.scale
 
 
@@ -92,7 +92,7 @@ ELASTIC = 1e-6  # Loss below which a stop is elastic: no test shows it, and the 
 
 
 def least_exponent(s: Scales) -> float:
-    """Return the smallest exponent n that samples resolve: the slope at z = 0 halves no earlier than `RESOLVED`.
+    """Return the smallest exponent n that samples resolve: the slope at z = 0 halves at 2 % of the least amplitude.
 
     It halves at x_y (1/2)^(1/n), which with x_y at the largest amplitude is `RESOLVED` of the smallest one.
     """
@@ -127,6 +127,7 @@ def _elastic(s: Scales, *names: str) -> list[Coordinate]:
 
 
 def _of_springs(kind: type[Hysteresis], *names: str, sigma: bool = True) -> Family:
+    """Make the family of a Bouc-Wen class of laws with the polynomial stiffnesses `names`."""
     return Family(
         coordinates=lambda s: [*_hysteresis(s, sigma=sigma), *_elastic(s, *names)],
         make=lambda values: kind.from_normalised(**values),

@@ -79,7 +79,7 @@ Fit = Callable[[Sequence[Loop], int, Identification | None], Identification]
 
 
 def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[int, tuple[ScaleRow, ...]]:
-    """Fit one, two and three scales; return the largest number of scales that the loops support, and all fits.
+    """Fit friction on one, two and three scales; return the largest number of scales that the loops support, and all fits.
 
     One more scale is taken if the criterion falls and the error at amplitudes left out falls, too: its mean over the
     amplitudes in logarithms, for that of the largest, into which a spring is extrapolated, is ten times that of the others.

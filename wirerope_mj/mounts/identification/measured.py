@@ -88,9 +88,9 @@ class MeasuredLoop:
         return follow_force(law.kernel, parameters, x, states, law.n_states)
 
     def law_closure(self, law: Law) -> float:
-        """Compute the closure of a law's last cycle after the recorded history, as a record's `closure`.
+        """Compute how far a law's force ends from where it began in its last cycle after the recorded history [-].
 
-        It is without the drift of the cycles' means, over the measured force range; 0 for a loop that counts as steady.
+        Over the measured force range, without the drift of the cycles' means; 0 for a loop that counts as steady.
         """
         if self.averaged < 2:
             return 0.0
@@ -178,7 +178,7 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
 
 
 def half_text(loop: Loop) -> str:
-    """Return what else speaks for half a cycle where the force does not close; "" where nothing does."""
+    """Return the clause that the deflection turns round only once, as in half a cycle, if it does so; else ""."""
     x = loop.deflection
     at_end = min(x[0] - x.min(), x.max() - x[0]) < _AT_END * np.ptp(x)
     return ", its deflection turning round only once, as in half a cycle" if loop.cycles == 1 and at_end else ""
@@ -196,7 +196,7 @@ _KEPT = 48  # Shapes that a loop keeps: those of one Jacobian and of the steps a
 
 @dataclass(frozen=True, kw_only=True)
 class ScaleLoop(MeasuredLoop):
-    """Measured loop that keeps z / z_max of every scale, the hysteretic force over its bound: x_y, sigma, n alone shape it.
+    """Measured loop that stores the hysteretic force over its bound, z / z_max, of scales: x_y, sigma, n alone shape it.
 
     Most coordinates of a law of several scales leave these of most scales as they are, and following them is what takes time.
     """
@@ -208,7 +208,7 @@ class ScaleLoop(MeasuredLoop):
         return cls(**{item.name: getattr(loop, item.name) for item in fields(MeasuredLoop)})
 
     def model_force(self, law: Law) -> Array:
-        """Evaluate the force of a law of one scale or several on the loop's path [N], (n_t,), as `MeasuredLoop` does."""
+        """Evaluate the force of a law of one scale or several on the loop's path [N], (n_t,), by stored shapes."""
         if len(law.components) == 1:
             return super().model_force(law)
         x, z, elastic, asymmetry = self.deflection, np.zeros(1), np.zeros(1), 0.0
@@ -222,7 +222,7 @@ class ScaleLoop(MeasuredLoop):
         return self.as_measured(np.exp(asymmetry * x) * (z + elastic))
 
     def as_measured(self, forces: Array) -> Array:
-        """Return the measured mean, (n_t,), of the forces of every averaged cycle, (n_cycles, n_t), or of the steady one."""
+        """Average the forces of cycles, (n_cycles, n_t), as the measured ones were, (n_t,); a steady loop has only one."""
         return mean_of_cycles(forces, self.elapsed) if self.averaged else forces[0]
 
     def shape(self, x_y: float, sigma: float, n: float) -> Array:

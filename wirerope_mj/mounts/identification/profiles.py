@@ -160,7 +160,7 @@ class _Profile:
         return farthest
 
     def _straight(self, moved: Array) -> bool:
-        """Return whether the residual at the end of a straight line is as a linear problem has it."""
+        """True if the residual at `moved`, the end of a straight line, is that of a linear problem within a variance."""
         low, high = self.unknowns.bounds
         if not ((moved > low) & (moved < high)).all():
             return False

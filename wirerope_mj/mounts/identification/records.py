@@ -26,7 +26,7 @@ _Loops = Sequence[tuple[Path, Loop]]
 _STEADY = 0.01
 _ONE_CYCLE = 0.05  # The same of a single cycle, whose ends have the noise of samples
 _OF_NOISE = 3.0  # Standard deviations of the noise of a mean of cycles that the ends of the last may differ by besides
-_STIFF = 3e7  # The same that is ten times that of the stiffest part of a vendor
+_STIFF = 3e7  # Secant stiffness [N/m] ten times that of the stiffest part of a vendor
 _SOFT = 1e3  # Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre
 # Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold.
 _OTHER_UNITS = 100.0
@@ -59,9 +59,9 @@ def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[
 
 
 def rig_warnings(tests: Tests) -> tuple[list[str], dict[Path, str]]:
-    """Return warnings about the rig and about loops that need no fit, and by file a text on the lag it can show.
+    """Return warnings about the rig and the loops themselves, before any fit, and by file a text on the lag between channels.
 
-    The text gives the least lag between channels that would have been named.
+    The text gives the least lag that would have been found.
     """
     loops = [(path, loop) for path, loops in tests.items() for loop in loops]
     checked = {path: checked_file(path) for path in tests}
@@ -96,7 +96,7 @@ def rig_warnings(tests: Tests) -> tuple[list[str], dict[Path, str]]:
 
 
 def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict[Path, str]]:
-    """Return warnings about the rig and about loops that make a fit doubtful, and texts on lags as `rig_warnings` has them.
+    """Return warnings about rig and loops that make a fit doubtful, and by file a text on the least lag that would be found.
 
     Of a bare stop, loops within its gap are named.
     """
@@ -198,7 +198,7 @@ def identified_isolator(
 
 
 def falling_in_rating(result: Identification, axis: str, rated: Isolator | None) -> str:
-    """Say from which deflections on the tangent stiffness is negative within the rated travel alone.
+    """Say from which deflections on the law's tangent stiffness is negative within the rated travel, if the fit says of none.
 
     "" where it is not, where no isolator says a rating, and where it already is within twice what was tested, as the fit says.
     """
@@ -220,7 +220,7 @@ def turned_round(result: Identification, axis: str) -> str:
 
 
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:
-    """List the assumptions of a fit."""
+    """List the assumptions of a fit, as texts of its provenance."""
     texts = [f"{text}: given, not fitted" for text in given]
     if "c_ln_b" in result.parameters:
         texts.append("b = e: of b and c only the product c ln b acts on the force")

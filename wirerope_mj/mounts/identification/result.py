@@ -218,7 +218,7 @@ def neighbours_correlation(fits: Sequence[FittedLoop]) -> float:
 
 
 def fitted_loops(result: Identification) -> list[FittedLoop]:
-    """Put every loop of an identification beside the law's, smallest first."""
+    """Pair every measured loop of an identification with the law's loop on the same path, smallest first."""
     fits = []
     for loop in result.loops:
         force = loop.model_force(result.law)

@@ -19,7 +19,7 @@ THIN = 0.01
 
 
 def _of_each(loops: Sequence[MeasuredLoop], part: Callable[[MeasuredLoop, Array], Array | float]) -> Residual:
-    """Return the residual that joins `part` of every loop, a function of the loop and of the law's force minus its own."""
+    """Return the residual that joins `part` of every loop; `part` takes a loop and the law's force minus the measured one."""
     return lambda law: np.concatenate([np.ravel(part(loop, loop.model_force(law) - loop.force)) for loop in loops])
 
 
@@ -42,7 +42,7 @@ def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residu
 
 
 def harmonic_residual(loops: Sequence[MeasuredLoop]) -> Residual:
-    """Compare the first seven Fourier coefficients of the force over the cycle's phase.
+    """Compare the first seven Fourier coefficients of the law's and the measured force over the cycle's phase.
 
     Samples count as uniform over the phase, as those of a sine sampled in time are.
     """
@@ -110,7 +110,7 @@ class Unknowns:
         return [c for c in self.coordinates if c.name not in self.fixed]
 
     def numbers(self, values: Mapping[str, float]) -> Array:
-        """Return the numbers of the free coordinates, slightly inside their bounds."""
+        """Return the numbers that the search varies from the values of all coordinates, slightly inside their bounds."""
         low, high = self.bounds
         inside = np.array([c.inside(values[c.name]) for c in self.free])
         return np.clip(inside, low + 1e-9 * (high - low), high - 1e-9 * (high - low))

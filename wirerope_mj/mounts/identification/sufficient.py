@@ -157,11 +157,12 @@ def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[Meas
 
 
 def closes(loop: MeasuredLoop) -> bool:
+    """True if a bare stop is closed at an end of the loop."""
     return any(_closed([loop], None))
 
 
 def _closed(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[bool, bool]:
-    """Return whether a stop is closed at the lower end, and at the upper one.
+    """Tell whether a stop is closed at the lower end of loops, and whether at the upper one.
 
     Any elastic force that only grows with the depth is a sum of springs behind gaps, and a lossy one has another sum on the way
     back. They are fitted with stiffnesses >= 0; a side is closed if the fit without it is worse for sure.

@@ -1,8 +1,8 @@
 """Standard errors, correlations, and the combinations of parameters that no residual identifies.
 
 The errors of a search take all residuals as independent and alike. A load cell's noise is as large in newtons on a small loop
-as on a large one, and filters, hum and the misfit of a law correlate neighbours. For a parameter that part of the noise counts
-whose frequency its own effect on the force has, the first harmonics of the cycle.
+as on a large one, and filters, hum and the misfit of a law correlate neighbours. A parameter is disturbed by the noise at those
+frequencies that its own effect on the force has, the first harmonics of the cycle.
 """
 
 from collections.abc import Sequence
@@ -102,7 +102,7 @@ def noise_of(unknowns: Unknowns, minimum: Minimum, noise: float | None) -> float
 
 
 def _message(names: Sequence[str], combination: Array, error: float) -> str:
-    """Describe a combination of coordinates, (n,), that the data do not identify, and its standard error."""
+    """Describe a combination of fitted parameters, weights (n,), that the data do not identify, by its standard error."""
     named = [(names[i], combination[i]) for i in np.argsort(-np.abs(combination)) if abs(combination[i]) >= NAMED]
     if not named:
         return "the data hold fewer values than there are free parameters"

@@ -251,7 +251,7 @@ def bottom_stop(device: Isolator) -> Isolator | None:
 
 
 def _core_geometry(device: Isolator) -> Geometry | None:
-    """Return the geometry of a stop inside a device: of its height, so that it moves when another device replaces it."""
+    """Return the geometry of a stop inside a device, as tall as it, so that one of another height moves the stop along."""
     height = device.geometry and device.geometry.height
     return Geometry(height=height, width=0.25 * height) if height else None
 
@@ -260,7 +260,7 @@ _NOWHERE = 1.0  # Gap of a stop [m] where it is not known where a device goes so
 
 
 def bottom_in_place(stop: Isolator, device: Isolator) -> Isolator:
-    """Return the stop of a mount when another device replaces the mount's; one that never closes if sizes are unknown."""
+    """Make a mount's bottom stop anew for another device; one that never closes if the device's sizes are unknown."""
     unknown = replace(
         stop, axial=replace(cast(Stop, stop.axial), gap_below=_NOWHERE, gap_above=None), geometry=_core_geometry(device)
     )
@@ -308,8 +308,8 @@ def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:
 def largest_amplitude(isolator: Isolator, axis: str) -> float:
     """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm.
 
-    What is not rated goes that much beyond the largest gap of its stops; a table goes to its end. If the law ends before
-    that on one side, it is what it has there.
+    An unrated law goes that much beyond the largest gap of its stops, a tabulated one to its end; none beyond the nearer
+    end of its range.
     """
     rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
     height = isolator.geometry.height if isolator.geometry is not None else None

@@ -28,6 +28,7 @@ def isolator_warnings(isolator: Isolator) -> tuple[str, ...]:
 
 
 def _slips(isolator: Isolator) -> Iterator[str]:
+    """Yield a sentence on each probable slip in laws, bracket, rated load, friction and stiffness across the axis."""
     for axis, law in isolator.axes.items():
         for part in law.components if law is not None else ():
             yield from _of_law(axis, part, isolator)
@@ -44,6 +45,7 @@ def _slips(isolator: Isolator) -> Iterator[str]:
 
 
 def _of_law(axis: str, law: Law, isolator: Isolator) -> Iterator[str]:
+    """Yield sentences on slips in a law: a ratio for alpha, friction that never yields, a length in mm, a wrong sign."""
     alpha, rounding = getattr(law, "alpha", None), getattr(law, "rounding", 0.0)
     others = sum(abs(getattr(law, name, 0.0)) for name in ("k", "k1"))
     if alpha is not None and 0.0 < alpha <= _RATIO and others > 1e3 * alpha:
@@ -75,6 +77,7 @@ def _force(law: Law, deflection: float) -> float:
 
 
 def _rated_force(isolator: Isolator) -> Iterator[str]:
+    """Yield a sentence if the axial force at the rated compression is negative or no likely multiple of the static load."""
     rated, travel, law = isolator.limits.static_load, isolator.limits.travel.compression, isolator.axial
     if rated is None or travel is None or law is None or law.stops or travel > law.travel_ends[0]:
         return
@@ -119,6 +122,7 @@ def _lost_friction(isolator: Isolator) -> Iterator[str]:
 
 
 def _across(isolator: Isolator) -> Iterator[str]:
+    """Yield a sentence for roll or shear if its stiffness in small cycles is no likely fraction of the axial one."""
     height, along = isolator.geometry.height if isolator.geometry else None, isolator.axial
     if along is None or height is None or along.stops:
         return

@@ -331,7 +331,7 @@ class MeasuredRange(Part):
         return f"at {', '.join(texts)}" if texts else ""
 
     def joined(self, other: "MeasuredRange | None") -> "MeasuredRange":
-        """Join two measured ranges; where a pace is missing in one range, the other range's is taken."""
+        """Join two measured ranges; where frequency or rate is missing in one, the other's is taken."""
         if other is None:
             return self
         spans, other_spans = self.stated, other.stated

@@ -31,7 +31,7 @@ _FRACTIONS = (0.1, 1.0)  # of the range on its shorter side, at which loops say 
 
 @dataclass(frozen=True, kw_only=True)
 class AxisTable:
-    """An axis for structural codes."""
+    """One axis of an isolator for structural codes: points of its static curve, a closed loop, and their differences."""
 
     axis: str  # roll, shear or axial
     points: Array  # of the static curve, first loading from rest: deflection [m] and force [N], (n, 2), rising, the origin one
@@ -178,6 +178,7 @@ def export_structural(
 
 
 def _table(axis: str, law: Law, ends: tuple[float, float], amplitude: float, frequency: float, most: int | None) -> AxisTable:
+    """Tabulate a law's static curve between its ends [m], by at most so many points, and its loop of an amplitude [m]."""
     sides = [_side(law, -ends[0]), _side(law, ends[1])]
     largest = max(float(np.abs(force).max()) for _, force in sides)
     # both sides share the points of a table that holds few, the origin being one of them
@@ -217,7 +218,8 @@ def _side(law: Law, end: float) -> tuple[Array, Array]:
 def _choose_points(way: Array, force: Array, largest: float, count: int, *, few: bool) -> tuple[Array, float]:
     """Choose points of a side, without the origin, (n, 2), and return the largest error of interpolation over `largest`.
 
-    They are dense as the root of the curvature, by which lines miss a curve least; as many as `CLOSE` asks for, or `count`.
+    Their density follows the root of the curvature, with which lines miss a curve least; they are as many as `CLOSE` asks
+    for, or `count`.
     """
     slope = np.gradient(force, way)
     bent = np.sqrt(np.abs(np.gradient(slope, way))) * np.abs(np.gradient(way))

@@ -161,7 +161,7 @@ class Law(ABC):
 
     @property
     def closed_damping(self) -> float:
-        """Derivative of the force by the deflection rate at the same state [N s/m]."""
+        """Derivative of the force by the deflection rate that limits the stable step [N s/m]; of a stop behind its gap."""
         return self.damping_coefficient
 
     @property

@@ -61,7 +61,7 @@ class PlaneLaw(ABC):
         return np.concatenate(parameters)
 
     def own_deflection(self, deflection: Array, states: Array) -> Array:
-        """Find the laws' share of deflections [m], (2,), in hysteretic states [N], those of roll, then the other's."""
+        """Find the deflections of the laws without brackets [m], (2,), at hysteretic forces [N], those of roll first."""
         if self.brackets is None:
             return deflection
         n = len(self.scales)
@@ -134,7 +134,7 @@ Form = tuple[float, float, float, float]  # sigma, n, z_m and x_y
 
 
 def form_of(law: Law) -> Form:
-    """Return sigma, n, z_m and x_y of a Bouc-Wen kernel's parameters; an unbounded law has z_m infinite."""
+    """Return sigma, n, the bound z_m [N] and yield deflection x_y [m] of a Bouc-Wen law; z_m is infinite if z is unbounded."""
     alpha, beta, gamma, n = (float(value) for value in law.kernel_parameters()[:4])
     if beta + gamma <= 0.0:
         return math.nan, n, math.inf, math.inf
@@ -148,7 +148,7 @@ def rates_in_plane(first: Form, second: Form) -> tuple[float, ...]:
 
 
 def elastic_of(law: Law) -> Array:
-    """Return k1, k2, k3 of the elastic part."""
+    """Return k1, k2, k3 of a law's elastic force k1 x + k2 sgn(x) x^2 + k3 x^3, (3,)."""
     elastic = law.kernel_parameters()[4:7]
     return np.concatenate([elastic, np.zeros(3 - elastic.size)])
 

@@ -131,7 +131,7 @@ class Tabulated(AsCall, Law):
 
     @cached_property
     def _curves(self) -> "tuple[scipy.interpolate.PPoly, scipy.interpolate.PPoly, float]":
-        """M [N], g [-] and z_max [N]."""
+        """Mean force M [N] and factor g on friction [-] over the deflection, and the bound z_max of friction [N]."""
         x = self._mirrored(np.array(self.deflection), odd=True)
         if self.upper:
             upper, lower = np.array(self.upper), np.array(self.lower)
@@ -179,7 +179,7 @@ class Tabulated(AsCall, Law):
 
     @property
     def bouc_wen_parameters(self) -> Array:  # type: ignore[override]
-        """z_max / x_y, 1 / x_y, 0, 1."""
+        """alpha, beta, gamma and n of the friction as a Bouc-Wen law: z_max / x_y, 1 / x_y, 0, 1."""
         return self._parameters[:4]
 
     def certainly_valid(self, columns: Mapping[str, object]) -> bool:

@@ -88,6 +88,7 @@ class Smoothed(_Wrapped):
 
 
 def smoothable(law: Law) -> bool:
+    """True if a law has one state, whose rate is a slope times the deflection rate."""
     return law.smoothable and law.rate_independent and law.n_states == 1
 
 

@@ -140,7 +140,7 @@ def fit_coupling(
     shape: LoopShape, *, bending_stiffness: float, loops: float, roll: float, compression: float, tension: float,
     terms: tuple[int, int] = (ROLL_TERMS, AXIAL_TERMS),
 ) -> LoopCoupling:  # fmt: skip
-    """Fit the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as I x J powers.
+    """Fit the energy U(u, w) - U(u, 0) - U(0, w) that couples roll u and axial deflection w of loops, by I x J powers.
 
     The coefficients are a least-squares fit of the two coupling forces at 9 x 9 Chebyshev points of the box. The box ends at
     roll, compression and tension [m], where the rope of a half loop at full roll would be stretched to more than 85 % of its
@@ -175,7 +175,7 @@ def fit_coupling(
 
 
 def coupling_forces(loop: RopeLoop, roll: Array, axial: Array) -> tuple[Array, Array]:
-    """List all pairs (u, w) [m], (n, 2), and for EI = 1 N m^2 the forces there beyond those of (u, 0) and (0, w), (n, 2)."""
+    """List all pairs of roll u and axial w [m], (n, 2), and forces beyond those of (u, 0) and (0, w) for EI = 1, (n, 2)."""
     u, w = (axis.ravel() for axis in np.meshgrid(roll, axial, indexing="ij"))
     state = loop.state(u, w)
     across = state.roll_force - np.repeat(loop.state(roll, 0.0).roll_force, len(axial))

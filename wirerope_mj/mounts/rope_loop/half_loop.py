@@ -241,7 +241,7 @@ class HalfLoop:
             return np.full_like(rest, np.nan)
 
     def _ends(self, direction: Array, end: Array) -> tuple[Array, Array, Array, Array]:
-        """Evaluate cos, sin of the directions (m, q), the ends' distance by direction (m, n, 2) and its error (m, 2)."""
+        """Evaluate cosine, sine of the directions (m, q), derivatives of the ends' distance (m, n, 2) and its error (m, 2)."""
         angle = direction @ self.mesh.value.T
         cosine, sine = np.cos(angle), np.sin(angle)
         weight = self.mesh.weight

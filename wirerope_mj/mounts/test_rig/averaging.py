@@ -68,7 +68,7 @@ class PhasedCycle:
 
 
 def cycle_to(trace: Trace, end: int) -> PhasedCycle:
-    """Cut the cycle of a run that ends at a turning point."""
+    """Cut the cycle that ends at a turning point, given by its number, out of a record."""
     bounds = trace.times[end - 2 : end + 1]
     inside = np.flatnonzero((trace.time >= bounds[0]) & (trace.time <= bounds[2]))
     middle = float((bounds[1] - bounds[0]) / (bounds[2] - bounds[0]))

@@ -152,7 +152,7 @@ def _loops_of_record(x: Array, f: Array, time: Array | None, locate: Locate, sto
 
 
 def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Locate, stop: bool) -> RecordedLoop:
-    """Average the last cycles of a run to one loop, with the drift of the force's zero taken out."""
+    """Average the last cycles of a run, all of one amplitude, to a loop, with the drift of the force's zero taken out."""
     cycles = [cycle_to(trace, end) for end in range(last, first + 1, -2)]
     fewest = min(cycle.samples.size for cycle in cycles[:KEPT])
     if fewest < _FEWEST:

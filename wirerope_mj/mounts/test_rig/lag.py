@@ -137,7 +137,7 @@ def _locate(trace: Trace, run: Sequence[int]) -> _Reversals:
 def _fit_lag(
     reversals: _Reversals, time: Array, force: Array, width: float, degrees: tuple[int, int], begin: float
 ) -> tuple[float, float] | None:
-    """Fit the lag of one window and its standard error, searched from `begin` on; None where no lag fits best."""
+    """Fit lag and standard error [s] in windows of a width about reversals, from `begin` on; None where no lag fits best."""
     delay = begin
     for _ in range(_MOVES):
         window = _Window(reversals, time, force, width, delay, degrees)
@@ -191,7 +191,7 @@ class _Window:
         return np.asarray(values - np.repeat(means, self._counts, axis=0))
 
     def _matrix(self, delay: float) -> Array:
-        """Stack the powers of u before and behind the reversals, at tops and at bottoms, (n, n_factors)."""
+        """Stack powers of the distance u to a reversal, before and behind it, at tops and at bottoms, (n, n_factors)."""
         since = self._since - delay
         s = np.abs(since) / self._scale
         u = np.sum(np.stack([s, s**2, s**4], axis=1) * self._shape, axis=1)

@@ -14,12 +14,12 @@ _VARIANCE_ERRORS = 6.0  # four standard errors of the variance of n samples, 4 s
 
 
 def is_noise(values: Array, noise: float) -> bool:
-    """Return whether a series, (n,), is no more than noise of a standard deviation."""
+    """True if a series, (n,), is no more than noise of a standard deviation."""
     return bool(values.var() <= max(_NOISE_VARIANCE, 1.0 + _VARIANCE_ERRORS / np.sqrt(values.size)) * noise**2)
 
 
 def has_cycle(force: Array) -> bool:
-    """Return whether a force of one cycle [N], (n,), exceeds noise of its size at the cycle's frequency.
+    """True if a force of one cycle [N], (n,), exceeds noise of its size at the cycle's frequency.
 
     Of n samples of white noise, the fraction r that one frequency has in their variance is exceeded with the probability
     (1 - r)^((n - 3) / 2), whatever the noise's size. The sample that repeats the first is left out.
@@ -52,7 +52,7 @@ def noise_text(loop: Loop) -> str:
 
 
 def area_in_noise(loop: Loop) -> bool:
-    """Return whether the area of a loop [J] is no larger than noise of force and deflection can make it.
+    """True if the area of a loop [J] is no larger than noise of force and deflection can make it.
 
     The area is the sum of f_i (x_i+1 - x_i-1) / 2, and of x_i (f_i-1 - f_i+1) / 2, over its samples: independent errors of f
     and x with the standard deviations s_f and s_x give its variance as s_f^2 sum dx_i^2 + s_x^2 sum df_i^2.
@@ -115,20 +115,20 @@ def require_falling(loop: Loop, location: str, *, stop: bool = False) -> None:
 
 
 def is_level(loop: Loop) -> bool:
-    """Return whether the force of a cycle is level before a turning point: yielding, or slightly clipped."""
+    """True if the force of a cycle is level before a turning point: yielding, or slightly clipped."""
     branches = [loop.branch(rising=rising) for rising in (True, False)]
     return any(_level(loop, x[::-1], f[::-1]) for x, f in branches)
 
 
 def _is_open(deflection: Array, force: Array, level: float) -> bool:
-    """Return whether a force is that of the unloaded device, found at the deflections nearest to zero."""
+    """True if a force `level` is that of the unloaded device, found at the deflections nearest to zero."""
     distance = np.abs(deflection)
     unloaded = distance <= distance.min() + _END * float(np.ptp(deflection))
     return bool(abs(level - np.median(force[unloaded])) <= _END * float(np.ptp(force)))
 
 
 def _level(loop: Loop, x: Array, f: Array) -> bool:
-    """Return whether a branch is level beside the turning point that it begins at, beyond what its noise can hide."""
+    """True if a branch is level beside the turning point that it begins at, beyond what its noise can hide."""
     near = np.abs(x - x[0]) <= _END * float(np.ptp(loop.deflection))
     if near.sum() < 3 or np.ptp(x[near]) == 0.0:
         return False
@@ -174,7 +174,7 @@ def require_passive(loop: Loop, location: str, *, stop: bool = False) -> None:
 
 
 def require_area(loop: Loop, location: str) -> None:
-    """Raise ValueError if the loop of a `require_passive` device shows no stiffness or no area."""
+    """Raise ValueError if a loop that has passed `require_passive` shows no stiffness or no area beside its noise."""
     cycle = f"{location}: the cycle of +-{1e3 * loop.amplitude:.4g} mm"
     if loop.secant_stiffness < 0.0 or (loop.dissipated_energy <= 0.0 and area_in_noise(loop)):
         lack = "shows no stiffness" if loop.secant_stiffness < 0.0 else "encloses no area"

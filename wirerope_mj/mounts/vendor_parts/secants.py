@@ -46,7 +46,7 @@ class ElasticShape:
 
 @dataclass(frozen=True, kw_only=True)
 class FitRule:
-    """What is the same for all parts."""
+    """Rule of a fit to vendors' values: what is the same for the laws of all parts."""
 
     n: int  # exponent of the hysteretic states, 1 or 2, for which loops have a closed form
     # of every state its bound and its yield deflection, in parts of those of the first
@@ -56,7 +56,7 @@ class FitRule:
     shear_yield: float
 
     def friction(self, deflection: float, yielding: float, *, steady: bool) -> float:
-        """Return the friction force over d, on the virgin path or at the end of the steady loop of an amplitude [m]."""
+        """Return friction over its bound d [-] at a deflection of the virgin path, or at the ends of the steady loop [m]."""
         reaches = [(share, deflection / (part * yielding)) for share, part in self.scales]  # in yield deflections
         if steady:
             return sum(share * _steady(self.n, reach) for share, reach in reaches)
@@ -70,7 +70,7 @@ class FitRule:
         return math.hypot(0.5 * (1.0 - self.asymmetry) * asymmetry, self.asymmetry * of_bars)
 
     def lost(self, amplitude: float, yielding: float, asymmetry: float) -> float:
-        """Return the area of the steady loop of an amplitude [m] per newton of d [m].
+        """Return the area of the steady loop of an amplitude [m] per newton of the friction's bound d [m].
 
         It is 2 int cosh(lambda x) w(x) dx on the way up, w summed over the states; on the way down w(x) is -w(-x).
         """
@@ -120,7 +120,7 @@ def first_state(law: NiLaw | Parallel) -> NiLaw:
 
 
 def _steady(n: int, reach: float) -> float:
-    """Return |w| at the ends of the steady loop of an amplitude of `reach` yield deflections.
+    """Return w, a hysteretic force over its bound, at the ends of the steady loop of an amplitude of `reach` yield deflections.
 
     n = 1: w = tanh(reach). n = 2: arctan w + artanh w = 2 reach, on the way from -w to w; with w = tanh u by Newton's method.
     """
@@ -193,6 +193,7 @@ def fit_damped(
     exponent = curve.asymmetry or 0.0
 
     def surplus(yielding: float) -> float:
+        """Compute the damping ratio with a yield deflection [m], less that asked for."""
         friction, spring = _sizes(secants, curve, yielding, rule)
         friction_force = friction * rule.friction(amplitude, yielding, steady=True)
         tips = math.cosh(exponent * amplitude) * (friction_force + amplitude * spring * (1.0 + curve.cubic * amplitude**2))

@@ -45,6 +45,7 @@ class StatedValue(Secant):
         return 1e-3 * stiffness
 
     def beside(self, axis: str, stiffness: float) -> "ComparedValue":
+        """Put the stated value beside that of a law, given by its secant stiffness [N/m]."""
         vendor, fitted = self.shown(self.stiffness), self.shown(stiffness)
         return ComparedValue(axis=axis, name=self.name, unit=self.unit, vendor=vendor, fitted=fitted)
 

@@ -146,6 +146,7 @@ def _rotation(sheet: DataSheet, axial: NiLaw | Parallel, roll: NiLaw | Parallel 
 
 
 def _fitted_to(sheet: DataSheet) -> str:
+    """List the values to which the laws were fitted, by axis, as a text."""
     axes = []
     for name, axis in {"axial": sheet.compression, **sheet.across}.items():
         fitted = []
@@ -243,7 +244,7 @@ def fit_part(part: VendorPart, *, scales: Literal[1, 2] = 2) -> Isolator:
 
 
 def axis_of(part: VendorPart, mode: str, damping: float | None = None) -> AxisValues | None:
-    """Return the values of one mode; None for values that are not stated."""
+    """Return the values of one loading mode of a part; None unless travel and both stiffnesses are stated."""
     values = part.modes[mode]
     if values.travel is None or values.vibration is None or values.shock is None:
         return None

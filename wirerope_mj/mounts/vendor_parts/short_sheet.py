@@ -140,14 +140,14 @@ def assumptions(sheet: ShortSheet) -> dict[str, Assumption]:
 
 
 def read_short_sheet(path: Path) -> ShortSheet | None:
-    """Read a sheet of few figures; None where the file is a sheet of tables or of curves. ModelError as `structure` has it."""
+    """Read a sheet of few figures; None where the file is a sheet of tables or of curves. ModelError if it breaks a rule."""
     content = read_toml(path, "data sheet")
     longer = {*keys_of(DataSheet), "curve"} - {*keys_of(ShortSheet)}
     return None if longer & content.keys() else structure(ShortSheet, content, Place(path))
 
 
 def completed(sheet: ShortSheet, **assumed: float) -> DataSheet:
-    """Complete a sheet by the tables' medians, or by the `assumed` values."""
+    """Complete a sheet of few figures to a data sheet, by the `assumed` values or the medians of the vendors' tables."""
     values = {name: assumption.value for name, assumption in assumptions(sheet).items()} | assumed
     median = {name: float(np.median(values)) for name, values in ratios().items()}
     height = sheet.height or median["height"] * sheet.travel
@@ -259,7 +259,7 @@ def fit_short(sheet: ShortSheet) -> ShortFit:
 
 
 def _fit_first(sheet: ShortSheet) -> tuple[Isolator, dict[str, Assumption]]:
-    """Fit the isolator with the values nearest to those to be tried first, and return it with the assumptions."""
+    """Fit the isolator with the assumed values, or the first beside them with which a law is found; return it and them."""
     assumed, failed = assumptions(sheet), list[ConvergenceError]()
     free: list[str] = [name for name in ("shock", "damping") if name in assumed]
     for parts in product(_TRIED, repeat=len(free)):
@@ -280,6 +280,7 @@ def _fit_first(sheet: ShortSheet) -> tuple[Isolator, dict[str, Assumption]]:
 
 
 def _fitted(sheet: ShortSheet, values: Mapping[str, float]) -> Isolator:
+    """Fit the isolator with values of what the sheet leaves open; ConvergenceError if friction yields later than a rope's."""
     isolator = fit_sheet(completed(sheet, **values))
     assert isolator.axial is not None  # of every fit
     reach = first_state(isolator.axial).normalised.x_y  # type: ignore[arg-type]  # the rule's law
@@ -292,6 +293,7 @@ def _fitted(sheet: ShortSheet, values: Mapping[str, float]) -> Isolator:
 
 
 def _end(sheet: ShortSheet, isolator: Isolator, values: Mapping[str, float], name: str, end: float) -> BandEnd:
+    """Fit the isolator with one assumed value at the end of its band, or as far towards it as a law has all values."""
     for part in _PARTS:
         with suppress(ConvergenceError):
             moved = {**values, name: values[name] + part * (end - values[name])}
