@@ -36,7 +36,7 @@ _AMPLITUDE_UNITS = {"displacement": LENGTH_UNITS, "velocity": VELOCITY_UNITS, "a
 def checked_points(
     name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2, steps: bool = False
 ) -> Points:
-    """Check that points (frequency [Hz], level) are positive, rise, and are at least `least`; return them as plain floats.
+    """Check that points (frequency [Hz], level) are positive, rise in frequency and are at least `least`; return plain floats.
 
     With `steps` two points, not the first or the last two, may have one frequency: there the level steps from one to the other.
     Messages call the argument `name` and the level `quantity`.

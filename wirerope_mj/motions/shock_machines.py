@@ -153,7 +153,7 @@ class DecayingSine(StartedMotion):
 
     @cached_property
     def _forced(self) -> tuple[complex, complex]:
-        """Complex amplitudes Q, K of the displacement during the blow of V = 1: Im(Q e^(i p t)) + Re(K e^(s t)), p = pi/D."""
+        """Complex amplitudes Q, K of Im(Q e^(i p t)) + Re(K e^(s t)), x in a blow of V = 1; p = pi/D, s is `_root`."""
         p = math.pi / self.impact_duration
         q = p / 2 / complex(self._omega**2 - p**2, 2 * self.damping * self._omega * p)
         at_rest = -q.imag
@@ -161,7 +161,7 @@ class DecayingSine(StartedMotion):
 
     @cached_property
     def _free(self) -> complex:
-        """Complex amplitude K of the displacement Re(K e^(s t)) after a blow of V = 1."""
+        """Complex amplitude K of the displacement Re(K e^(s t)) after a blow of 1 m/s, s being `_root`."""
         if not self.impact_duration:
             return -1j / self._root.imag
         # The half-sine is a sine that starts at 0 and the same sine that starts at D: after that their forces cancel.

@@ -113,7 +113,7 @@ class SpectrumMatch(Brief):
 
     @property
     def mismatch(self) -> Array:
-        """Achieved over target, less one, (n,)."""
+        """Achieved over target acceleration, less one, (n,)."""
         return self.achieved / self.target - 1
 
     @cached_property

@@ -59,7 +59,7 @@ def oscillating_tail(u: Array, order: int) -> ComplexArray:
 
 
 def _by_series(u: Array, order: int) -> ComplexArray:
-    """Return h1 or h2 by its series; with q = -i/u: h1 = (i/u) sum n! q^n and h2 = -(i/u) sum n! (1 + 1/2 + ... + 1/n) q^n."""
+    """Return h1 or h2 by series in q = -i/u: h1 = (i/u) sum n! q^n and h2 = -(i/u) sum n! (1 + 1/2 + ... + 1/n) q^n, (n,)."""
     factors = _FACTORIALS if order == 1 else _HARMONIC_FACTORIALS
     factors = factors[:_FEW_TERMS] if u.min(initial=np.inf) >= _FEW_FROM else factors
     q = -1j / u
@@ -115,11 +115,11 @@ class Course:
         return 2 * math.pi * self.frequency(t)
 
     def u(self, within: Array) -> Array:
-        """Return u = w/K at times up to the end of the sweep."""
+        """Return u = w/K, the angular frequency over its growth, at times up to the end of the sweep, (n_t,)."""
         return 2 * math.pi * self.start / self.growth * np.exp(self.sign * self.growth * within)
 
     def angle(self, within: Array) -> Array:
-        """Return u - u0 at times up to the end of the sweep, taken without cancellation."""
+        """Return u - u0, the change of u = w/K since the start, at times up to the end of the sweep, without cancellation."""
         return 2 * math.pi * self.start / self.growth * np.expm1(self.sign * self.growth * within)
 
     def phase(self, t: Array) -> Array:

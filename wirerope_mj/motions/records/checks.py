@@ -250,7 +250,7 @@ def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
 
 
 def clipped_text(where: str, extreme: str, length: int) -> str:
-    """Return the warning about a flat top, whose value is given with its unit."""
+    """Word the warning that so many samples in a row stand at an extreme, given with its unit: a saturated sensor."""
     return (
         f"{where} {length} samples in a row stand at exactly {extreme} with steep flanks beside: the "
         "sensor or its amplifier may have been saturated, and the true peak be higher."

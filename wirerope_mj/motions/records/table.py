@@ -156,7 +156,7 @@ def read_record_table(
     path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False, turns: bool = False,
     stated: Stated | None = None,
 ) -> Reading:  # fmt: skip
-    """Return the accelerations in the columns of a table in any container, and the angular channels of the base.
+    """Return the accelerations in the columns of a table, in a file of any kind, and the angular channels of the base.
 
     Without `channels` they are in the columns named x, y and z, without a `unit` in the header's. With `fill` empty cells and
     NaN are filled with straight lines; else they are an error. With `turns` angular rates or accelerations are read, too: those

@@ -130,7 +130,7 @@ def _histories(path: Path, unit: str | None) -> tuple[Histories, list[Entries]]:
 
 
 def _datasets(path: Path) -> tuple[list[int], Histories, list[Entries]]:
-    """Return the types of all datasets, number and header of each dataset 58, and the datasets 164."""
+    """Return the types of all datasets, number and header of each dataset 58 (histories), and the datasets 164 (units)."""
     try:
         file = _open(path)
         kinds = [int(kind) for kind in file.get_set_types()]

@@ -40,7 +40,7 @@ class Band:
 
 @dataclass(frozen=True, kw_only=True)
 class LoopEstimate:
-    """Estimated values of an isolator."""
+    """Values of an isolator, estimated from its geometry, and their errors."""
 
     # geometry [m]
     height: float

@@ -47,7 +47,7 @@ class VendorLoop:
 
 
 def _secant(shape: LoopShape, compression: float) -> float:
-    """Force over deflection of one loop of EI = 1 N m^2 at a compression [m], in N/m."""
+    """Return force over deflection of one loop of rope with EI = 1 N m^2 at a compression [m], in N/m."""
     return -float(RopeLoop(shape).state(0.0, -compression).axial_force) / compression
 
 
@@ -74,7 +74,7 @@ SAME_ROPE = 0.02  # Relative difference of two rope diameters that are one size 
 
 @dataclass(frozen=True, kw_only=True)
 class Trends:
-    """Trends over the parts of a table.
+    """Trends from geometry to values over the parts of a vendor's table.
 
     EI is interpolated between the rope sizes, log over log; each size has the geometric mean of its parts. The compression
     travel is a fraction of the gap between the bars, height - 2 bar: the parts close up at 0.78 to 0.96 of it. Vibration over
@@ -182,7 +182,7 @@ def other_vendor_errors() -> dict[str, Array]:
 
 
 def _interpolated(rope: float, sizes: Array, values: Array) -> float:
-    """Interpolate between rope sizes, linear over log d; outside, along the straight line through all sizes."""
+    """Interpolate between rope diameters, linear over their logarithms; outside, along the straight line through all."""
     known, wanted = np.log(sizes), np.log(rope)
     nearest = float(np.clip(wanted, known[0], known[-1]))
     slope = float(np.polyfit(known, values, 1)[0])

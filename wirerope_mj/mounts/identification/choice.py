@@ -29,7 +29,7 @@ USUAL: tuple[type[Law], ...] = (EnhancedDryFriction, BoucWen, SymmetricBoucWen, 
 
 @dataclass(frozen=True, kw_only=True)
 class LawRow:
-    """Fit of one law."""
+    """Fit of one law, its errors, and how far it is behind the best law."""
 
     law: str  # its name
     free: int = 0  # number of its free parameters
@@ -62,7 +62,7 @@ class LawComparison(Brief):
 
     @property
     def most_general(self) -> LawRow:
-        """Law with the smallest largest error at an amplitude left out; the best law if none has such errors."""
+        """Law whose largest error at an amplitude left out of its fit is smallest; the best law if none has such errors."""
         errors = [math.inf if np.isnan(row.errors_left_out).any() else row.errors_left_out.max() for row in self.rows]
         return self.rows[int(np.argmin(errors))]
 

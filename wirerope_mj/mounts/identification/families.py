@@ -1,4 +1,4 @@
-"""Coordinates in which laws are searched for, and the laws that cyclic tests determine.
+"""Coordinates, the parameters by which laws are searched for, and the laws that cyclic tests determine.
 
 A Bouc-Wen law is searched for by its normalised form (z_max, x_y, sigma, n), whose numbers are less correlated than alpha, beta
 and gamma; b and c of Ni's law by their product, the only one that acts; Jenkin elements by their stiffnesses and the
@@ -30,7 +30,7 @@ from wirerope_mj.mounts.laws import (
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
-    """Sizes of the measured loops."""
+    """Sizes of the measured loops, from which bounds and starts of a search follow."""
 
     deflection: float  # the largest amplitude [m]
     least: float  # the least amplitude [m]
@@ -47,7 +47,7 @@ RESOLVED = 0.02
 
 @dataclass(frozen=True)
 class Coordinate:
-    """One unknown of the search: its bounds, its scale, and the values at which a search begins."""
+    """One fitted parameter, an unknown of the search: its bounds, its scale, and the values at which a search begins."""
 
     name: str  # as tables print it
     unit: str
@@ -78,7 +78,7 @@ class Coordinate:
 
 @dataclass(frozen=True, kw_only=True)
 class Family:
-    """Coordinates of the laws of one class."""
+    """Parameters by which the laws of one class are fitted, and how a law is made of their values."""
 
     coordinates: Callable[[Scales], list[Coordinate]]  # the numbers, from the sizes of the measured loops
     make: Callable[[dict[str, float]], Law]  # the law of their values
@@ -104,7 +104,7 @@ def _slip_starts(s: Scales) -> list[float]:
 
 
 def _hysteresis(s: Scales, *, sigma: bool = True) -> list[Coordinate]:
-    """List the coordinates of a Bouc-Wen force in its normalised form."""
+    """List the fitted parameters of a Bouc-Wen force in its normalised form: z_max, x_y, sigma and n."""
     # A yield deflection far above the amplitudes is elastic, far below them plain friction.
     rows = [
         Coordinate("z_max", "N", 1e-4 * s.force, 1e3 * s.force, linear=True),
@@ -117,7 +117,7 @@ def _hysteresis(s: Scales, *, sigma: bool = True) -> list[Coordinate]:
 
 
 def _elastic(s: Scales, *names: str) -> list[Coordinate]:
-    """List polynomial stiffnesses; the linear stiffness, that of a spring, cannot be negative."""
+    """List polynomial stiffnesses as fitted parameters; the linear stiffness, that of a spring, cannot be negative."""
     rows = []
     for power, name in enumerate(names, start=1):
         size = s.force / s.deflection**power
@@ -135,7 +135,7 @@ def _of_springs(kind: type[Hysteresis], *names: str, sigma: bool = True) -> Fami
 
 
 def _vaiana_rosati(s: Scales) -> list[Coordinate]:
-    """List the coordinates of the law of Vaiana and Rosati."""
+    """List the fitted parameters of the law of Vaiana and Rosati."""
     f, x = s.force, s.deflection
     return [
         *_elastic(s, "kb"),
@@ -152,7 +152,7 @@ def _vaiana_rosati(s: Scales) -> list[Coordinate]:
 
 
 def _stop(s: Scales) -> list[Coordinate]:
-    """List the coordinates of a stop, a gap for each side that closes."""
+    """List the fitted parameters of a stop, with a gap for each side that closes."""
     x, f = s.deflection, s.force
     reaches = {"gap_below": s.below, "gap_above": s.above}
     closed = {name: end for name, end in reaches.items() if end > 0.0}
@@ -179,7 +179,7 @@ STOP = Family(
 
 
 def beside_known(family: Family, known: Law | None) -> Family:
-    """Return the family whose laws act in parallel with a known law."""
+    """Return the family of laws, with the same fitted parameters, that act in parallel with a known law."""
     if known is None:
         return family
     return replace(family, make=lambda values: Parallel(laws=(*known.components, *family.make(values).components)))
@@ -243,7 +243,7 @@ FAMILIES: dict[type[Law], Family] = {
 
 
 def family_of(law: type[Law], elements: int = 5) -> Family:
-    """Find the coordinates of a class of laws; ValueError if cyclic tests cannot fix them."""
+    """Find the fitted parameters of a class of laws; ValueError if cyclic tests cannot fix them."""
     require_law(law)
     if law is Stop:
         return STOP

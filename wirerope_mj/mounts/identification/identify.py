@@ -230,7 +230,7 @@ def _result(
     unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, results: list[_Search], noise: float | None, profiles: bool,
     data: Data,
 ) -> Identification:  # fmt: skip
-    """Return the identification at the best minimum, restarted from any better fit that its profiles find."""
+    """Return the identification at the best minimum, restarted from any better fit that moving single parameters shows."""
     evaluations = sum(stage.evaluations for result in results for stage in result.stages)
     for restarts_left in range(DEEPER, -1, -1):
         least = min(result.minimum.cost for result in results)

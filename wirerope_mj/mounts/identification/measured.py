@@ -44,7 +44,7 @@ class MeasuredLoop:
         return 0.5 * float(np.ptp(self.deflection))
 
     def area(self, force: Array) -> float:
-        """Area that a force encloses on the loop's path [J]."""
+        """Return the area that a force encloses on the loop's path [J]."""
         return float(np.trapezoid(force, self.deflection))
 
     def mid_line(self, force: Array, points: int) -> Array:
@@ -100,7 +100,7 @@ class MeasuredLoop:
         return float(abs(forces[-1, -1] - forces[-1, 0] - drift) / np.ptp(self.force))
 
     def _led_forces(self, law: Law) -> Array:
-        """Evaluate a law along the recorded history and in every averaged cycle [N], (n_cycles, n_t)."""
+        """Evaluate the force of a law in every averaged cycle, after the recorded history [N], (n_cycles, n_t)."""
         x, parameters, states = self.deflection, law.kernel_parameters(), np.zeros(law.n_states)
         follow_force(law.kernel, parameters, np.append(self.history, x[0]), states, law.n_states)
         forces = np.empty((self.averaged, x.size))
@@ -226,7 +226,7 @@ class ScaleLoop(MeasuredLoop):
         return mean_of_cycles(forces, self.elapsed) if self.averaged else forces[0]
 
     def shape(self, x_y: float, sigma: float, n: float) -> Array:
-        """Evaluate z / z_max of a scale in every averaged cycle, or in the steady one, (n_cycles, n_t)."""
+        """Evaluate z / z_max of a scale of friction in every averaged cycle, or in the steady one, (n_cycles, n_t)."""
         key = tuple(f"{value:.12e}" for value in (x_y, sigma, n))  # a millionth of the step of a difference
         if key not in self._shapes:
             size = 0.5 * float(np.ptp(self.force))  # what counts as steady is a fraction of it

@@ -28,7 +28,7 @@ STEPS = 15  # Steps of the others' search at one value: it begins where the stra
 
 @dataclass(frozen=True, kw_only=True)
 class ProfilePoint:
-    """Coordinates fitted with one held fixed, and the rise of the sum of squares above the minimum, in variances."""
+    """Parameters fitted with one held fixed, and the rise of the sum of squares above the minimum, in variances."""
 
     numbers: Array
     rise: float
@@ -36,7 +36,7 @@ class ProfilePoint:
 
 @dataclass(frozen=True, kw_only=True)
 class Survey:
-    """Uncertainty of a fit by its profiles."""
+    """Uncertainty of a fit by its profiles: single parameters moved, with all others fitted again."""
 
     uncertainty: Uncertainty  # of the best minimum: errors span all points that fit as well, messages name other sets of values
     better: dict[str, float] | None  # values of a better fit, if moving a value has shown one
@@ -110,7 +110,7 @@ def _different(first: Mapping[str, Parameter], second: Mapping[str, Parameter]) 
 
 
 class _Profile:
-    """Profile of one coordinate to one side: the coordinate is moved step by step, and all others are fitted again."""
+    """Profile of one parameter to one side: the parameter is moved step by step, and all others are fitted again."""
 
     def __init__(
         self, unknowns: Unknowns, residual: Residual, best: Minimum, uncertainty: Uncertainty, spread: float, index: int

@@ -123,7 +123,7 @@ def _unsteady(loops: _Loops) -> list[str]:
 
 
 def _unexplained(loops: _Loops, result: Identification) -> list[str]:
-    """Warn of each loop whose last cycle closes otherwise than the law's after the same history from unloaded."""
+    """Warn of each loop whose last cycle ends elsewhere than that of the law, led there likewise from the unloaded device."""
     warnings = []
     for path, loop in loops:
         if not (isinstance(loop, RecordedLoop) and loop.averaged > 1):

@@ -41,7 +41,7 @@ def require_scales(kind: type[Law], scales: object, *, start: Law | None, beside
 
 
 def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
-    """Build the family of laws with several scales: `Parallel` sets of one class, the spring in the first of them.
+    """Build the family of laws with several scales of friction: `Parallel` sets of one class, the spring in the first.
 
     The scales are named, the largest first; coordinates end with their names, as "n_small".
     """
@@ -70,7 +70,7 @@ def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
         ))  # fmt: skip
 
     def read(law: Law) -> dict[str, float]:
-        """Read the coordinates of a parallel law, its scales in the order of their yield deflections."""
+        """Return the fitted parameters of a parallel law, its scales in the order of their yield deflections."""
         parts = law.components
         if [type(part) for part in parts] != [kind] * len(names):
             raise ValueError(f"`start` must be {len(names)} {kind.name} laws in parallel, got {law!r}.")
@@ -88,6 +88,6 @@ _SPRING = ("k", "k1", "k2", "k3", "c_ln_b")
 
 
 def yield_deflection(law: Law) -> float:
-    """Yield deflection of one scale [m]."""
+    """Return the yield deflection of the law of one scale [m]."""
     assert law.normal_form is not None
     return law.normal_form.x_y

@@ -55,12 +55,12 @@ def harmonic_residual(loops: Sequence[MeasuredLoop]) -> Residual:
 
 
 def mid_line_residual(loops: Sequence[MeasuredLoop]) -> Residual:
-    """Compare the loops' mid-lines (F_up + F_down) / 2, which show the elastic part: the first stage's residual."""
+    """Compare the loops' mid-lines (F_up + F_down) / 2, which show the elastic part: the first of three stages."""
     return _of_each(loops, lambda loop, misfit: _centred(loop.mid_line(misfit, 41) / loop.weight))
 
 
 def area_residual(loops: Sequence[MeasuredLoop]) -> Residual:
-    """Compare the loops' areas, relative to the measured ones: the second stage's residual.
+    """Compare the loops' areas, relative to the measured ones: the second of three stages.
 
     A loop thinner than `THIN` of the rectangle about it counts relative to that fraction of the rectangle: noise of the force
     makes such an area small, zero or negative.
@@ -99,7 +99,7 @@ REFUSED = 1e3  # Residual of a law that cannot be evaluated on the loops, in uni
 
 @dataclass(frozen=True, kw_only=True)
 class Unknowns:
-    """The coordinates of a law, some of them fixed."""
+    """The parameters of a law by which it is searched for, its coordinates, some of them fixed."""
 
     family: Family  # how the law is made
     coordinates: Sequence[Coordinate]  # all coordinates

@@ -21,7 +21,7 @@ SAMPLES = 60  # Samples of each loop that the grid is compared with: its shape, 
 
 
 def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int) -> list[dict[str, float]]:
-    """Choose the best points of the grid, and the best point for each pattern of signs of the coordinates.
+    """Choose the best points of the grid of parameter values, and the best point for each pattern of their signs, as starts.
 
     Laws with coordinates of either sign can have a valley for each pattern, of depths that the noise does not tell apart: a
     spring that hardens to one side, and one that softens to the other beside a stiffer straight one. `count` is the number of
@@ -88,7 +88,7 @@ _Point = tuple[float, dict[str, float]]  # of the grid: mean squares left, its v
 
 
 def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Sequence[str]) -> list[dict[str, float]]:
-    """Choose the best point of the grid for each n and sigma, best first: searches from them may end at different minima.
+    """Choose the best grid point for each n and sigma as a start, best first: searches from them may end at different minima.
 
     The scales are named, the largest first.
     """
@@ -102,7 +102,7 @@ def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Seque
 
 
 def _points_of(unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[str], n: float, sigma: float) -> list[_Point]:
-    """Evaluate the grid's points with one n and sigma: all yield deflections far enough apart, every asymmetry."""
+    """Return the grid's points and misfits for one n and sigma: all yield deflections far enough apart, every asymmetry."""
     amplitudes = [loop.amplitude for loop in loops]
     yields = np.geomspace(2.0 * RESOLVED * min(amplitudes), max(amplitudes), _YIELD)
     shapes = [[loop.shape(float(x_y), sigma, n) for loop in loops] for x_y in yields]

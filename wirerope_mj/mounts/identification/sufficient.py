@@ -47,7 +47,7 @@ def unknowns_of(
     law: type[Law], family: Family, coordinates: list[Coordinate], fixed: dict[str, float], free: Sequence[str],
     constraint: Constraint | None, start: Law | None,
 ) -> Unknowns:  # fmt: skip
-    """Choose the coordinates that are searched for and those that are fixed; ValueError where options contradict each other."""
+    """Choose the parameters that are searched for and those that are fixed; ValueError where options contradict each other."""
     if start is not None and type(start) is not law:
         raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")
     if fixed.get("loss") == 0.0:  # an elastic stop has none
@@ -140,7 +140,7 @@ LEAST = 0.02
 
 
 def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[MeasuredLoop], dict[str, float]]:
-    """Choose the loops that count for a stop, and find the deflection of its closed sides beyond zero [m], 0 for open ones.
+    """Choose the loops in which a stop shows, and find how far they go into its closed sides from zero [m], 0 for open ones.
 
     Loops within the gap of a bare stop hold noise alone and do not count. ValueError: none closes.
     """

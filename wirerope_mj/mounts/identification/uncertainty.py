@@ -22,7 +22,7 @@ AT_BOUND = 1e-6  # Fraction of a coordinate's range within which it stands at it
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """Fitted value of one coordinate, with its standard error."""
+    """Fitted value of one parameter of the search, with its standard error."""
 
     name: str
     unit: str
@@ -47,7 +47,7 @@ class Uncertainty:
 
     @property
     def correlation(self) -> Array:
-        """Correlation of the free coordinates, (n, n)."""
+        """Correlation of the free parameters, (n, n)."""
         deviations = np.sqrt(np.diag(self.covariance))
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.nan_to_num(self.covariance / np.outer(deviations, deviations), nan=0.0)

@@ -322,7 +322,7 @@ def largest_amplitude(isolator: Isolator, axis: str) -> float:
 
 
 def amplitudes_of(isolator: Isolator, axis: str, fractions: Sequence[float]) -> list[float]:
-    """Return fractions of the largest amplitude [m]; of an unrated axis with stops alone, of the travel beyond the gap."""
+    """Return amplitudes as fractions of the largest [m]; of an unrated axis with stops alone, of the travel beyond the gap."""
     law, largest = isolator.axes[axis], largest_amplitude(isolator, axis)
     rated = any(travel is not None for travel in isolator.rated_travel(axis))
     start = largest_gap(law) if law is not None and law.only_stops and not rated else 0.0

@@ -60,7 +60,7 @@ class AxisTable:
 
 @dataclass(frozen=True, kw_only=True)
 class StructuralExport:
-    """An isolator for one structural code."""
+    """An isolator as entries of one structural code."""
 
     isolator: Isolator
     code: str  # a key of `CODES`
@@ -216,7 +216,7 @@ def _side(law: Law, end: float) -> tuple[Array, Array]:
 
 
 def _choose_points(way: Array, force: Array, largest: float, count: int, *, few: bool) -> tuple[Array, float]:
-    """Choose points of a side, without the origin, (n, 2), and return the largest error of interpolation over `largest`.
+    """Choose points of one side of a curve, without the origin, (n, 2); return them and the largest error over `largest`.
 
     Their density follows the root of the curvature, with which lines miss a curve least; they are as many as `CLOSE` asks
     for, or `count`.
@@ -237,7 +237,7 @@ def _choose_points(way: Array, force: Array, largest: float, count: int, *, few:
 
 
 def _nastran(export: StructuralExport) -> Iterator[str]:
-    """Yield the lines of bulk data: large fields for tables, of ten digits."""
+    """Yield the lines of Nastran's bulk data: large fields for tables, of ten digits."""
     by_axis, rotation = {table.axis: table for table in export.tables}, export.isolator.conditioned.rotation
     present = [by_axis.get(axis) for axis in AXES]
     turning = [0.0 if rotation is None else export.scaled(getattr(rotation, axis), "N m") for axis in AXES]

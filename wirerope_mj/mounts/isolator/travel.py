@@ -42,14 +42,14 @@ SIDES = {"roll": ("roll", "roll"), "shear": ("shear", "shear"), "axial": ("compr
 
 
 def travel_in(rating: str, deflection: Array) -> Array:
-    """Measure how far deflections, (..., 3), go in the direction of a rating [m], (...); 0 in the opposite direction."""
+    """Measure how far deflections, (..., 3), go in a rated direction, as "tension" [m], (...); 0 in the opposite direction."""
     axis, sign = RATINGS[rating]
     along = deflection[..., axis]
     return np.asarray(np.abs(along) if sign == 0.0 else np.maximum(sign * along, 0.0) + 0.0)  # + 0.0: never -0.0
 
 
 def travel_reached(lowest: Array, highest: Array) -> dict[str, Array]:
-    """Return the largest travel by rating [m], (...), between extreme deflections, (..., 3)."""
+    """Return the largest travel in compression, tension, shear and roll [m], (...), between extreme deflections, (..., 3)."""
     low, high = np.minimum(lowest, highest), np.maximum(lowest, highest)
     both_ways = np.maximum(np.abs(low), np.abs(high))
     reached = {-1.0: np.maximum(-low, 0.0) + 0.0, 0.0: both_ways, 1.0: np.maximum(high, 0.0) + 0.0}  # never -0.0

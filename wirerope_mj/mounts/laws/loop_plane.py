@@ -158,7 +158,7 @@ class LoopBoucWen(PlaneLaw):
 
     @cached_property
     def scales(self) -> tuple["LoopBoucWen", ...]:
-        """The laws of the pairs, in their order; the first has the elastic energy."""
+        """Laws of the pairs of one law of roll and one of axial, in their order; the first has the elastic energy."""
         if not any(isinstance(law, Parallel) for law in self.laws):
             return (self,)
         numbers = [len(law.components) for law in self.laws]

@@ -57,7 +57,7 @@ class PhasedCycle:
     middle: float = 0.5  # time of phase 0.5 over the period
 
     def of(self, values: Array) -> Array:
-        """Interpolate a series at `POINTS` even phases."""
+        """Interpolate a series of the record at `POINTS` even phases of the cycle."""
         return np.interp(np.arange(POINTS) / POINTS, self.phase, values[self.samples])
 
     def elapsed(self, phase: Array) -> Array:

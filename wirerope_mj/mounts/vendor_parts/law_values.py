@@ -16,7 +16,7 @@ from wirerope_mj.mounts.test_rig import cyclic_test
 
 @dataclass(frozen=True, kw_only=True)
 class Secant:
-    """A secant stiffness."""
+    """A secant stiffness at a deflection, of a steady loop or of the virgin path."""
 
     deflection: float  # compression or amplitude [m]
     stiffness: float  # [N/m]
