@@ -6,7 +6,7 @@ from concurrent.futures import Future
 from dataclasses import replace
 from functools import cache, partial
 from threading import Event
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from wirerope_mj.content.cyclic_tests import isolator_chart
 from wirerope_mj.content.verdicts import used_tone
@@ -19,11 +19,7 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import VendorPart, load_isolator, vendor_parts
 from wirerope_mj.runs.board.documents import Texts
 from wirerope_mj.runs.board.loaded import Loaded
-from wirerope_mj.runs.board.written import lost
 from wirerope_mj.views.board.columns import column_html, fragment
-
-if TYPE_CHECKING:
-    from wirerope_mj.studies.catalogue import CatalogueSelection  # with its studies, which a board may not need
 
 _SHOWN = 30  # parts that are listed at once
 _GROUP = 8  # parts that a process tries at once
@@ -75,14 +71,14 @@ class Trial:
 
     def begin(self, loaded: Loaded, pattern: str) -> Sequence[Future[Any]]:
         """Try the parts whose names match a pattern, in place of those before; ValueError if there is none."""
-        from wirerope_mj.studies.catalogue import catalogue
+        from wirerope_mj.studies.catalogue import catalogue  # with its studies, which a board may not need
         from wirerope_mj.studies.engines.local import futures_of_processes
 
         parts, cases = [*catalogue(pattern or "*").items()], {case.name: case.scenario.motion for case in loaded.job.cases}
         groups = [dict(parts[k : k + _GROUP]) for k in range(0, len(parts), _GROUP)]
         self.stop()
         self._parts, self._texts, self._stopped = len(parts), loaded.texts, Event()
-        self._answers = futures_of_processes(partial(_tried, loaded.job.system, cases), groups, lost=lost, stop=self._stopped)
+        self._answers = futures_of_processes(partial(_tried, loaded.job.system, cases), groups, self._stopped)
         return self._answers
 
     def stop(self) -> Sequence[Future[Any]]:
@@ -112,7 +108,7 @@ class Trial:
         return fragment("parts.html.jinja", rows=rows, said=" ".join(said), running=running)
 
 
-def _tried(system: System, cases: Mapping[str, BaseMotion], parts: Mapping[str, Isolator | str]) -> "CatalogueSelection | str":
+def _tried(system: System, cases: Mapping[str, BaseMotion], parts: Mapping[str, Isolator | str]) -> Any:
     """Simulate parts in all places under the load cases and rank them; return the reason instead if that fails."""
     from wirerope_mj.studies.catalogue import select_parts
 

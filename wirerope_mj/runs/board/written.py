@@ -31,12 +31,7 @@ class Order:
         """Have another process compute and write it; the result is the file, or why there is none."""
         from wirerope_mj.studies.engines.local import futures_of_processes  # late: with it comes all that studies need
 
-        return futures_of_processes(_write, [self], lost=lost)[0]
-
-
-def lost(_: object, why: str) -> str:
-    """Return the message in place of the answer of a process that died each time it was tried."""
-    return f"Its process {why} each time."
+        return futures_of_processes(_write, [self])[0]
 
 
 def _write(order: Order) -> Path | str:

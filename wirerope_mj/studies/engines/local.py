@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.interrupts import at_end
@@ -77,19 +77,20 @@ def in_processes(
 
 
 def futures_of_processes(
-    function: Callable[[Question], Answer], questions: Sequence[Question], *, lost: Callable[[Question, str], Answer],
-    stop: threading.Event | None = None,
-) -> list[Future[Answer]]:  # fmt: skip
-    """Have worker processes answer questions (`in_processes`), and return at once futures that are done as answers come.
+    function: Callable[[Question], Answer], questions: Sequence[Question], stop: threading.Event | None = None
+) -> list[Future[Answer | str]]:
+    """Have other processes answer questions as `in_processes` does, and return at once: a future is done with each answer.
 
-    One processor is left to this process if there are more. Once `stop` is set, the futures without an answer are cancelled.
+    One whose process is lost is answered by a sentence that says so. One processor is left to this process if there are more.
+    Once `stop` is set, the futures without an answer are cancelled.
     """
-    futures = [Future[Answer]() for _ in questions]
+    futures = [Future[Answer | str]() for _ in questions]
+    asked = cast("Callable[[Question], Answer | str]", function)
 
     def wait() -> None:
-        waiting = iter(futures)
+        lost, waiting = (lambda _, why: f"Its process {why} each time."), iter(futures)
         try:
-            for answer in in_processes(function, questions, lost=lost, workers=max(2, processors() - 1), stop=stop):
+            for answer in in_processes(asked, questions, lost=lost, workers=max(2, processors() - 1), stop=stop):
                 next(waiting).set_result(answer)
         except BaseException as error:
             next(waiting).set_exception(error)
