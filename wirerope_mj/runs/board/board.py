@@ -179,12 +179,8 @@ class Board:
         With `sliders` the left column is not replaced but for its sliders.
         """
         column = "sliders" if sliders else "left"
-        html = {
-            column: fragment(
-                f"{column}.html.jinja",
-                form=form_of(self._loaded, self._found | {"tried": self._trial.html(self._loaded.texts)}),
-            )
-        }
+        found = self._found | {"tried": self._trial.html(self._loaded.texts)}
+        html = {column: fragment(f"{column}.html.jinja", form=form_of(self._loaded, found))}
         return {"scene": self._scene(self._loaded, {}), "dirty": self._documents.unsaved, "stale": True, "html": html}
 
     def _scene(self, loaded: Loaded, over: Mapping[str, float], **moved: Any) -> Message:
