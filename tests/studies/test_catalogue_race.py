@@ -19,8 +19,9 @@ from wirerope_mj.motions.registry import motion_from_words
 from wirerope_mj.mounts.isolator import bottom_in_place, bottom_stop
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.selection import equipment, write_selected
-from wirerope_mj.studies.catalogue import CRITERIA, TriedPart, catalogue, replacements, select_parts, try_parts
+from wirerope_mj.studies.catalogue import catalogue, replacements, select_parts, try_parts
 from wirerope_mj.studies.measures import measures
+from wirerope_mj.studies.tried_part import CRITERIA, TriedPart
 
 pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
 

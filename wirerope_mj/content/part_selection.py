@@ -15,7 +15,8 @@ from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import bars_table, used_mark
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table, left
-from wirerope_mj.studies.catalogue import BY, CRITERIA, CatalogueSelection, TriedPart
+from wirerope_mj.studies.catalogue import BY, CatalogueSelection
+from wirerope_mj.studies.tried_part import CRITERIA, TriedPart
 
 _DIGITS = re.compile(r"\d[\d.e+-]*")  # numbers, without which reasons of several parts are alike
 _FIRST, _NEAREST = 12, 5  # parts shown by default: of those that keep every limit, and of those that exceed one

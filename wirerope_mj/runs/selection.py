@@ -25,8 +25,9 @@ from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
 from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.new_model import KIND, marks
 from wirerope_mj.runs.scenario_file import judged_by
-from wirerope_mj.studies.catalogue import TriedPart, replaceable_mounts
+from wirerope_mj.studies.catalogue import replaceable_mounts
 from wirerope_mj.studies.measures import payload_bodies, payload_points
+from wirerope_mj.studies.tried_part import TriedPart
 
 _PLACED = "WR16-400"  # part of the box's mounts before every part takes their places
 

@@ -9,13 +9,12 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from fnmatch import fnmatchcase
 
 import numpy as np
 
 from wirerope_mj.assessment.criteria import rested_verdicts, stationary_verdicts
 from wirerope_mj.assessment.criteria.sampled import elements, steady_interval
-from wirerope_mj.assessment.criteria.verdict import ACCELERATION, COMBINED, RATTLE_SPACE, SIGMA, STATIC_LOAD, TRAVEL
+from wirerope_mj.assessment.criteria.verdict import SIGMA
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import BatchFailure, simulate_batch
 from wirerope_mj.engine.simulation.engines import unsupported_run
@@ -37,6 +36,7 @@ from wirerope_mj.mounts.vendor_parts import catalogue as catalogue
 from wirerope_mj.studies.measures import measures, needs_samples, payload_bodies, payload_points
 from wirerope_mj.studies.needed_mount import NeededMount, needed_mount
 from wirerope_mj.studies.room import NO_ROOM, limits_in_room
+from wirerope_mj.studies.tried_part import CRITERIA, TriedPart
 
 _LONGEST = 5e-4  # Step from which the halving begins [s]: a mode of 100 Hz has twenty of them in a period
 LEVELS = 8  # steps that are tried, the last of them 4 microseconds
@@ -50,61 +50,6 @@ _SWINGS = 6.0  # slowest periods after the motion: the largest peaks lie within 
 _SAMPLES = 10.0  # ends of steps asked for [1/s]: peaks are those of every step, and fewer samples are faster
 _RATE = 1000.0  # where samples judge what peaks do not [Hz]
 _GREW = "a mount goes beyond where its law holds, or the motion grows without bound"
-# Measures that are utilisations of limits, and the criteria that they stand for.
-CRITERIA = {
-    "static_load": STATIC_LOAD, "travel": TRAVEL, "combined_travel": str(COMBINED), "fragility": ACCELERATION,
-    "clearance": RATTLE_SPACE, "sigma": SIGMA,
-}  # fmt: skip
-
-
-@dataclass(frozen=True, kw_only=True)
-class TriedPart:
-    """A catalogue part in place of a model's mounts, with the measures of its simulations."""
-
-    name: str  # of the part
-    isolator: Isolator | None = None  # the part; None if it has none
-    system: System | None = field(default=None, repr=False)  # the model on it; None without an isolator
-    placement: str = ""  # how many mounts there are and where, as it was asked for
-    mounts: int = 0  # number of mounts that carry the part
-    # by the load case, those of `wirerope_mj.studies.measures`; of cases that were computed
-    measures: Mapping[str, Mapping[str, float]] = field(default_factory=dict, repr=False)
-    reason: str = ""  # why it was not computed, "" if it was
-
-    def used(self, measure: str) -> tuple[float, str]:
-        """Return the largest utilisation by a criterion over the load cases [-], NaN if not judged, and its load case."""
-        known = {case: own[measure] for case, own in self.measures.items() if not math.isnan(own[measure])}
-        worst = max(known, key=lambda case: known[case], default="")
-        return known.get(worst, math.nan), worst
-
-    @property
-    def governing(self) -> tuple[float, str, str]:
-        """Utilisation, criterion and load case of the most critical verdict; NaN and "" if nothing is judged."""
-        judged = [(*self.used(measure), criterion) for measure, criterion in CRITERIA.items()]
-        value, case, criterion = max(judged, key=lambda candidate: -1.0 if math.isnan(candidate[0]) else candidate[0])
-        return (value, "", "") if math.isnan(value) else (value, criterion, case)
-
-    @property
-    def meets(self) -> bool:
-        """True if the part was computed and exceeds no limit."""
-        return not self.reason and not self.governing[0] > 1.0
-
-    @property
-    def acceleration(self) -> float:
-        """Largest acceleration of the payload's bodies and points over the load cases [m/s^2]."""
-        return self.largest("acceleration*")
-
-    @property
-    def displacement(self) -> float:
-        """Largest displacement of a point along x, y or z relative to the base over the load cases [m]; NaN without points."""
-        return self.largest("displacement/*/*")
-
-    def largest(self, pattern: str, case: str | None = None) -> float:
-        """Find the largest of the measures whose names match a pattern, under all load cases or one; NaN if there is none."""
-        cases = self.measures if case is None else {case: self.measures.get(case, {})}
-        values = [value for row in cases.values() for name, value in row.items() if fnmatchcase(name, pattern)]
-        return max((value for value in values if not math.isnan(value)), default=math.nan)
-
-
 Progress = Callable[[float], None]
 
 
