@@ -15,7 +15,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, write_json
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.payload_limits import KINDS, ON_MOUNTS, PayloadLimit, limits_by_patterns
-from wirerope_mj.foundation.resources import scenarios_folder
+from wirerope_mj.foundation.resources import models_beside, scenarios_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.job_file import Job
 from wirerope_mj.runs.page import write_page
@@ -49,7 +49,8 @@ class StudyFile(OptionFile):
 
         ModelError if an option is unknown, or the function does not return a Study, or fails; says in which line.
         """
-        study, _ = self.made(options)
+        with models_beside(self.path):
+            study, _ = self.made(options)
         if not isinstance(study, Study | Search):
             raise ModelError(f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {study!r}.")
         study.name = self.name if study.name == "study" else study.name

@@ -69,7 +69,7 @@ class StudyDefinition:
             changes: what the base system differs by from the model, as `changes` of what `wirerope_mj.varied` returns.
             name: what the study is called.
             question: what it asks.
-            folder: where a relative model path starts; None for the current folder.
+            folder: where a relative model path starts; None for that of the study file that makes it, then the current one.
 
         Raises:
             ValueError: an argument is out of range.
