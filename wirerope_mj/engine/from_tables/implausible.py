@@ -25,18 +25,24 @@ _SOFT = 0.1  # m: a stop that the weight presses in farther is none
 # questioned: stops of models that ship have 0.7 to 5 and up to 0.3, hard plastic a hundred weights
 _HARD, _DAMPED = 500.0, 2.0
 _ASIDE, _LEAST = 1.5, 0.1  # distances of the mounts, at least [m], beyond which a stop stands aside
-_TINY = 0.01  # of the distance of the mounts, within which all points stand at the origin
+_TINY = 0.01  # of the distance of the mounts, within which a place in m that is read as mm stands at the origin
+# heights of mounts over that distance that are none; a thousand times them, over the height of an isolator
+_FLAT, _MID_HEIGHTS = 5e-3, (0.1, 10.0)
+# reach of equipment beyond the box of its mounts, over their distance: across, downwards and upwards
+_REACH = np.array([[0.25, 0.25, 1.0], [0.25, 0.25, 2.0]])
+_AIR = 1.2  # kg/m^3, which no part that fills the box of its inertia is lighter than
+_FAR = 8.0  # radii of gyration of a payload from its centre of mass, beyond which there is no point of it
 
 
 def warn_of_masses(masses: Sequence[Mass]) -> None:
     """Warn of each probable slip in a table of masses, with file, row, column and remedy."""
-    for text in (*_dense(masses), *_about_the_origin(masses), *_twice(masses)):
+    for text in (*_dense(masses), *_light(masses), *_about_the_origin(masses), *_twice(masses)):
         warnings.warn(text, RecordWarning, stacklevel=3)
 
 
 def warn_of_layout(layout: Layout) -> None:
-    """Warn of each probable slip in tables of stops and points, with file, row, column and remedy."""
-    for text in (*_stops(layout), *_points(layout)):
+    """Warn of each probable slip in the tables of a model that shows beside the others, with file, row, column and remedy."""
+    for text in (*_stops(layout), *_in_metres(layout), *_points(layout)):
         warnings.warn(text, RecordWarning, stacklevel=3)
 
 
@@ -60,6 +66,19 @@ def _dense(masses: Sequence[Mass]) -> Iterator[str]:
                 f'{mass.location}: "{short(mass.name)}" of {properties.mass:.4g} kg has a radius of gyration of '
                 f"{1e3 * radius:.3g} mm: it is denser than any material. Check the units of its mass and of columns "
                 '"ixx" to "izz", or "size_x" to "size_z".'
+            )
+
+
+def _light(masses: Sequence[Mass]) -> Iterator[str]:
+    """Yield a warning of each part that is lighter than the air in the box, filled evenly, that has its moments of inertia."""
+    for mass in masses:
+        moments = np.linalg.eigvalsh(mass.properties.inertia)
+        sides = np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / mass.properties.mass, 0.0))
+        if mass.properties.mass < _AIR * float(sides.prod()):
+            yield (
+                f'{mass.location}: "{short(mass.name)}" of {mass.properties.mass:.4g} kg has the moments of inertia of a '
+                f"box of {' x '.join(f'{side:.3g}' for side in sorted(sides))} m, and would be lighter than air: is its mass "
+                'in t, or with a point for thousands, or are columns "ixx" to "izz", or "size_x" to "size_z", in other units?'
             )
 
 
@@ -146,13 +165,48 @@ def _stops(layout: Layout) -> Iterator[str]:
             )
 
 
-def _points(layout: Layout) -> Iterator[str]:
-    """Yield a warning of points that all stand at the origin, but for a thousandth of a payload's size."""
-    apart = float(np.linalg.norm(np.ptp([mount.position for mount in layout.mounts], axis=0)))
-    far = max((float(np.linalg.norm(point.position)) for point in layout.points), default=0.0)
-    if 0.0 < far < _TINY * apart:
-        first = layout.points[0]
+def _in_metres(layout: Layout) -> Iterator[str]:
+    """Yield a warning of each part and point at the origin that a thousandfold place would put where equipment is.
+
+    And of all mounts whose heights are none, and a thousandfold those of isolators. Where the origin is the centre of mass a
+    part may well stand there.
+    """
+    places = np.array([mount.position for mount in layout.mounts])
+    apart = float(np.linalg.norm(np.ptp(places, axis=0)))
+    reach = np.array([places.min(axis=0) - _REACH[0] * apart, places.max(axis=0) + _REACH[1] * apart])
+    centre = combine([mass.properties for mass in layout.masses]).centre
+    looked_at = layout.masses if len(layout.masses) > 1 and float(np.linalg.norm(centre)) > 2.0 * _TINY * apart else ()
+    for name, place, location in (
+        *((mass.name, mass.properties.centre, mass.location) for mass in looked_at),
+        *((point.name, point.position, point.location) for point in layout.points),
+    ):
+        far = float(np.linalg.norm(place))
+        meant = 1e3 * place
+        if 0.0 < far < _TINY * apart < 0.1 * 1e3 * far and (reach[0] <= meant).all() and (meant <= reach[1]).all():
+            yield (
+                f'{location}: "{short(name)}" stands within {1e3 * far:.3g} mm of the origin, and the mounts are {apart:.3g} m '
+                'apart: are its "x", "y", "z" in m where the header says mm?'
+            )
+    heights = np.abs(places[:, 2])
+    devices = [load_isolator(file) for file in layout.isolators.values()]
+    high = max((device.geometry.height or 0.0 for device in devices if device.geometry), default=0.0)
+    low = 1e3 * float(heights.min())
+    if high and heights.all() and heights.max() < _FLAT * apart and _MID_HEIGHTS[0] * high < low < _MID_HEIGHTS[1] * high:
         yield (
-            f'{first.location}: "{first.name}" and all points stand within {1e3 * far:.3g} mm of the origin, and the mounts '
-            f'are {apart:.3g} m apart: are columns "x", "y", "z" in m where the header says mm?'
+            f'{layout.mounts[0].location}: "{short(layout.mounts[0].name)}" and all mounts stand within '
+            f'{1e3 * heights.max():.3g} mm of z = 0, and are {apart:.3g} m apart: is column "z" in m where the header says mm?'
         )
+
+
+def _points(layout: Layout) -> Iterator[str]:
+    """Yield a warning of each point farther from a payload than any mast upon it."""
+    whole = combine([mass.properties for mass in layout.masses])
+    places = np.array([mount.position for mount in layout.mounts])
+    radius = math.sqrt(0.5 * float(whole.inertia.trace()) / whole.mass)
+    reach = max(_FAR * radius, 2.0 * float(np.linalg.norm(places - whole.centre, axis=1).max()))
+    for point in layout.points:
+        if (away := float(np.linalg.norm(point.position - whole.centre))) > reach:
+            yield (
+                f'{point.location}: "{short(point.name)}" stands {away:.3g} m from the centre of mass of equipment whose '
+                f'radius of gyration is {radius:.3g} m: is one of its "x", "y", "z" a digit too long, or in another unit?'
+            )

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import scipy
 
+from wirerope_mj.engine.statics.lost_mount import lost_mounts
 from wirerope_mj.engine.statics.payloads import Payload, payloads_of
 from wirerope_mj.engine.system import Mount, System
 from wirerope_mj.foundation.arrays import Array
@@ -19,6 +20,7 @@ _LEVEL, _UPRIGHT = 0.1, 0.7  # rise of a mount's axis up to which it is horizont
 _OUTSIDE = 0.05
 # of the largest mean square of distances that is possible, with all mass at both ends: a ring frame has 0.67, an empty box 0.56
 _AT_ENDS = 0.75
+_MAIN = 0.2  # of a payload's mass, from which a body is no point that stands for something small
 # kg/m^3: a third above osmium, the densest of all materials
 _DENSEST = 3e4
 _NEAR = 2e-3  # [m] from which a ray starts beyond the face that it is to meet
@@ -46,7 +48,11 @@ def misplaced_elements(system: System) -> list[str]:
         said += [text for mount in mounts for text in _at_an_end(system, data, mount, payload)]
         if free and not payload.joined and len(mounts) > 2:
             centre = payload.centre(data, model.body_subtreemass)
-            said += _turned(mounts, centre) or [*_outside_mounts(payload, mounts, centre), *_unlike_others(mounts)]
+            said += _turned(mounts, centre) or [
+                *_outside_mounts(payload, mounts, centre),
+                *lost_mounts(payload.name, mounts, centre),
+                *_unlike_others(mounts),
+            ]
         said += _masses(system, data, payload, mounts, free=bool(free))
     return said
 
@@ -221,6 +227,14 @@ def _masses(system: System, data: mujoco.MjData, payload: Payload, mounts: Seque
             yield (
                 f"body {name!r}: its moments of inertia are larger than those of any body between its geoms: they are about "
                 f"{about}, and must be about its centre of mass. Move them: subtract mass times distance squared."
+            )
+    for body in bodies if len(bodies) > 1 else ():
+        name, mass = model.body(body).name, float(model.body_mass[body])
+        radius = float(np.sqrt(0.5 * model.body_inertia[body].sum() / mass))
+        if mass > _MAIN * total and mass > _DENSEST * (12.0**0.5 * radius) ** 3:
+            yield (
+                f"body {name!r}: the moments of inertia of its <inertial> are those of {mass:.4g} kg within {1e3 * radius:.3g} "
+                "mm of its centre of mass, denser than any material: are they a placeholder, or in other units than kg m^2?"
             )
     radius = float(np.sqrt(0.5 * np.trace(inertia) / total)) if total else 0.0
     if free and total > _DENSEST * (12.0**0.5 * radius) ** 3:
